@@ -49,8 +49,8 @@ bool finite(const Vector& values) {
     });
 }
 
-// A mesh that breaks its contract would make a file that viewers refuse or crash on; the check is one pass
-// over its arrays.
+// Checks the mesh in one pass over its arrays: a mesh that breaks its contract would make a file that viewers
+// refuse or crash on.
 void check(const SurfaceMesh& mesh, const Image* texture) {
     const std::size_t vertices = mesh.positions.size();
     if (mesh.triangles.empty() || vertices == 0) {
@@ -65,8 +65,8 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
         throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
 }
 
-// Whether the format shows the mesh by light that falls on it: all do that have no material. A page counts as
-// the glTF file in it.
+// True if light falls on the mesh in this format. That is so in all formats without a material. A page counts
+// as the glTF file in it.
 bool is_lit(const Scene& scene, const ExportConfig& config, MeshFormat format) {
     const bool has_material = format == MeshFormat::glb || format == MeshFormat::gltf ||
                               format == MeshFormat::usdz || format == MeshFormat::html;

@@ -1,4 +1,4 @@
-// Writes a surface mesh; the file's extension chooses the format.
+// Writes a surface mesh in the format of the file's extension.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,20 @@
 
 namespace hexrelief {
 
-// Writes scene to path and returns all files written, path first (.gltf adds .bin and a texture, .obj adds
-// .mtl and a texture, named after path's stem; separate levels of detail follow, each with its own). Every
-// file is written beside its target under a temporary name and renamed when all are complete, so that a
-// failure leaves nothing behind. Throws Error(output) with path and the system's reason; the same scene and
-// config give the same bytes.
+// Writes the scene to `path` and returns all files written, `path` first (.gltf adds .bin and a texture, .obj
+// adds .mtl and a texture, named after the path's stem; separate levels of detail follow, each with its own).
+// Every file is written beside its target under a temporary name, and renamed when all are complete, so that
+// a failure leaves nothing behind. The same scene and config give the same bytes. Throws Error(output) with
+// the path and the system's reason.
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path);
 
-// As above, but the files are in place when `files` is committed.
+// As export_scene() above, but the files are in place only when `files` is committed.
 void export_scene(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                   FileTransaction& files);
 
-// The bytes of all files that export_scene() would write; nothing is left behind. Throws as that does.
+// Returns the number of bytes of all files that export_scene() would write; nothing is left behind.
+// Throws what export_scene() throws.
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);
 
 }  // namespace hexrelief

@@ -12,7 +12,7 @@
 namespace hexrelief {
 namespace {
 
-std::string nine_digits(float value) {  // from which the float is found again
+std::string nine_digits(float value) {  // enough to read the same float back
     char text[32];
     std::snprintf(text, sizeof text, "%.9g", value);
     return text;
@@ -22,7 +22,7 @@ float in_six_decimals(float value) {
     return std::strtof(std::to_string(value).c_str(), nullptr);
 }
 
-// What a decoder makes of the values that Draco is given.
+// The values that a decoder returns for a grid's values.
 template <int N>
 class Decoded {
   public:

@@ -1,4 +1,4 @@
-// The box in which Draco counts an attribute's cells, and what a decoder makes of it.
+// The box of a grid in Draco's own quantisation, and the values that a decoder returns for it.
 #pragma once
 
 #include <array>
@@ -12,27 +12,30 @@ class ExpertEncoder;
 
 namespace hexrelief {
 
-// A decoder gets origin + cell * range / (2^bits - 1), in floats.
+// A decoder returns origin + cell * range / (2^bits - 1), computed in floats.
 struct DracoBox {
     int bits = 0;
     std::array<float, 3> origin = {};
     float range = 0;
 };
 
-// As Draco keeps it by itself, which is with six decimals, or exactly.
+// Returns the grid's box, exactly or with origin and range rounded to six decimals, as Draco
+// writes them by itself.
 template <int N>
 DracoBox box_of(const Grid<N>& grid, bool exactly);
 
-// Makes Draco count the attribute's cells in the grid's box.
+// Makes Draco quantise the attribute on the grid.
 template <int N>
 void set_box(draco::ExpertEncoder& encoder, int attribute, const Grid<N>& grid, bool exactly);
 
-// The largest error in px of the positions that a decoder will find, as quantise_positions() counts it: seen
-// by the camera, in x, in y and in disparity. Infinite or not a number where the box is none.
+// Returns the largest error, in px, of the positions that a decoder will return; measured as by
+// quantise_positions(): as seen by the camera, in x, in y and in disparity. Infinite or NaN if
+// the box is invalid.
 double position_error_px(const SurfaceMesh& mesh, const Calibration& camera, const Grid<3>& grid,
                          const FileTransform& transform, bool exactly);
 
-// The same of texture coordinates, in px of a texture of that size.
+// Returns the largest error of texture coordinates, in px of a texture of that size. Infinite if
+// the box is invalid.
 double texcoord_error_px(const std::vector<Vec2f>& texcoords, int width, int height, const Grid<2>& grid,
                          bool exactly);
 

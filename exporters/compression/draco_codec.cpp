@@ -20,7 +20,7 @@ namespace {
 
 using draco::GeometryAttribute;
 
-// One value a vertex, point i = vertex i, still without any.
+// Adds an attribute with one value per vertex (point i = vertex i), not yet set.
 template <typename T>
 void add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector<T>& values) {
     if (values.empty()) return;
@@ -37,7 +37,7 @@ void set_values(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vect
     mesh.attribute(index)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
 }
 
-// The grid's values as floats, from which Draco finds the cells again.
+// Returns the grid's values as floats, from which Draco computes the same cells.
 template <typename T, int N>
 std::vector<T> values_of(const Grid<N>& grid) {
     std::vector<T> out(grid.cells.size());
@@ -75,7 +75,7 @@ int unique_id(const draco::PointCloud& cloud, GeometryAttribute::Type type) {
     return attribute ? static_cast<int>(attribute->unique_id()) : -1;
 }
 
-// False where there is no position.
+// Computes the bounds of the decoded positions. False if there are none.
 bool bounds(const draco::PointCloud& cloud, Vec3f& low, Vec3f& high) {
     const draco::PointAttribute* positions = cloud.GetNamedAttribute(GeometryAttribute::POSITION);
     if (!positions || positions->num_components() != 3 || cloud.num_points() == 0) return false;
@@ -162,7 +162,7 @@ int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double
     for (std::size_t i = 0; i < normals.size() && bits < kMostBits;) {
         if (serves(box, normals[i])) {
             ++i;
-        } else {  // more bits may make an earlier normal a little worse, so all are measured again
+        } else {  // more bits may make an earlier normal a little worse, so all are checked again
             box.SetQuantizationBits(++bits);
             i = 0;
         }

@@ -1,4 +1,4 @@
-// Draco compression, shared by .drc and glTF's KHR_draco_mesh_compression.
+// Draco compression, shared by .drc files and glTF's KHR_draco_mesh_compression.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,13 @@
 
 namespace hexrelief {
 
-// How finely attributes are kept. A grid, where there is one, replaces the mesh's values; it must have one
-// step for all axes. Bits divide the widest side of the attribute's bounding box.
+// The precision of a mesh's attributes. If a grid is given, it replaces the mesh's values; its step must be
+// the same on all axes. Otherwise the bits divide the widest side of the attribute's bounding box.
 struct DracoQuantisation {
     std::optional<Grid<3>> positions;
     std::optional<Grid<2>> texcoords;
-    // Draco keeps a grid's origin and range with six decimals, which small scenes need exactly.
+    // If false, a grid's origin and range are rounded to six decimals, as Draco does by default; small
+    // scenes need exact values.
     bool exact_boxes = false;
     int position_bits = 14;
     int normal_bits = 8;
@@ -25,46 +26,48 @@ struct DracoQuantisation {
     int level = 10;  // 0 (fast) .. 10 (small)
 };
 
-// A compressed mesh and what a decoder makes of it. The counts are the decoder's: it may split a vertex where
-// the surface touches itself, and drops triangles that use a vertex twice.
+// A compressed mesh, described as a decoder will return it: it may split a vertex where the surface touches
+// itself, and drops triangles that use a vertex twice.
 struct DracoMesh {
     std::vector<std::uint8_t> bytes;
     long long vertices = 0;
     long long triangles = 0;
-    Vec3f min, max;        // of the decoded positions, exactly
-    int position_id = -1;  // the attributes' unique ids; -1 = not there
+    Vec3f min, max;        // exact bounds of the decoded positions
+    int position_id = -1;  // the attributes' unique ids; -1 = attribute is missing
     int normal_id = -1;
     int texcoord_id = -1;
 };
 
-// Normals and texture coordinates that the mesh does not have are left out; those keep their origin at the
-// top left. The bytes are the same for any number of threads. Throws Error(output) where libdraco refuses the
-// mesh.
+// Compresses a mesh. Normals and texture coordinates that the mesh does not have are left out; texture
+// coordinates keep their origin at the top left. The bytes are the same for any number of threads. Throws
+// Error(output) if libdraco refuses the mesh.
 DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads = 1);
 
-// The values of a mesh whose triangles and attributes are known.
+// The attribute values of a mesh and their quantisation.
 struct DracoValues {
     const SurfaceMesh* mesh;
     const DracoQuantisation* quantisation;
 };
 
-// The same where the values are still to be found, which goes on beside the encoding of the triangles. `mesh`
-// has the triangles and the attributes, each with any values; level as that of the quantisation.
+// As encode_draco() above, for values that are not known yet: find() is called while the triangles are being
+// encoded. `mesh` has the triangles and the attributes, with arbitrary values; `level` must be the level of
+// the quantisation that find() returns.
 DracoMesh encode_draco(const SurfaceMesh& mesh, int level, const std::function<DracoValues()>& find,
                        int threads);
 
-// The fewest bits with which Draco turns none of these unit vectors by more than tolerance_deg; at most 16.
-// scale: of the axes in the file, by which normals have been multiplied before they were made unit vectors
-// again.
+// Returns the fewest bits with which Draco turns none of these unit vectors by more than tolerance_deg;
+// at most 16. `scale` holds the scale of the file's axes, by which the normals were multiplied before
+// they were normalised again.
 int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale,
                       double tolerance_deg);
 
-// What a Draco bitstream holds, for describe_mesh(). Throws Error(input) naming `name` where it is malformed.
+// The contents of a Draco bitstream, for describe_mesh().
 struct DracoSummary {
     long long vertices = 0, triangles = 0;
     bool normals = false, texcoords = false, colors = false, has_bounds = false;
     Vec3f min, max;
 };
+// Summarises a bitstream. Throws Error(input) naming `name` if it is malformed.
 DracoSummary summarise_draco(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
 }  // namespace hexrelief

@@ -9,7 +9,7 @@
 namespace hexrelief {
 namespace {
 
-// Whether what a decoder will find keeps the tolerance.
+// True if the values that a decoder will return keep the tolerance.
 bool keeps_tolerance(const DracoPlan& plan, const TexturedMesh& textured, const Calibration* camera,
                      double tolerance_px) {
     const DracoQuantisation& q = plan.quantisation;
@@ -47,8 +47,8 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
         Grid<3> grid = is_on_grid ? exact_grid(mesh.positions, textured.grid_step_m)
                                   : quantise_positions(mesh, *camera, config.tolerance_px, shape, threads);
         if (shape == GridShape::per_axis) {
-            // Cells are counted from the camera: a translation would cost near vertices their floats' last
-            // places.
+            // Cells are counted from the camera: a translation would cost near vertices the last
+            // bits of their floats.
             plan.transform.scale = grid.step;
             for (int axis = 0; axis < 3; ++axis) {
                 grid.origin[axis] = std::round(grid.origin[axis] / grid.step[axis]);
@@ -70,7 +70,7 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
         quantisation.texcoords = quantise_texcoords(mesh.texcoords, textured.width_px, textured.height_px,
                                                     config.tolerance_px, GridShape::cubic);
     }
-    // Six decimals hold whole cell numbers, but no small steps.
+    // Six decimals hold integer cell numbers, but not small steps.
     quantisation.exact_boxes = (is_on_grid && shape == GridShape::cubic) ||
                                !keeps_tolerance(plan, textured, camera, config.tolerance_px);
     if (quantisation.exact_boxes && !keeps_tolerance(plan, textured, camera, config.tolerance_px))

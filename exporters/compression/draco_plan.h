@@ -1,4 +1,4 @@
-// What tolerances and bits mean for a mesh that Draco is to compress.
+// Translates tolerances and bits into Draco's quantisation of a mesh.
 #pragma once
 
 #include <array>
@@ -8,20 +8,21 @@
 
 namespace hexrelief {
 
-// The positions in space are translation + scale * the positions in the file, axis by axis.
+// The transform from the file to space, axis by axis: position in space = translation + scale *
+// position in the file.
 struct FileTransform {
     std::array<double, 3> translation = {0, 0, 0}, scale = {1, 1, 1};
 };
 
 struct DracoPlan {
-    SurfaceMesh mesh;  // as it goes into the file: its normals are those of the transformed positions
+    SurfaceMesh mesh;  // as it goes into the file: normals are those of the transformed positions
     DracoQuantisation quantisation;
     FileTransform transform;
 };
 
-// per_axis: positions in the file are cell numbers, counted from the camera, and need the transform. cubic:
-// they are positions in space and need none. Bits that the configuration gives take precedence over
-// tolerances, and then nothing is transformed.
+// Plans the compression of a mesh. per_axis: positions in the file are cell numbers, counted from the camera,
+// and need the transform. cubic: positions in the file are positions in space. If the configuration gives
+// bits, these take precedence over tolerances, and nothing is transformed.
 DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
                      GridShape shape, int threads = 1);
 
@@ -30,11 +31,11 @@ struct CompressedMesh {
     FileTransform transform;
 };
 
-// Plans and encodes.
+// Plans and encodes a mesh.
 CompressedMesh compress_draco(const TexturedMesh& textured, const Calibration* camera,
                               const ExportConfig& config, GridShape shape, int threads);
 
-// Normals of a surface whose positions have been divided by scale.
+// Returns the normals of a surface whose positions have been divided by `scale`.
 std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale);
 
 }  // namespace hexrelief

@@ -30,12 +30,11 @@ using Bytes = std::vector<std::uint8_t>;
     throw Error(ErrorKind::output, "cannot compress the mesh with Draco: " + reason);
 }
 
-// Draco's Edgebreaker, which notes where the bytes of each attribute lie. They say nothing about the other
-// attributes' bytes, so that those of one can be exchanged for others that decode to the same values.
+// Draco's Edgebreaker encoder, which also records where the bytes of each attribute lie. An attribute's bytes
+// do not depend on those of the others, so they can be replaced by others that decode to the same values.
 class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
   public:
-    // prepare: gives the mesh's attributes their values and sets their options, when its triangles are
-    // encoded.
+    // `prepare` is called when the triangles have been encoded; it sets the attributes' values and options.
     SplittingEncoder(const draco::Mesh& mesh, const draco::EncoderOptions& options,
                      std::function<void()> prepare)
         : prepare_(std::move(prepare)) {
@@ -44,9 +43,10 @@ class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
         if (!status.ok()) refuse(status.error_msg_string());
     }
     Bytes bytes() const { return {stream_.data(), stream_.data() + stream_.size()}; }
-    // What stands before all attributes.
+    // Returns the bytes before all attributes.
     Bytes head() const { return {stream_.data(), stream_.data() + ends_.front()}; }
-    // Of attribute i. Precondition: a speed below 6, at which each attribute has an encoder of its own.
+    // Returns the bytes of attribute i. Precondition: a speed below 6, at which each attribute
+    // has its own encoder.
     Bytes attribute(std::size_t i) const {
         return {stream_.data() + ends_[i], stream_.data() + ends_[i + 1]};
     }
@@ -56,7 +56,7 @@ class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
         prepare_();
         return MeshEdgebreakerEncoder::EncodePointAttributes();
     }
-    // As the base does it for attributes that depend on none that stands behind them.
+    // As in the base class, for attributes that do not depend on later ones.
     bool EncodeAllAttributes() override {
         ends_ = {buffer()->size()};
         for (int i = 0; i < num_attributes_encoders(); ++i) {
@@ -93,8 +93,8 @@ struct Trial {
     int prediction;
 };
 
-// The predictions that Draco would not choose: they save up to 13 % where surfaces are planes (venus),
-// nothing on others.
+// Predictions that Draco would not choose by itself. They save up to 13 % if surfaces are
+// planes (venus), nothing otherwise.
 constexpr Trial kTrials[] = {
     {GeometryAttribute::NORMAL, draco::PREDICTION_DIFFERENCE},
     {GeometryAttribute::TEX_COORD, draco::MESH_PREDICTION_PARALLELOGRAM},
@@ -113,7 +113,7 @@ void copy_triangles(const draco::Mesh& from, draco::Mesh& to) {
     for (draco::FaceIndex face(0); face < from.num_faces(); ++face) to.SetFace(face, from.face(face));
 }
 
-// An attribute like `from`, but for its values.
+// Adds an attribute like `from`, without its values.
 int add_like(const draco::PointAttribute& from, draco::Mesh& to) {
     GeometryAttribute like;
     like.Init(from.attribute_type(), nullptr, from.num_components(), from.data_type(), from.normalized(),
@@ -125,8 +125,8 @@ void copy_values(const draco::PointAttribute& from, draco::PointAttribute& to) {
     to.buffer()->Write(0, from.buffer()->data(), from.buffer()->data_size());
 }
 
-// All these trials in one stream: a mesh with the same triangles, positions that cost next to nothing,
-// because no trial predicts by them, and for each trial a copy of its attribute.
+// Encodes all trials in one stream: a mesh with the same triangles, positions that cost next to nothing,
+// because no trial predicts from them, and for each trial a copy of its attribute.
 Tried try_predictions(const draco::Mesh& input, const DracoValuesReady& ready,
                       std::span<const Trial> trials) {
     draco::Mesh mesh;
@@ -162,8 +162,9 @@ Tried try_predictions(const draco::Mesh& input, const DracoValuesReady& ready,
 
 constexpr int kAll = -1;
 
-// As Draco would do it, but where `own` is one attribute, all others take less time and more bytes. prepare:
-// what is to be done when the triangles are encoded; gives the quantisation.
+// Encodes the mesh. If `own` is one attribute, only that one gets Draco's usual prediction; all
+// others take less time and more bytes. `prepare` is called when the triangles have been encoded
+// and returns the quantisation.
 std::unique_ptr<SplittingEncoder> encode(const draco::Mesh& mesh, int level, const DracoValuesReady& prepare,
                                          int own) {
     draco::ExpertEncoder options(mesh);
@@ -179,7 +180,8 @@ std::unique_ptr<SplittingEncoder> encode(const draco::Mesh& mesh, int level, con
     });
 }
 
-// The bytes of one attribute. None is predicted by one that stands behind it.
+// Returns the bytes of one attribute. Attributes after it are left out, since none is predicted
+// from a later one.
 Bytes encode_attribute(const draco::Mesh& input, int level, const DracoValuesReady& ready, int own) {
     draco::Mesh mesh;
     copy_triangles(input, mesh);
@@ -197,8 +199,8 @@ void take_shortest(Bytes& bytes, GeometryAttribute::Type type, const Tried& trie
         if (other.type == type && other.bytes.size() < bytes.size()) bytes = other.bytes;
 }
 
-// Bounds of the positions that a decoder gets. They can lie a little outside of the box of the given ones,
-// and glTF's accessors must bound what a viewer sees.
+// Sets the bounds of the decoded positions. They may lie a little outside the box of the given positions, and
+// glTF's accessors must bound what a viewer sees.
 void set_decoded_bounds(const draco::Mesh& mesh, const DracoQuantisation& quantisation,
                         SplittingEncoder& encoder, DracoMesh& out) {
     constexpr int kPositions = 0;
@@ -237,8 +239,8 @@ void set_decoded_bounds(const draco::Mesh& mesh, const DracoQuantisation& quanti
 DracoMesh write_draco_stream(const draco::Mesh& mesh, int level, const DracoValuesReady& ready, int threads) {
     const int last = mesh.num_attributes() - 1;
     const bool tries = level == 10 && last > 0;
-    // Two encodings, or where each has a thread one an attribute and two of trials, of which the last takes
-    // as long as all others.
+    // Two encodings: the mesh and the trials. With enough threads, one encoding per attribute and two for the
+    // trials, of which the last takes as long as all others.
     const bool splits = tries && threads >= last + 3;
     const std::span<const Trial> trials(kTrials);
     std::vector<std::future<Tried>> tried;

@@ -1,4 +1,4 @@
-// The smallest Draco bitstream of a mesh.
+// Writes the smallest Draco bitstream of a mesh.
 #pragma once
 
 #include <functional>
@@ -11,15 +11,15 @@ class Mesh;
 
 namespace hexrelief {
 
-// Waits until the mesh's attributes hold their values, and says how finely these are kept: on the grids that
-// they lie on. Any thread may call it, as often as it likes.
+// Waits until the mesh's attributes hold their values, and returns the quantisation on whose grids they lie.
+// May be called from any thread, any number of times.
 using DracoValuesReady = std::function<const DracoQuantisation&()>;
 
 // Encodes by Edgebreaker, positions first. The triangles, half of the work, are encoded before `ready` is
-// asked for the values. At level 10 normals and texture coordinates each get the prediction, of all that
-// Draco knows for them, that takes the fewest bytes. Everything in the result is what a decoder will find.
-// The bytes are the same for any number of threads; a second one halves the time, five take two thirds of
-// that. Throws Error(output) where libdraco refuses the mesh.
+// called for the values. At level 10 normals and texture coordinates each get the prediction, among those
+// that Draco has for them, that takes the fewest bytes. All fields of the result describe the decoded mesh.
+// The bytes are the same for any number of threads; two threads halve the time, five reduce it to a third.
+// Throws Error(output) if libdraco refuses the mesh.
 DracoMesh write_draco_stream(const draco::Mesh& mesh, int level, const DracoValuesReady& ready, int threads);
 
 }  // namespace hexrelief

@@ -44,9 +44,9 @@ std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles, std::
     return edges;
 }
 
-// Of the cells in the range the one from which the sum of distances to `wanted` is least, which it is
-// anywhere between their two middle values: the one nearest to `own`. Most often that is `own` or an end of
-// the range, for which counting will do.
+// Returns the cell in the range that minimises the sum of distances to `wanted`, and is nearest to `own` if
+// there are several: the sum is constant between the two middle values. Mostly this is `own` or an end of the
+// range, which counting detects.
 std::int32_t best_cell(std::int32_t own, const CellRange& range, std::span<std::int32_t> wanted) {
     std::size_t below = 0, above = 0, up_to_low = 0, from_high = 0;
     for (const std::int32_t cell : wanted) {

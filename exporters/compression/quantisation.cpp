@@ -15,7 +15,7 @@ namespace {
 constexpr double kSafety = 0.995;
 constexpr double kFloatRounding = 1.0 / (1 << 23);  // two roundings of half a unit in the last place
 constexpr double kMostCells = (1 << 24) - 1;
-// The third sweep still gains 0.1 % of the bytes, the fourth nothing.
+// A third sweep still saves 0.1 % of the bytes, a fourth nothing.
 constexpr int kSweeps = 3;
 
 [[noreturn]] void refuse() {
@@ -28,8 +28,8 @@ void check_cells(double low, double high, double step) {
     if (!((high - low) / step + 1 <= kMostCells)) refuse();
 }
 
-// The cells of an interval. Where rounding leaves it narrower than a step and without a cell: the one nearest
-// to its middle.
+// Returns the cells within an interval. If rounding leaves it without a cell, returns the cell
+// nearest to its middle.
 CellRange cells_in(double low, double high, double step) {
     CellRange out{static_cast<std::int32_t>(std::ceil(low / step)),
                   static_cast<std::int32_t>(std::floor(high / step))};
@@ -38,20 +38,20 @@ CellRange cells_in(double low, double high, double step) {
     return out;
 }
 
-// Where the vertices lie, in metres from the camera.
+// The extent of the vertices, in metres from the camera.
 struct Extent {
-    double near = INFINITY;    // the least depth
-    double far = 0, wide = 0;  // the depth, and the x or y, that the grid has to reach
+    double near = INFINITY;    // least depth
+    double far = 0, wide = 0;  // largest depth, and largest |x| or |y|, that the grid has to reach
 };
 
-// tolerance: px of disparity.
+// Measures the extent; `tolerance` is in px of disparity.
 Extent extent_of(const SurfaceMesh& mesh, double focal_baseline, double tolerance) {
     Extent extent;
     for (const Vec3f& p : mesh.positions) {
         const double depth = -static_cast<double>(p.z);
         extent.near = std::min(extent.near, depth);
-        // It need not reach the vertex's own depth, but one that changes its disparity by half the tolerance:
-        // much nearer, where the disparity is next to 0.
+        // The grid need not reach the vertex's own depth: a depth that changes its disparity by half the
+        // tolerance is enough, which is much nearer if the disparity is next to 0.
         const double enough = focal_baseline / (focal_baseline / depth + tolerance / 2);
         extent.far = std::max(extent.far, enough);
         extent.wide = std::max(
@@ -76,15 +76,15 @@ Camera camera_of(const Calibration& calibration, const Extent& extent, double to
     return {focal, focal * calibration.baseline_m, tolerance};
 }
 
-// Metres between two cells of x or y, and of depth.
+// The steps in metres between two cells of x or y, and of depth.
 struct Steps {
     double lateral, depth;
     std::int32_t stride = 1;  // cells of the grid between two depths
 };
 
 Steps steps_of(const Extent& extent, const Camera& camera, GridShape shape) {
-    // A step of depth changes the nearest vertex's disparity most: fB / (near - h) - fB / near is the
-    // tolerance.
+    // A step of depth changes the nearest vertex's disparity most, so its step h is such that fB / (near - h)
+    // - fB / near is the tolerance.
     const double near = extent.near;
     const double h = camera.tolerance * near * near / (camera.focal_baseline + camera.tolerance * near);
     Steps steps{2 * camera.tolerance * (near - h) / camera.focal, 2 * h};
@@ -99,7 +99,8 @@ Steps steps_of(const Extent& extent, const Camera& camera, GridShape shape) {
     return steps;
 }
 
-// Cells of depths, counted from the camera, between the nearest and the farthest vertex.
+// Returns the cells that each vertex's depth may have, counted from the camera and limited to `all`, the
+// cells between the nearest and the farthest vertex.
 std::vector<CellRange> depth_ranges(const SurfaceMesh& mesh, const Camera& camera, double step,
                                     const CellRange& all) {
     std::vector<CellRange> ranges;
@@ -118,7 +119,7 @@ std::vector<CellRange> depth_ranges(const SurfaceMesh& mesh, const Camera& camer
     return ranges;
 }
 
-// Writes the cells to an axis of the grid, counted from the smallest.
+// Stores the cells of one axis in the grid, counted from the smallest.
 void set_axis(Grid<3>& grid, int axis, const std::vector<std::int32_t>& cells, std::int32_t stride) {
     const auto [least, most] = std::minmax_element(cells.begin(), cells.end());
     grid.origin[axis] = grid.step[axis] * stride * *least;
@@ -136,9 +137,9 @@ int Grid<N>::bits() const {
 template int Grid<2>::bits() const;
 template int Grid<3>::bits() const;
 
-// Depths come first. x and y are then those at which the vertex's own ray meets the chosen depth, so that an
-// error in depth does not shift it in the image; rounding each coordinate alone costs a finer grid for the
-// same error.
+// Depths are chosen first. x and y are then those at which the vertex's own ray meets the chosen depth, so
+// that an error in depth does not shift the vertex in the image; rounding each coordinate by itself needs a
+// finer grid for the same error.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibration, double tolerance_px,
                            GridShape shape, int threads) {
     const Extent extent =
@@ -157,7 +158,7 @@ Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibrati
     std::vector<double> chosen(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
         chosen[i] = cells[i] * steps.depth;
-        cells[i] = -cells[i];  // glTF looks along -Z
+        cells[i] = -cells[i];  // glTF's camera looks along -Z
     }
     set_axis(grid, 2, cells, steps.stride);
     const auto lateral_cells = [&](int axis) {

@@ -27,7 +27,7 @@ constexpr ComponentType component_type() {
     return ComponentType::float32;
 }
 
-// value(vertex, component) for every component.
+// Builds a stream; value(vertex, component) gives every component.
 template <typename T, typename Value>
 VertexStream make_stream(std::size_t count, int components, const Value& value) {
     VertexStream out;
@@ -53,7 +53,7 @@ VertexStream grid_stream(const Grid<N>& grid) {
                      : make_stream<std::uint16_t>(grid.cells.size(), N, cell);
 }
 
-// A grid of `bits` bits along the widest side of the positions' box.
+// Returns a grid of `bits` bits along the widest side of the positions' bounding box.
 Grid<3> box_grid(const std::vector<Vec3f>& positions, int bits) {
     const Bounds bounds = bounds_of(positions);
     const Vec3f& low = bounds.low;
@@ -70,7 +70,8 @@ Grid<3> box_grid(const std::vector<Vec3f>& positions, int bits) {
     return grid;
 }
 
-// Where no grid can be made, one of more bits than 16-bit integers have stands for it.
+// Returns the grid that keeps the tolerance; if there is none, a grid that needs more bits
+// than 16-bit integers have.
 Grid<3> fitting_grid(const SurfaceMesh& mesh, const Calibration& camera, double tolerance_px,
                      GridShape shape) {
     try {
@@ -89,8 +90,8 @@ Grid<3> position_grid(const TexturedMesh& textured, const Calibration* camera, c
     const SurfaceMesh& mesh = textured.mesh;
     if (textured.grid_step_m > 0) return exact_grid(mesh.positions, textured.grid_step_m);
     if (!camera) return box_grid(mesh.positions, kBitsWithoutCamera);
-    // Equal steps leave normals as they are. Meshopt's coder needs fewer bytes where depths have a step of
-    // their own.
+    // Equal steps leave normals unchanged. Meshopt's coder needs fewer bytes if depths have a
+    // step of their own.
     if (!meshopt) {
         Grid<3> grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::cubic);
         if (grid.bits() <= kMostBits) return grid;
@@ -126,7 +127,8 @@ void add_positions(QuantizedMesh& out, const TexturedMesh& textured, const Calib
     }
 }
 
-// Whether normals read back from the file, its scale undone, are within the tolerance of those given.
+// Checks that normals read back from the file, with its scale undone, are within the tolerance
+// of the given ones.
 class NormalCheck {
   public:
     NormalCheck(const std::vector<Vec3f>& wanted, const std::array<double, 3>& scale, double tolerance_deg)
@@ -155,7 +157,7 @@ float component(const Vec3f& v, int k) {
     return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-// Normalised integers.
+// Returns normals as normalised integers.
 template <typename T>
 VertexStream rounded_normals(const std::vector<Vec3f>& normals) {
     VertexStream out = make_stream<T>(normals.size(), 3, [&](std::size_t i, int k) {

@@ -12,27 +12,27 @@ namespace hexrelief {
 
 enum class ComponentType { int8, uint8, int16, uint16, float32 };
 
-// One attribute of all vertices, as it lies in a buffer. Bytes between the components and the stride are 0.
+// One attribute of all vertices, as it lies in a buffer. Padding bytes up to the stride are 0.
 struct VertexStream {
     std::vector<std::uint8_t> bytes;
-    std::size_t count = 0, stride = 0;  // a multiple of 4
+    std::size_t count = 0, stride = 0;  // stride in bytes, a multiple of 4
     int components = 3;
     ComponentType type = ComponentType::float32;
     bool normalized = false;
-    bool octahedral = false;        // bytes are still to pass meshoptimizer's octahedral filter
-    std::vector<double> low, high;  // of positions: of the components as stored
+    bool octahedral = false;        // bytes have yet to pass meshoptimizer's octahedral filter
+    std::vector<double> low, high;  // of positions: bounds of the components as stored
 };
 
 struct QuantizedMesh {
-    VertexStream positions, normals, texcoords;  // count 0 = not there
+    VertexStream positions, normals, texcoords;  // count 0 = attribute is missing
     std::vector<std::uint32_t> indices;
     FileTransform transform;
     std::array<double, 2> texcoord_scale = {1, 1};
 };
 
-// The smallest types that keep the tolerances, 32-bit floats where 16 bits are too few. For meshopt, normals
-// are octahedral, vertices are in the order of their first use, and triangles in the order that its index
-// coder compresses best.
+// Chooses the smallest types that keep the tolerances; 32-bit floats if 16 bits are too few. With meshopt,
+// normals are octahedral, vertices are in the order of their first use, and triangles are in the order that
+// meshoptimizer's index coder compresses best.
 QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* camera,
                             const ExportConfig& config, bool meshopt);
 

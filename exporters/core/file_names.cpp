@@ -44,7 +44,7 @@ MeshFormat export_format(const std::filesystem::path& path) {
 
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
     const MeshFormat format = export_format(path);
-    if (format == MeshFormat::html) return false;  // the page changes between them
+    if (format == MeshFormat::html) return false;  // the page switches between levels
     return config.lod_storage == LevelStorage::files ||
            (format != MeshFormat::glb && format != MeshFormat::gltf);
 }

@@ -27,17 +27,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The registry is an array of atomic pointers and not a locked container, because a signal handler reads it.
-// A path belongs to whoever takes it out of its slot by an exchange; the handler never frees it (free() is
-// not async-signal-safe).
+// The paths of all live temporary files. The registry is an array of atomic pointers and not a locked
+// container, because a signal handler reads it. A path belongs to whoever takes it out of its slot by an
+// exchange; the handler never frees it (free() is not async-signal-safe).
 constexpr int kSlots = 1024;
 std::array<std::atomic<char*>, kSlots> registry;
 std::atomic<bool> stopping{false};
 std::atomic<int> commits_running{0};
 std::atomic<unsigned> temporaries_made{0};
 
-constexpr int kNoSlot =
-    -1;  // more than kSlots temporaries at once: then only the destructor removes the rest
+// The slot of temporary files beyond kSlots at once: only the destructor removes these.
+constexpr int kNoSlot = -1;
 
 int register_temporary(const fs::path& path) {
     char* copy = ::strdup(path.c_str());
@@ -62,7 +62,7 @@ void unregister_temporary(int slot) noexcept {
     throw Error(ErrorKind::output, "cannot write '" + path.string() + "': interrupted");
 }
 
-// Returns 0 or errno.
+// Writes all bytes. Returns 0 or errno.
 int write_to(int descriptor, const void* data, std::size_t bytes) {
     const char* next = static_cast<const char*>(data);
     while (bytes > 0) {
@@ -81,8 +81,8 @@ fs::path folder_of(const fs::path& path) {
     return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-// In one order for all processes, and each once whatever its names, lest two wait for each other or one for
-// itself.
+// Returns the folders in an order that is the same for all processes, each once whatever its names, so that
+// no two processes wait for each other, nor one for itself.
 std::vector<fs::path> in_locking_order(const std::vector<fs::path>& folders) {
     std::map<std::pair<dev_t, ino_t>, fs::path> ordered;
     for (const fs::path& folder : folders) {
@@ -94,8 +94,8 @@ std::vector<fs::path> in_locking_order(const std::vector<fs::path>& folders) {
     return result;
 }
 
-// The file that a write to path would end in: links followed, so that a rename replaces the file and not the
-// link.
+// Returns the file that a write to `path` would reach: links are followed, so that a rename replaces the file
+// and not the link.
 fs::path resolve(const fs::path& path) {
     std::error_code code;
     if (!fs::is_symlink(path, code)) return path;
@@ -103,8 +103,8 @@ fs::path resolve(const fs::path& path) {
     return code ? path : target;
 }
 
-// Signals held off in this thread, so that a handler never runs in the middle of this thread's renames and
-// waits for them.
+// Blocks signals in this thread, so that a handler never interrupts this thread's renames and
+// then waits for them.
 class SignalsHeld {
   public:
     SignalsHeld() noexcept {
@@ -124,7 +124,8 @@ class SignalsHeld {
     sigset_t before_;
 };
 
-// A folder of ten thousand files is not searched again for each of a batch's sets.
+// Removes leftovers once per folder and process: a folder of ten thousand files is not searched again for
+// each set of a batch.
 void sweep_once(const fs::path& folder) {
     static std::mutex mutex;
     static std::set<fs::path> swept;
@@ -150,7 +151,7 @@ void FileTransaction::discard() noexcept {
     direct_.clear();
 }
 
-// Returns whether the file is none that a rename could put there.
+// Returns true if the target is not a file that a rename could replace; its bytes are then kept for commit().
 bool FileTransaction::take_direct(const fs::path& path, const fs::path& target, const void* data,
                                   std::size_t bytes) {
     struct stat status = {};
@@ -163,15 +164,16 @@ bool FileTransaction::take_direct(const fs::path& path, const fs::path& target, 
     return true;
 }
 
-// Not named after the target, whose name may already be as long as the file system allows.
+// Opens a temporary file. It is not named after the target, whose name may already be as long as
+// the file system allows.
 void FileTransaction::open_temporary(const fs::path& path, const fs::path& target) {
     pending_.reserve(pending_.size() + 1);
     for (;;) {
         const fs::path temporary =
             folder_of(target) /
             temporary_name(std::to_string(::getpid()) + "-" + std::to_string(temporaries_made.fetch_add(1)));
-        const int slot =
-            register_temporary(temporary);  // before it exists, lest an interrupt come in between
+        // Registered before the file exists, in case of an interrupt in between.
+        const int slot = register_temporary(temporary);
         if (stopping.load()) {
             unregister_temporary(slot);
             fail_interrupted(path);
@@ -182,18 +184,18 @@ void FileTransaction::open_temporary(const fs::path& path, const fs::path& targe
             pending_.push_back({temporary, target, slot, descriptor});
             return;
         }
-        // Else it was taken for a leftover before it was claimed.
+        // Else another process removed it as a leftover before it was claimed.
         if (descriptor >= 0) ::close(descriptor);
         unregister_temporary(slot);
         if (descriptor < 0 && code != EEXIST) fail(path, code);
     }
 }
 
-// Returns the descriptor of the new temporary.
+// Opens the temporary file of a target and returns its descriptor.
 int FileTransaction::prepare(const fs::path& path, const fs::path& target) {
     struct stat status = {};
     const bool exists = ::stat(target.c_str(), &status) == 0;
-    // A rename would replace a write-protected file without a word.
+    // A rename would silently replace a write-protected file.
     if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
     sweep_once(folder_of(target));
     open_temporary(path, target);
@@ -202,7 +204,8 @@ int FileTransaction::prepare(const fs::path& path, const fs::path& target) {
     return descriptor;
 }
 
-// The newest temporary may have been made after remove_pending_files() had gone through the registry.
+// Fails if the process is being stopped: the newest temporary file may have been made after
+// remove_pending_files() had gone through the registry.
 void FileTransaction::fail_if_stopping(const fs::path& path) const {
     if (!stopping.load()) return;
     ::unlink(pending_.back().temporary.c_str());
@@ -264,7 +267,7 @@ std::vector<std::pair<fs::path, fs::path>> FileTransaction::renames_in(const fs:
     return renames;
 }
 
-// Returns how many were renamed, with errno where these are not all.
+// Renames the files. Returns how many were renamed; errno is set if these are not all.
 std::size_t FileTransaction::rename_all() {
     for (std::size_t i = 0; i < pending_.size(); ++i) {
         Pending& pending = pending_[i];
@@ -295,7 +298,7 @@ void FileTransaction::commit() {
     for (const Pending& pending : pending_)
         if (::fsync(pending.descriptor) != 0 && errno != EINVAL && errno != EROFS)
             fail(pending.target, errno);
-    write_direct();  // may wait for a pipe's reader, and may fail: before anything is renamed
+    write_direct();  // before any rename, since it may wait for a pipe's reader, and may fail
     direct_.clear();
     std::vector<fs::path> folders;
     for (const Pending& pending : pending_) folders.push_back(folder_of(pending.target));

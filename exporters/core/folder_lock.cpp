@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 
 constexpr const char *kPrefix = ".hexrelief-", *kSuffix = ".tmp";
 
-// Where another user's file may not be written, reading it is enough to lock it. O_NONBLOCK: it may be a
-// pipe.
+// Opens a lock file. If another user's file may not be written, reading it is enough to lock it. O_NONBLOCK:
+// the file may be a pipe.
 int open_to_lock(const fs::path& path, int flags) {
     constexpr int kCommon = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
     const int descriptor = ::open(path.c_str(), O_RDWR | flags | kCommon, 0666);
@@ -82,7 +82,7 @@ FolderLock::FolderLock(const fs::path& folder, const std::atomic<bool>& stopping
         }
         ::close(descriptor);
         if (code != 0) return;
-        // Its last holder has removed it meanwhile: another process may hold the new one.
+        // Its last holder has removed the file meanwhile: another process may hold the new one.
     }
 }
 
@@ -92,9 +92,10 @@ FolderLock::~FolderLock() {
     ::close(descriptor_);
 }
 
-// Each name ends with a zero, and the list with an empty name: one that was not written whole is none.
+// Each name ends with a zero byte, and the list with an empty name: a list that was not
+// written completely is ignored.
 void FolderLock::announce(const Renames& renames) noexcept {
-    if (descriptor_ < 0 || renames.size() < 2) return;  // one rename is done or not
+    if (descriptor_ < 0 || renames.size() < 2) return;  // a single rename is either done or not
     std::string text;
     for (const auto& [from, to] : renames)
         (text += from.filename().string()).append(1, '\0').append(to.filename().string()).append(1, '\0');
@@ -108,7 +109,8 @@ void FolderLock::revoke() noexcept {
     if (descriptor_ >= 0) static_cast<void>(::ftruncate(descriptor_, 0) + ::fsync(descriptor_));
 }
 
-// Names that another user wrote could have this one replace any file of the folder.
+// Completes the renames that a killed owner announced. Only a file of this user is trusted: with names that
+// another user wrote, this process could be made to replace any file of the folder.
 void FolderLock::finish_announced() noexcept {
     constexpr off_t longest = 1 << 20;
     struct stat status = {};
@@ -125,7 +127,7 @@ void FolderLock::finish_announced() noexcept {
         const bool are_names =
             is_temporary(from) && !to.empty() && (from + to).find('/') == std::string::npos;
         const int file = are_names ? open_to_lock(folder / from, 0) : -1;
-        if (file < 0) continue;  // it has its name already
+        if (file < 0) continue;  // already renamed
         if (claim(file) && is_open_file(file, folder / from))
             ::rename((folder / from).c_str(), (folder / to).c_str());
         ::close(file);

@@ -1,4 +1,4 @@
-// Temporary files beside outputs: how they are named, who may take them away, and the lock of their folder.
+// Temporary files beside outputs: their names, their removal, and the lock of their folder.
 #pragma once
 
 #include <atomic>
@@ -9,33 +9,33 @@
 
 namespace hexrelief {
 
-// A file beside outputs that is neither named nor kept: ".hexrelief-WHAT.tmp".
+// Returns the name of a temporary file, ".hexrelief-WHAT.tmp".
 std::filesystem::path temporary_name(const std::string& what);
 
-// A folder's names last through a power cut.
+// Flushes the folder's entries to the disk, so that its files keep their names through a power cut.
 void sync_folder(const std::filesystem::path& folder) noexcept;
 
-// True where this process may lock the open file: another one does not hold it, and it still has a name.
-// Where the file system knows no locks, it has a name only.
+// Locks an open file for this process. True if no other process holds it and it still has a name; if the file
+// system has no locks, true if it still has a name.
 bool claim(int descriptor);
 
-// Among the processes that rename files in a folder at the same time all but one wait. The lock is a file in
-// the folder, which goes away with it. Where no such file can be made or locked there is no lock: the renames
-// themselves will say what is wrong with the folder.
+// The lock of a folder: among processes that rename files in a folder at the same time, all but one wait. The
+// lock is a file in the folder, which is removed with it. If no such file can be made or locked there is no
+// lock: the renames themselves will report what is wrong with the folder.
 class FolderLock {
   public:
-    // Waits for the others, but not once `stopping` is set.
+    // Waits for other processes, until `stopping` is set.
     FolderLock(const std::filesystem::path& folder, const std::atomic<bool>& stopping);
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;
     ~FolderLock();
 
-    // Names in the folder: of a temporary file that is whole, and what it is to be renamed to.
+    // Names in the folder: a complete temporary file, and its new name.
     using Renames = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
-    // Puts them on the disk before they are done. Where this process is killed before it gives the lock back,
-    // the next one of the same user that takes the lock does those that are left.
+    // Journals the renames on the disk before they are done. If this process dies while it holds the lock,
+    // the next owner of the same user completes them.
     void announce(const Renames& renames) noexcept;
-    // They are not to be done: announced ones are forgotten.
+    // Erases the journal of announced renames, which are not to be done.
     void revoke() noexcept;
 
   private:
@@ -44,8 +44,8 @@ class FolderLock {
     int descriptor_ = -1;
 };
 
-// Removes the temporary files in `folder` that a killed process has left there. A process that is alive holds
-// its own by claim(), on whatever machine it runs.
+// Removes the temporary files that killed processes have left in `folder`. The files of a live process, on
+// any machine, are protected by claim().
 void remove_leftovers(const std::filesystem::path& folder, const std::atomic<bool>& stopping);
 
 }  // namespace hexrelief

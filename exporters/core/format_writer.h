@@ -1,6 +1,6 @@
-// The formats behind export_scene(): one signature for all. Each puts its files into the transaction, path
-// itself first, and throws Error(output); the scene has been checked, and the
-// normals are always or never written (see exporter.cpp).
+// The common signature of the format writers behind export_scene(). A writer puts its files into the
+// transaction, `path` itself first, and throws Error(output). The scene has been checked, and config.normals
+// is never `automatic` (see exporter.cpp).
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// A bare Draco bitstream: positions, normals, texture coordinates.
+// Exports a bare Draco bitstream: positions, normals, texture coordinates.
 #pragma once
 
 #include "exporters/core/format_writer.h"

@@ -9,8 +9,8 @@
 namespace hexrelief {
 namespace {
 
-// Each number in the shortest text that reads back as the same float; std::ostream takes ten times as long
-// and loses bits.
+// Appends each number in the shortest text that reads back as the same float; std::ostream takes ten times as
+// long and loses bits.
 void append_line(std::string& text, const char* keyword, std::initializer_list<float> values) {
     text += keyword;
     for (const float value : values) {
@@ -28,7 +28,7 @@ void append(std::string& text, std::uint32_t value) {
 
 std::string material_text(const Scene& scene, const std::string& texture_name) {
     std::string text = "# " + scene.generator + "\nnewmtl relief\n";
-    // illum 0: the colour alone, no light, so that the mesh looks like the photograph.
+    // illum 0: colour only, no light, so that the mesh looks like the photograph.
     if (texture_name.empty()) return text + "Ka 0 0 0\nKd 0.7 0.7 0.7\nKs 0 0 0\nd 1\nillum 1\n";
     return text + "Ka 0 0 0\nKd 1 1 1\nKs 0 0 0\nd 1\nillum 0\nmap_Kd " + texture_name + "\n";
 }
@@ -41,7 +41,8 @@ std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
     text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
             ", +Y up, camera at the origin looking along -Z\nmtllib " + material_name + "\no relief\n";
     for (const Vec3f& p : mesh.positions) append_line(text, "v", {p.x, p.y, p.z});
-    for (const Vec2f& t : mesh.texcoords) append_line(text, "vt", {t.x, 1 - t.y});  // v = 0 at the bottom
+    // OBJ has v = 0 at the bottom.
+    for (const Vec2f& t : mesh.texcoords) append_line(text, "vt", {t.x, 1 - t.y});
     for (const Vec3f& n : mesh.normals) append_line(text, "vn", {n.x, n.y, n.z});
     text += "usemtl relief\n";
     for (const Triangle& triangle : mesh.triangles) {

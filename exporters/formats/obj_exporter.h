@@ -1,4 +1,4 @@
-// Wavefront OBJ with a material library and a texture file beside it.
+// Exports Wavefront OBJ with a material library and a texture file beside it.
 #pragma once
 
 #include "exporters/core/format_writer.h"

@@ -11,7 +11,7 @@ namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-// Bilinear; pixel centres are at +0.5, and the border's colour continues outside the image.
+// Samples bilinearly; pixel centres are at +0.5, and the border's colour continues outside the image.
 Colour sample(const Image& image, const Vec2f& texcoord) {
     const float x = std::clamp(texcoord.x * image.width - 0.5f, 0.f, image.width - 1.f);
     const float y = std::clamp(texcoord.y * image.height - 0.5f, 0.f, image.height - 1.f);

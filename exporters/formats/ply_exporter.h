@@ -1,4 +1,4 @@
-// PLY, binary little endian, with vertex colours taken from the texture.
+// Exports binary little-endian PLY, with vertex colours taken from the texture.
 #pragma once
 
 #include "exporters/core/format_writer.h"

@@ -16,7 +16,7 @@ Vec3f face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     const Vec3f u = {b.x - a.x, b.y - a.y, b.z - a.z}, v = {c.x - a.x, c.y - a.y, c.z - a.z};
     const Vec3f n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
     const float length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-    if (!(length > 0)) return {0, 0, 0};  // which readers take as "work it out"
+    if (!(length > 0)) return {0, 0, 0};  // which tells readers to compute it
     return {n.x / length, n.y / length, n.z / length};
 }
 
@@ -29,7 +29,7 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
         throw Error(ErrorKind::output, "cannot write '" + path.string() +
                                            "': an STL holds at most 4,294,967,295 triangles; write .ply");
     const float scale = config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
-    // The header must not begin with "solid", which would say that the file is a text.
+    // The header must not begin with "solid", which would mark the file as text.
     std::string bytes = "binary STL, " + scene.generator;
     bytes.resize(kStlHeader + 4 + kStlTriangle * mesh.triangles.size());
     const auto count = static_cast<std::uint32_t>(mesh.triangles.size());

@@ -1,4 +1,4 @@
-// Binary STL, for printing and CAD: triangles alone, in export.stl_unit.
+// Exports binary STL, for printing and CAD: only triangles, in the unit export.stl_unit.
 #pragma once
 
 #include "exporters/core/format_writer.h"

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kLocalHeader = 30, kExtraHeader = 4;
-constexpr std::uint16_t kPaddingId = 0x1986;  // of the extra field that USD's own tools pad with
+constexpr std::uint16_t kPaddingId = 0x1986;  // id of the extra field that USD's own tools pad with
 
 void put_u16(std::vector<std::uint8_t>& bytes, std::size_t value) {
     for (const int shift : {0, 8}) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
@@ -17,13 +17,13 @@ void put_u32(std::vector<std::uint8_t>& bytes, std::size_t value) {
     for (const int shift : {0, 8, 16, 24}) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-// What the header before a file and the archive's directory say alike.
+// Appends the fields that a file's local header and its directory entry have in common.
 void put_common(std::vector<std::uint8_t>& bytes, std::size_t checksum, std::size_t size,
                 const std::string& name, std::size_t extra) {
     constexpr std::uint16_t kVersion = 10, kFlags = 0, kStored = 0, kTime = 0, kDate = 0x21;
     for (const std::uint16_t value : {kVersion, kFlags, kStored, kTime, kDate}) put_u16(bytes, value);
     put_u32(bytes, checksum);
-    put_u32(bytes, size);  // compressed
+    put_u32(bytes, size);  // compressed size
     put_u32(bytes, size);
     put_u16(bytes, name.size());
     put_u16(bytes, extra);
@@ -50,7 +50,7 @@ void StoredZip::add(const std::string& name, const void* data, std::size_t size)
     bytes_.insert(bytes_.end(), begin, begin + size);
 
     put_text(directory_, "PK\x01\x02");
-    put_u16(directory_, 10);  // version that made it
+    put_u16(directory_, 10);  // version that made the entry
     put_common(directory_, checksum, size, name, 0);
     for (int i = 0; i < 3; ++i) put_u16(directory_, 0);  // comment, disk, kind
     put_u32(directory_, 0);                              // attributes

@@ -1,4 +1,4 @@
-// A zip archive of uncompressed files.
+// Builds a zip archive of uncompressed files.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace hexrelief {
 
-// The bytes of each file begin at a multiple of 64, as USDZ asks for, so that a reader can map them. Files
-// are dated 1980-01-01: the same files give the same bytes. The archive stays below 4 GiB; the caller checks
-// that.
+// An archive in memory. The bytes of each file begin at a multiple of 64, as USDZ requires, so that a reader
+// can map them. Files are dated 1980-01-01: the same files give the same bytes. The caller must keep the
+// archive below 4 GiB.
 class StoredZip {
   public:
-    // name: ASCII.
+    // Adds a file; `name` is ASCII.
     void add(const std::string& name, const void* data, std::size_t bytes);
-    // The whole archive, after the last add().
+    // Returns the whole archive, after the last add().
     std::vector<std::uint8_t> finish();
 
   private:

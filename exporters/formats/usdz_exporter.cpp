@@ -13,7 +13,7 @@
 namespace hexrelief {
 namespace {
 
-// In the shortest text that reads back as the same float.
+// Appends numbers in the shortest text that reads back as the same float.
 void append_tuple(std::string& text, std::initializer_list<float> values) {
     char separator = '(';
     for (const float value : values) {
@@ -55,7 +55,7 @@ void append_mesh(std::string& text, const SurfaceMesh& mesh) {
     });
     append_array(text, "point3f[] points", mesh.positions, "", vector);
     if (!mesh.normals.empty()) append_array(text, "normal3f[] normals", mesh.normals, kPerVertex, vector);
-    if (!mesh.texcoords.empty())  // whose second is 0 at the bottom
+    if (!mesh.texcoords.empty())  // USD has v = 0 at the bottom
         append_array(text, "texCoord2f[] primvars:st", mesh.texcoords, kPerVertex, [&](const Vec2f& t) {
             append_tuple(text, {t.x, 1 - t.y});
         });
@@ -65,7 +65,7 @@ void append_mesh(std::string& text, const SurfaceMesh& mesh) {
 )";
 }
 
-// texture_name: empty = none, then lit grey.
+// Appends the material; without a texture (empty texture_name) it is lit grey.
 void append_material(std::string& text, const std::string& texture_name, MaterialKind kind) {
     constexpr const char* kTexture = ".connect = </relief/material/texture.outputs:rgb>\n";
     const bool is_textured = !texture_name.empty(), is_lit = kind == MaterialKind::lit;
@@ -139,7 +139,7 @@ void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesy
         throw Error(ErrorKind::output,
                     "cannot write '" + path.string() + "': a USDZ ends at 4 GiB; write .glb or .ply");
     StoredZip zip;
-    zip.add("relief.usda", text.data(), text.size());  // the first file is what is shown
+    zip.add("relief.usda", text.data(), text.size());  // viewers show the first file
     if (!texture_name.empty()) zip.add(texture_name, texture.bytes.data(), texture.bytes.size());
     files.write(path, zip.finish());
 }

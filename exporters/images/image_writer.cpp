@@ -47,7 +47,7 @@ void png_failed(png_structp png, png_const_charp message) {
 
 void png_warned(png_structp, png_const_charp) {}
 
-// Apart from its caller, so that nothing with a destructor lives in the frame that longjmp returns to.
+// Separate from its caller, so that nothing with a destructor lives in the frame that longjmp returns to.
 bool run_png(png_structp png, png_infop info, const Image& image) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
@@ -60,7 +60,7 @@ bool run_png(png_structp png, png_infop info, const Image& image) {
 }
 
 struct JpegErrors {
-    jpeg_error_mgr manager;  // first, so that a pointer to it is a pointer to this
+    jpeg_error_mgr manager;  // first, so that a pointer to it is also a pointer to JpegErrors
     std::jmp_buf jump;
     char message[JMSG_LENGTH_MAX];
 };
@@ -73,7 +73,7 @@ struct JpegErrors {
 
 void jpeg_said(j_common_ptr) {}
 
-// As run_png. *buffer is malloc'ed by libjpeg.
+// Separate from its caller, as run_png(). *buffer is malloc'ed by libjpeg.
 bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, const Image& image, int quality,
               unsigned char** buffer, unsigned long* size) {
     if (setjmp(errors.jump)) return false;
@@ -85,8 +85,8 @@ bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, const Image& image
     jpeg.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
     jpeg_set_defaults(&jpeg);
     jpeg_set_quality(&jpeg, quality, TRUE);
-    jpeg.optimize_coding = TRUE;  // 5 percent smaller for a few milliseconds a megapixel, still baseline
-    for (int i = 0; i < jpeg.num_components; ++i) {  // 4:4:4
+    jpeg.optimize_coding = TRUE;  // 5 percent smaller for a few milliseconds per megapixel, still baseline
+    for (int i = 0; i < jpeg.num_components; ++i) {  // 4:4:4, no chroma subsampling
         jpeg.comp_info[i].h_samp_factor = 1;
         jpeg.comp_info[i].v_samp_factor = 1;
     }
@@ -111,7 +111,7 @@ std::vector<std::uint8_t> encode_png(const Image& image) {
     bool done = false;
     if (info) {
         png_set_write_fn(png, &sink, png_append, nullptr);
-        // libpng's own limit of a million px a side guards readers; a writer knows its image.
+        // libpng's own limit of a million px a side protects readers; a writer knows its image.
         png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
         done = run_png(png, info, image);
     }
@@ -167,7 +167,7 @@ std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<fl
     if (width < 1 || height < 1 || values.size() != row * height) {
         throw std::logic_error("float map to write is empty or inconsistent");
     }
-    // The sign of the last number says little endian; its size is 1 because values are true, not scaled.
+    // The negative sign means little endian; the magnitude is 1 because the values are not scaled.
     const std::string header = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
     std::vector<std::uint8_t> bytes(header.begin(), header.end());
     bytes.resize(header.size() + values.size() * sizeof(float));

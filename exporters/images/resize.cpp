@@ -7,7 +7,7 @@
 namespace hexrelief {
 namespace {
 
-// For each pixel of a row of `to` px: the pixels of a row of `from` px that it covers, with their shares.
+// The pixels of a row of `from` px that one pixel of a row of `to` px covers, with their shares.
 struct Cover {
     int first = 0;
     std::vector<double> shares;

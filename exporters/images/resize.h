@@ -1,11 +1,12 @@
-// An image at another size.
+// Resizes images.
 #pragma once
 
 #include "pipeline/data/image.h"
 
 namespace hexrelief {
 
-// Each pixel is the mean over the area of `image` that it covers. Sides are at least 1 px.
+// Returns the image at another size: each pixel is the mean over the area of `image` that it covers. Sides
+// are at least 1 px.
 Image resized(const Image& image, int width, int height);
 
 }  // namespace hexrelief

@@ -9,8 +9,8 @@
 namespace hexrelief {
 namespace {
 
-// Beyond the outermost texture coordinate, so that linear filtering and a first level of mipmaps find the
-// picture there.
+// Margin beyond the outermost texture coordinates, so that linear filtering and a first level of mipmaps
+// find the picture there.
 constexpr int kCropMargin_px = 2;
 
 PixelRect used_part(const std::vector<Vec2f>& texcoords, const Image& image) {
@@ -29,7 +29,7 @@ PixelRect used_part(const std::vector<Vec2f>& texcoords, const Image& image) {
     return {left, top, ceil_px(high.x, image.width, left) - left, ceil_px(high.y, image.height, top) - top};
 }
 
-// A side of the part when its longest one is capped.
+// Returns the length of a side after the part's longest side is limited to max_px.
 int capped(int side, const PixelRect& part, int max_px) {
     const int longest = std::max(part.width, part.height);
     if (max_px <= 0 || longest <= max_px) return side;

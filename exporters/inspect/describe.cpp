@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 // The first bytes of a file.
 struct FileHead {
     std::vector<std::uint8_t> bytes;
-    std::uintmax_t file_bytes = 0;  // of the whole
+    std::uintmax_t file_bytes = 0;  // size of the whole file
 };
 
 std::uintmax_t size_of(const fs::path& path) {
@@ -35,7 +35,7 @@ std::uintmax_t size_of(const fs::path& path) {
     return size;
 }
 
-// At most `count` bytes.
+// Reads at most `count` bytes.
 FileHead read_head(const fs::path& path, std::uintmax_t count) {
     constexpr std::uintmax_t kLargest = std::uintmax_t{2} << 30;
     FileHead head;
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> read_file(const fs::path& path) {
     return read_head(path, std::numeric_limits<std::uintmax_t>::max()).bytes;
 }
 
-// What a GLB says of its buffer, without the buffer.
+// Describes a GLB from its JSON; its buffer is not read.
 MeshDescription describe_glb(const fs::path& path) {
     constexpr std::size_t kStart = 20, kNextChunk = 8;
     FileHead head = read_head(path, kStart);
@@ -68,8 +68,9 @@ MeshDescription describe_glb(const fs::path& path) {
     return describe_gltf(path, head.bytes, head.file_bytes, true);
 }
 
-// libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode at
-// more than 256 KiB a second, and into less than a thousand times their bytes.
+// Summarises a Draco file in a limited process. libdraco was seen to take 16 s and 6 GB for damaged
+// files of a few bytes. Intact files decode at more than 256 KiB a second, and to less than a
+// thousand times their size.
 DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
     static_assert(std::is_trivially_copyable_v<DracoSummary>);
     const WorkLimits limits{1 + static_cast<unsigned>(bytes.size() >> 18),

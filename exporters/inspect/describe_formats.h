@@ -1,4 +1,5 @@
-// The formats behind describe_mesh().
+// The readers of the formats behind describe_mesh(). `bytes` is the whole file, not empty. `path` names the
+// file in messages and finds the files beside it.
 #pragma once
 
 #include <algorithm>
@@ -12,12 +13,12 @@
 
 namespace hexrelief {
 
-// bytes: the whole file, not empty. `path` names the file in messages and finds the files beside it.
-// file_bytes: of the whole file; of a binary one `bytes` may end behind the header of its second chunk.
+// `file_bytes` is the size of the whole file; the bytes of a binary file may end after the header
+// of its second chunk.
 MeshDescription describe_gltf(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes,
                               std::uintmax_t file_bytes, bool binary);
 MeshDescription describe_obj(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
-// The GLB inside of the page.
+// Describes the GLB inside the page.
 MeshDescription describe_html(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 MeshDescription describe_ply(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 MeshDescription describe_stl(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);

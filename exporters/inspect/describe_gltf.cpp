@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 struct Source {
     const fs::path& path;
     Json json;
-    std::optional<std::size_t> binary_bytes;  // the GLB's BIN chunk, where there is one
+    std::optional<std::size_t> binary_bytes;  // size of the GLB's BIN chunk, if there is one
 };
 
 std::uint32_t read_u32(const std::vector<std::uint8_t>& bytes, std::size_t offset) {
@@ -52,8 +52,8 @@ Source open_binary(const fs::path& path, const std::vector<std::uint8_t>& bytes,
     return out;
 }
 
-// A missing member gives the fallback; no fallback means that it is required. 40 GB are no valid number
-// either: so many numbers as a file can hold add up to less than 2^63.
+// Returns an integer member. A missing member gives the fallback; without a fallback it is required. Numbers
+// above 4e10 are invalid, too: all numbers that a file can hold then add up to less than 2^63.
 long long integer(const Source& source, const Json& object, const char* key,
                   std::optional<long long> fallback = {}) {
     const auto it = object.find(key);
@@ -64,7 +64,7 @@ long long integer(const Source& source, const Json& object, const char* key,
     return it->get<long long>();
 }
 
-// The index-th object of a top-level array.
+// Returns the index-th object of a top-level array.
 const Json& item(const Source& source, const char* array, long long index) {
     const auto it = source.json.find(array);
     if (it == source.json.end() || !it->is_array() || index < 0 ||
@@ -93,7 +93,7 @@ std::string percent_decoded(const std::string& uri) {
     return out;
 }
 
-// Bytes behind a data URI or a file beside the document; empty where the file is missing.
+// Returns the size of a data URI or of a file beside the document; empty if the file is missing.
 std::optional<long long> uri_bytes(const Source& source, const std::string& uri) {
     if (uri.starts_with("data:")) {
         const std::size_t comma = uri.find(',');
@@ -106,7 +106,7 @@ std::optional<long long> uri_bytes(const Source& source, const std::string& uri)
     return code ? std::nullopt : std::optional<long long>(static_cast<long long>(size));
 }
 
-// The object of EXT_meshopt_compression in a buffer or a buffer view, or null.
+// Returns the EXT_meshopt_compression object of a buffer or a buffer view, or null.
 const Json* meshopt_extension(const Json& object) {
     const auto extensions = object.find("extensions");
     if (extensions == object.end() || !extensions->is_object()) return nullptr;
@@ -126,7 +126,7 @@ void check_buffers(const Source& source) {
         } else if (i == 0 && source.binary_bytes) {
             there = static_cast<long long>(*source.binary_bytes);
         } else if (meshopt_extension(buffer)) {
-            there = needed;  // what a decoder is to fill
+            there = needed;  // filled by a decoder
         }
         if (needed > there) {
             fail_reading(source.path, "its buffer " + std::to_string(i) + " is truncated: " +
@@ -166,7 +166,7 @@ long long component_bytes(const Source& source, const Json& accessor) {
     }
 }
 
-// The accessor, after a check that its elements lie in its buffer view.
+// Returns the accessor, after checking that its elements lie within its buffer view.
 const Json& accessor_at(const Source& source, long long index) {
     const Json& accessor = item(source, "accessors", index);
     const long long elements = integer(source, accessor, "count");
@@ -185,7 +185,7 @@ const Json& accessor_at(const Source& source, long long index) {
     return accessor;
 }
 
-// An accessor's min or max, with normalised integers as the numbers that they stand for.
+// Returns an accessor's min or max; normalised integers are converted to the numbers that they stand for.
 std::optional<Vec3f> corner(const Source& source, const Json& accessor, const char* key) {
     const auto it = accessor.find(key);
     if (it == accessor.end() || !it->is_array() || it->size() != 3) return std::nullopt;
@@ -204,7 +204,7 @@ std::optional<Vec3f> corner(const Source& source, const Json& accessor, const ch
     return Vec3f{(*it)[0].get<float>() / scale, (*it)[1].get<float>() / scale, (*it)[2].get<float>() / scale};
 }
 
-// Bytes of an accessor's buffer view in the file.
+// Adds the bytes of an accessor's buffer view in the file.
 void add_bytes(const Source& source, const std::string& name, const Json& accessor, MeshDescription& out) {
     if (!accessor.contains("bufferView")) return;
     const Json& view = item(source, "bufferViews", integer(source, accessor, "bufferView"));
@@ -263,8 +263,8 @@ void add_primitive(const Source& source, const Json& primitive, std::size_t leve
     if (low && high && level == 0) boxes.push_back({*low, *high});
 }
 
-// Of a mesh's primitives in all its places. Where these are thousands of each, the box of all primitives
-// stands for them: turned, it may reach a little further.
+// Adds the bounds of a mesh's primitives in all its places. If their product is too large, the box of all
+// primitives stands for them: rotated, it may reach a little further.
 void include_boxes(std::vector<Box> boxes, const std::vector<Matrix>& places, MeshDescription& out) {
     constexpr std::size_t kMostBoxes = 200000;
     if (boxes.size() > 1 && boxes.size() * places.size() > kMostBoxes) {
@@ -280,7 +280,7 @@ void include_boxes(std::vector<Box> boxes, const std::vector<Matrix>& places, Me
                                                 i & 4 ? low.z : high.z}));
 }
 
-// For each mesh its level of detail by MSFT_lod; 0 = it is not a coarser level of another mesh.
+// Returns for each mesh its level of detail by MSFT_lod; 0 = it is not a coarser level of another mesh.
 std::vector<std::size_t> mesh_levels(const Source& source) {
     std::vector<std::size_t> levels(count(source, "meshes"), 0);
     for (std::size_t i = 0; i < count(source, "nodes"); ++i) {

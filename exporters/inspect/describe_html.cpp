@@ -6,7 +6,7 @@
 namespace hexrelief {
 namespace {
 
-// Ends at the first byte that is no digit of base64.
+// Decodes base64 up to the first character that is not a base64 digit.
 std::vector<std::uint8_t> from_base64(std::string_view text) {
     static constexpr std::string_view kDigits =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -98,7 +98,7 @@ class ObjReader {
         out.triangles += corners - 2;
     }
 
-    // Adds the size of each texture that the material library names, which is read once.
+    // Adds the size of each texture that the material library names. Each library is read once.
     void library(const fs::path& name) {
         const fs::path path = path_.parent_path() / name;
         std::error_code ignored;  // a pipe or a device might never end

@@ -64,8 +64,8 @@ class PlyReader {
     MeshDescription read() {
         read_header();
         for (const Element& element : elements_) {
-            // Each item takes a byte at least, so that a huge count cannot keep this busy (or, where the
-            // element has no property, mean anything).
+            // Each item takes at least one byte, so a huge count cannot keep the reader busy, not even if the
+            // element has no property.
             if (element.count > static_cast<long long>(rest_.size())) fail("it is truncated");
             if (element.name == "vertex") out_.vertices += element.count;
             for (long long i = 0; i < element.count; ++i) read_item(element);

@@ -14,7 +14,7 @@ struct ZipEntry {
     std::string_view bytes;
 };
 
-// Reads the entries of an archive of uncompressed files. Any offset may lie: each is checked.
+// Reads the entries of an archive of uncompressed files. Any offset may be wrong: each is checked.
 class ZipReader {
   public:
     ZipReader(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes)
@@ -48,7 +48,7 @@ class ZipReader {
         for (std::size_t i = width; i-- > 0;) value = value << 8 | static_cast<std::uint8_t>(digits[i]);
         return value;
     }
-    // Of the file that the directory's entry at `at` tells of.
+    // Returns the bytes of the file whose directory entry is at `at`.
     std::string_view contents(std::size_t at) const {
         constexpr std::size_t kLocalHeader = 30;
         if (number(at + 10, 2) != 0) fail_reading(path_, "its files are compressed, which USDZ forbids");
@@ -64,7 +64,7 @@ class ZipReader {
     std::string_view bytes_;
 };
 
-// The text between the brackets of `name = [...]`; empty where there is none.
+// Returns the text between the brackets of `name = [...]`; empty if there is none.
 std::string_view array_of(std::string_view text, std::string_view name) {
     const std::size_t at = text.find(std::string(name) + " = [");
     if (at == text.npos) return {};

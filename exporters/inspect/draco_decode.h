@@ -1,4 +1,4 @@
-// What a decoder makes of a Draco mesh.
+// Decodes Draco meshes.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ struct DracoGeometry {
     std::vector<Triangle> triangles;
 };
 
-// Throws Error(input) naming `name` where the bytes are malformed or hold no mesh with positions of three
-// components.
+// Decodes a mesh. Throws Error(input) naming `name` if the bytes are malformed or hold no mesh with
+// positions of three components.
 DracoGeometry decode_draco(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
 }  // namespace hexrelief

@@ -35,9 +35,9 @@ class Walk {
   public:
     Walk(const Json& nodes, std::size_t meshes)
         : nodes_(nodes), on_path_(nodes.size(), false), places(meshes) {}
-    // Stops at a node on its own path, which would be walked for ever, after kMostVisits, because shared
-    // children can be reached on 2^n paths, and kDeepest levels below the scene, where the stack would not
-    // last.
+    // Collects the transforms of a node and its descendants. Stops at a node on its own path, which would be
+    // walked for ever; after kMostVisits, because shared children can be reached on 2^n paths; and kDeepest
+    // levels below the scene, before the stack overflows.
     void visit(const Json& index, const Matrix& outer, int depth = 0) {
         if (!index.is_number_unsigned() || index.get<std::size_t>() >= nodes_.size() ||
             ++visited_ > kMostVisits || depth > kDeepest)

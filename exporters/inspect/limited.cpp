@@ -17,7 +17,7 @@ namespace hexrelief {
 namespace {
 
 #ifdef __SANITIZE_ADDRESS__
-constexpr bool kCanLimitAddresses = false;  // it reserves terabytes
+constexpr bool kCanLimitAddresses = false;  // AddressSanitizer reserves terabytes
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer)
 constexpr bool kCanLimitAddresses = false;
@@ -58,7 +58,8 @@ void fail(int to, const std::string& reason) {
     write_all(to, kFailed, reinterpret_cast<const std::uint8_t*>(reason.data()), reason.size());
 }
 
-// Leaves by _exit: what the caller has still to write stays the caller's.
+// Runs the work and sends its result. Leaves by _exit, so that the caller's unwritten buffers
+// are not flushed here.
 [[noreturn]] void work_in_child(int to, const WorkLimits& limits, const std::function<WorkBytes()>& work) {
     std::signal(SIGXCPU, SIG_DFL);
     std::signal(SIGSEGV, SIG_DFL);

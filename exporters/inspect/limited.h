@@ -1,4 +1,4 @@
-// Work that may run wild, in a process of its own.
+// Runs work that may crash or run away in a process of its own.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,17 @@
 namespace hexrelief {
 
 struct WorkLimits {
-    unsigned seconds = 0;        // of processor time
-    std::uint64_t memory = 0;    // bytes of addresses beyond what the process has; not under AddressSanitizer
-    std::size_t most_bytes = 0;  // of a result
+    unsigned seconds = 0;  // processor time
+    // Bytes of address space beyond the process's own; not under AddressSanitizer.
+    std::uint64_t memory = 0;
+    std::size_t most_bytes = 0;  // largest size of a result
 };
 
 using WorkBytes = std::vector<std::uint8_t>;
 
-// What `work` returns, which is computed in a forked process, so that a crash or a limit ends that one alone.
-// Throws Error(input) with what `work` throws, or where the process ends otherwise; messages begin with
-// `opening`. Where no process can be started `work` runs in this one.
+// Returns what `work` returns, computed in a forked process, so that a crash or a limit ends only that
+// process. If no process can be started, `work` runs in this one. Throws Error(input) with the message of
+// `work`'s exception, or if the process ends abnormally; the message then begins with `opening`.
 WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
                       const std::function<WorkBytes()>& work);
 

@@ -28,7 +28,7 @@ std::size_t padded(std::size_t bytes) {
     return (bytes + 3) / 4 * 4;
 }
 
-// A GLB's JSON, and where its data lie.
+// The JSON of a GLB, and the position of its data.
 struct Part {
     Json json;
     std::uint64_t data_at = 0, data_bytes = 0;
@@ -52,7 +52,8 @@ Part read_part(const fs::path& path) {
     return part;
 }
 
-// The document while parts are added; an index of a part is moved by as many of its kind as there were.
+// A document to which parts are added; an index in a part is increased by the number of items of
+// its kind before it.
 class JoinedDocument {
   public:
     void add(Part part) {

@@ -18,7 +18,7 @@ using Tree = std::map<Key, TilesetTile>;
 
 constexpr int kSubtreeLevels = 5;
 
-// With boxes and errors that hold those below.
+// Returns the tiles as a tree in which boxes and errors include those below.
 Tree tree_of(const std::vector<TilesetTile>& tiles) {
     Tree tree;
     for (const TilesetTile& tile : tiles) tree[{tile.level, tile.x, tile.y}] = tile;
@@ -36,8 +36,9 @@ Tree tree_of(const std::vector<TilesetTile>& tiles) {
     return tree;
 }
 
-// glTF's y is up, a tileset's z: (x, y, z) is (x, -z, y) there. The half axes are those of the picture's
-// columns, of its rows from the top, and of depth, because implicit tiling halves the first two.
+// Returns the box for 3D Tiles. Up is y in glTF and z in a tileset: (x, y, z) becomes (x, -z, y). The half
+// axes are those of the picture's columns, of its rows from the top, and of depth, because implicit tiling
+// halves the first two.
 std::array<double, 12> box_of(const TilesetTile& tile) {
     std::array<double, 3> centre{}, half{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -87,7 +88,7 @@ Json node_of(const Tree& tree, const TilesetTile& tile, const std::string& conte
     return json;
 }
 
-// One bit an element, the first in the lowest place.
+// An array of bits, the first one in the lowest place of the first byte.
 struct Bits {
     std::vector<std::uint8_t> bytes;
     std::size_t size = 0, set = 0;
@@ -100,7 +101,7 @@ struct Bits {
     }
 };
 
-// x and y of the m-th tile of a level in Morton's order: their bits alternate in m, from x on.
+// Returns x and y of the m-th tile of a level in Morton order: their bits alternate in m, beginning with x.
 std::pair<int, int> at_morton(int m) {
     int x = 0, y = 0;
     for (int bit = 0; m >> (2 * bit); ++bit) {

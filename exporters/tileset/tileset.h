@@ -1,4 +1,4 @@
-// 3D Tiles 1.1 (OGC 22-025r4): what viewers are told of a quadtree of GLB files.
+// Writes 3D Tiles 1.1 (OGC 22-025r4): the description of a quadtree of GLB files for viewers.
 #pragma once
 
 #include <array>
@@ -8,23 +8,24 @@
 
 namespace hexrelief {
 
-// A node of the quadtree, whose root is (0, 0, 0); those of a level below it have twice its x and y, or one
-// more. Missing nodes are those without anything below.
+// A node of the quadtree. The root is (0, 0, 0); the children of a node have twice its x and y, or one more.
+// A node is missing if it has neither content nor descendants.
 struct TilesetTile {
-    int level = 0, x = 0, y = 0;                    // y from the top
-    std::array<double, 3> low_m = {}, high_m = {};  // of its box in space, in glTF's axes
-    double error_m = 0;                             // of what is shown where its children are not
-    bool has_content = false;                       // whether there is a GLB
+    int level = 0, x = 0, y = 0;                    // y counts from the top
+    std::array<double, 3> low_m = {}, high_m = {};  // bounding box in space, in glTF's axes
+    // Error of the node's own content, shown while its children are not.
+    double error_m = 0;
+    bool has_content = false;  // there is a GLB
 };
 
-// tileset.json with every tile in it. A tile's box holds those of its children, and its error is at least
-// theirs. `tiles` are in any order, with the root and the parent of each. content: where their GLBs are, from
-// the tileset's folder: "tiles/{level}/{x}/{y}.glb".
+// Returns a tileset.json that lists every tile. A tile's box contains those of its children, and its error is
+// at least theirs. `tiles` are in any order, with the root and the parent of each. `content` is the pattern
+// of the GLBs' paths, relative to the tileset's folder: "tiles/{level}/{x}/{y}.glb".
 std::string explicit_tileset(const std::vector<TilesetTile>& tiles, const std::string& content,
                              const std::string& generator);
 
-// The same by implicit tiling (QUADTREE), with the tiles' true boxes and errors as metadata, since halves of
-// the lattice are no halves of space.
+// A tileset with implicit tiling (QUADTREE). The tiles' true boxes and errors are metadata, since halves of
+// the lattice are not halves of space.
 struct ImplicitTileset {
     struct Subtree {
         std::string name;  // "subtrees/0/0/0.subtree"
@@ -33,6 +34,7 @@ struct ImplicitTileset {
     std::string json;
     std::vector<Subtree> subtrees;
 };
+// Returns the tileset with implicit tiling; arguments as for explicit_tileset().
 ImplicitTileset implicit_tileset(const std::vector<TilesetTile>& tiles, const std::string& content,
                                  const std::string& generator);
 

@@ -17,7 +17,7 @@ std::string printed(double value, int decimals) {
     char text[64];
     std::snprintf(text, sizeof text, "%.*f", decimals, value);
     std::string out = text;
-    // Thousands apart by a narrow space that does not break.
+    // Thousands are separated by a narrow no-break space.
     const std::size_t point = std::min(out.find('.'), out.size());
     for (std::size_t at = point; at > 3 && std::isdigit(static_cast<unsigned char>(out[at - 4]));) {
         at -= 3;

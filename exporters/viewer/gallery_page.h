@@ -1,4 +1,4 @@
-// A page that lists results, with a picture and figures of each, to be sorted and opened.
+// Builds a page that lists results, with a picture and figures of each; they can be sorted and opened.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,12 @@ struct GalleryColumn {
 
 struct GalleryEntry {
     std::string name;
-    std::filesystem::path link;  // to the result, relative to the gallery's folder
-    std::string picture;         // a data: address, as small_picture() gives; empty = none
-    std::vector<double> values;  // one a column; NaN = not known
+    std::filesystem::path link;  // path of the result, relative to the gallery's folder
+    std::string picture;         // a data: URL, as small_picture() returns it; may be empty
+    std::vector<double> values;  // one per column; NaN = unknown
 };
 
-// Throws Error(output) where the program was built without its viewer (html_exporter.h).
+// Returns the page. Throws Error(output) if the program was built without its viewer (html_exporter.h).
 std::string gallery_page(const std::string& title, const std::vector<GalleryColumn>& columns,
                          const std::vector<GalleryEntry>& entries);
 

@@ -18,11 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Both sides of a silhouette lie on one line of the photograph; where that is rounded on each side alone,
-// gaps as wide show what is behind. These are too narrow to be seen, but not worth any number of bytes.
+// Both sides of a silhouette lie on one line of the photograph. If this line is rounded separately on each
+// side, gaps of that width show the background. With this finer tolerance they are too narrow to be seen; it
+// is used if it costs at most this factor in bytes.
 constexpr double kFineTolerance_px = 0.02, kMostForFine = 1.3;
 
-// Of the finest level as a GLB without a texture.
+// Returns the size of the finest level as a GLB without a texture.
 std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression compression,
                        const fs::path& path) {
     Scene bare = scene;
@@ -33,7 +34,8 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
     return glb_bytes(bare, config, path).size();
 }
 
-// How the page holds the mesh, whatever other files have. meshopt_bytes: of the mesh as config asks for it.
+// Returns the configuration of the page's mesh, which is the same whatever other files have. meshopt_bytes is
+// the size of the mesh with the configured tolerance.
 ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path,
                          std::size_t meshopt_bytes) {
     config.normals = NormalsKind::never;
@@ -93,7 +95,7 @@ std::string facts_json(const Scene& scene, const Json& bytes, const fs::path& pa
         json["pictures"] = pictures_json(*scene.page);
     }
     return script_escaped(
-        json.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may be no UTF-8
+        json.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may not be UTF-8
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ std::string html_escaped(std::string_view text) {
 
 std::string link_to(const std::filesystem::path& path) {
     static constexpr char kHex[] = "0123456789ABCDEF";
-    std::string out = "./";  // or else the first folder's name could look like a scheme
+    std::string out = "./";  // without it, the first folder's name could look like a URL scheme
     for (const char c : path.generic_string()) {
         const auto byte = static_cast<unsigned char>(c);
         const bool plain =

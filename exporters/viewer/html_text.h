@@ -1,4 +1,4 @@
-// Text that is put into a page.
+// Converts text for use in a page.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@ namespace hexrelief {
 
 std::string base64(const std::vector<std::uint8_t>& bytes);
 
-// As the text of an element or the value of an attribute.
+// Escapes text for an element or for the value of an attribute.
 std::string html_escaped(std::string_view text);
 
-// A relative path as a link: percent-encoded but for slashes.
+// Converts a relative path to a link: percent-encoded except for slashes.
 std::string link_to(const std::filesystem::path& path);
 
-// JSON that nothing in a script element can end.
+// Escapes JSON so that nothing in it can end a script element.
 std::string script_escaped(const std::string& json);
 
-// The page with each mark replaced by its value, once each. The marks stand in the page in the order given;
-// what a value holds is not searched. Throws std::logic_error where one is missing.
+// Returns the page with each mark replaced by its value, once per entry. The marks must appear in the page in
+// the given order; values are not searched for marks. Throws std::logic_error if a mark is missing.
 std::string filled(std::string_view page,
                    const std::vector<std::pair<std::string_view, std::string_view>>& values);
 

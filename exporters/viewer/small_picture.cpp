@@ -12,7 +12,7 @@
 namespace hexrelief {
 namespace {
 
-// px of the longer side, and quality; the best first.
+// Longer side in px, and quality; the best first.
 constexpr std::pair<int, int> kSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
 constexpr std::size_t kMostBytes = 16000;
 

@@ -1,4 +1,4 @@
-// Pictures that are small enough to lie in a page beside its relief.
+// Makes pictures that are small enough to be embedded in a page.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace hexrelief {
 
-// As a data: address of a WebP file of at most about 16 kB, shrunk and compressed as much as that takes.
+// Returns the data: URL of a WebP file of at most about 16 kB, shrunk and compressed as far as needed.
 std::string small_picture(const Image& image);
 
 }  // namespace hexrelief

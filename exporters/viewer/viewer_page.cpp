@@ -1,7 +1,7 @@
 #include "exporters/viewer/viewer_page.h"
 
-// A file as bytes between two symbols. The assembler reads it; as an array in C++ it would take the compiler
-// a gigabyte.
+// Embeds a file as bytes between two symbols. The assembler reads it; as an array in C++ it would cost the
+// compiler a gigabyte of memory.
 #define HEXRELIEF_EMBED(symbol, file)                                                       \
     asm(".pushsection .rodata\n"                                                            \
         ".hidden " #symbol ", " #symbol                                                     \

@@ -1,15 +1,16 @@
-// The pages without their content, as build.mjs makes them.
+// The page templates that build.mjs makes.
 #pragma once
 
 #include <string_view>
 
 namespace hexrelief {
 
-// Empty where the program was built without it. Holds "@title@" twice, "@facts@" and "@glb@", in this order,
-// where these are to be put in; what follows them is the script.
+// Returns the viewer's page, empty if the program was built without it. Contains the marks "@title@" (twice),
+// "@facts@" and "@glb@", in this order; the script follows them.
 std::string_view viewer_page();
 
-// The page of a gallery. Holds "@title@" twice, "@columns@" and "@rows@", in this order.
+// Returns the gallery's page, empty if the program was built without it. Contains the marks "@title@"
+// (twice), "@columns@" and "@rows@", in this order.
 std::string_view empty_gallery();
 
 }  // namespace hexrelief

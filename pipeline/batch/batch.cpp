@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kWait_ms = 200;
 
-// Ctrl-C and termination as something that can be read, and as they were before when this goes.
+// Makes Ctrl-C and termination readable from a socket; the destructor restores the previous signal mask.
 class SignalSocket {
   public:
     SignalSocket() {
@@ -36,7 +36,7 @@ class SignalSocket {
         pthread_sigmask(SIG_SETMASK, &before_, nullptr);
     }
     int socket() const { return socket_; }
-    // Takes the signal that has come, which would otherwise end the process when it is let through again.
+    // Takes the signal that has come, which would otherwise end the process when it is unblocked again.
     bool take() const {
         signalfd_siginfo signal{};
         return ::read(socket_, &signal, sizeof signal) > 0;
@@ -89,7 +89,7 @@ class Scheduler {
         return std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.is_busy(); });
     }
 
-    // The next that is not wrong, or nothing.
+    // Returns the next unit without an error, or nothing.
     std::optional<std::size_t> next_unit() {
         while (next_ < units_.size() && !units_[next_].wrong.empty()) ++next_;
         return next_ < units_.size() ? std::optional(next_) : std::nullopt;
@@ -113,14 +113,14 @@ class Scheduler {
         return bytes;
     }
 
-    // Gives idle workers units while there are any that fit. True where one was begun.
+    // Gives units to idle workers as long as memory allows. True if one was begun.
     bool hand_out() {
         bool begun = false;
         while (const auto unit = next_unit()) {
             if (!memory_.fits(memory_.expected(estimate(*unit)), in_use())) break;
             Worker* const worker = idle_worker();
             if (worker == nullptr) break;
-            if (!worker->start(*unit)) {  // killed while it had nothing to do
+            if (!worker->start(*unit)) {  // killed while it was idle
                 worker->finish();
                 remove_dead();
                 continue;
@@ -131,7 +131,7 @@ class Scheduler {
         return begun;
     }
 
-    // nullptr where all are at work and no more may, or can, be started.
+    // Returns an idle worker, or nullptr if all are busy and no more may, or can, be started.
     Worker* idle_worker() {
         for (Worker& worker : workers_)
             if (!worker.is_busy()) return &worker;
@@ -165,7 +165,7 @@ class Scheduler {
     }
 
     void take_result(Worker& worker) {
-        if (!worker.is_busy()) {  // its end
+        if (!worker.is_busy()) {  // the worker has ended
             worker.finish();
             return;
         }
@@ -182,7 +182,7 @@ class Scheduler {
         workers_.swap(living);
     }
 
-    // All workers undo what they were about to write.
+    // Ends all workers, which undo their unfinished outputs.
     void stop() {
         for (const Worker& worker : workers_) worker.terminate();
         for (Worker& worker : workers_)

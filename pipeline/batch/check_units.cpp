@@ -16,7 +16,7 @@ struct FileUser {
     bool is_read = false, is_written = false;
 };
 
-// Names, links not followed: a batch has some ten of them a row.
+// Returns a path's plain name. Links are not followed, because a batch has some ten paths per row.
 fs::path plain_name(const fs::path& path) {
     return fs::absolute(path).lexically_normal();
 }
@@ -25,7 +25,7 @@ class Collisions {
   public:
     explicit Collisions(const std::vector<BatchUnit>& units) : units_(units) {}
 
-    // Why the unit may not be done beside those before it; empty = it may.
+    // Returns why the unit must not run beside those before it; empty if it may.
     std::string add(std::size_t unit, const RunRequest& request) {
         for (const fs::path& file : written_files(request))
             if (std::string why = use(file, {unit, false, true}); !why.empty()) return why;

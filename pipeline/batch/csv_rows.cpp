@@ -20,7 +20,7 @@ class CsvReader {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);  // a byte order mark
     }
 
-    // Nothing at the end. Empty lines are passed over.
+    // Returns the next record, skipping empty lines; nothing at the end.
     std::optional<CsvRecord> next() {
         while (!rest_.empty() && (rest_.front() == '\n' || rest_.front() == '\r')) take();
         if (rest_.empty()) return std::nullopt;

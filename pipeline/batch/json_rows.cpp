@@ -11,7 +11,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr int kDeepestSection = 4;
 
-// The values of a section and of those inside of it. Returns what is wrong; empty where all is well.
+// Adds the values of a section and of the sections in it. Returns the error; empty if there is none.
 std::string append_values(const Json& section, const std::string& above, int depth, ManifestRow& row) {
     if (depth > kDeepestSection) return codec::excerpt(above) + " goes too deep";
     for (const auto& [name, value] : section.items()) {

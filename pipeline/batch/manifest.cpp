@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostBytes = 256 << 20, kMostYamlBytes = 16 << 20;
 
-// Keys that are options of `hexrelief run`; '_' may stand for '-'.
+// The keys that are options of `hexrelief run`; '_' may stand for '-'.
 constexpr std::array<std::string_view, 9> kFileKeys = {"left",  "right", "stereo",     "disparity", "depth",
                                                        "color", "mask",  "confidence", "calib"};
 constexpr std::array<std::string_view, 14> kValueKeys = {
@@ -46,7 +46,7 @@ std::string unknown_key(const std::string& key) {
            "; keys of the configuration are written as mesh.spacing_px";
 }
 
-// "data/scene_left.png" and "data/scene/left.png" are both of "scene".
+// Returns the name for a left image: "scene" for both "data/scene_left.png" and "data/scene/left.png".
 std::string name_of_file(const fs::path& file) {
     std::string stem = file.stem().string();
     if (stem == "left") return file.parent_path().filename().string();
@@ -55,7 +55,7 @@ std::string name_of_file(const fs::path& file) {
     return stem;
 }
 
-// Returns what is wrong; empty where all is well. A name may hold folders.
+// Returns the error in a name; empty if there is none. A name may contain folders.
 std::string check_name(const fs::path& name) {
     const std::string text = name.string();
     const std::string told = "name " + codec::excerpt(text);
@@ -71,17 +71,17 @@ std::string check_name(const fs::path& name) {
 
 struct RowReader {
     const ManifestOptions& options;
-    fs::path folder;  // that relative names are taken from
+    fs::path folder;  // relative names refer to it
 
     std::string placed(const std::string& file) const { return (folder / file).lexically_normal().string(); }
 
-    // Appends the options that one value stands for. Returns what is wrong.
+    // Appends the options that one value stands for. Returns the error; empty if there is none.
     std::string read_value(const std::string& key, const std::string& value, BatchUnit& unit) const {
         auto& words = unit.words;
         if (holds(kFileKeys, key)) {
             words.insert(words.end(), {"--" + key, placed(value)});
         } else if (holds(kValueKeys, key)) {
-            words.push_back("--" + key + "=" + value);  // one word: a value may begin with a dash
+            words.push_back("--" + key + "=" + value);  // one word, because a value may begin with a dash
         } else if (key == "config") {
             words.insert(words.end(), {"--config", find_preset(value) ? value : placed(value)});
         } else if (key == "strict") {
@@ -142,7 +142,7 @@ struct RowReader {
 
 std::string contents_of_manifest(const fs::path& path, std::uintmax_t most) {
     std::error_code code;
-    const bool regular = fs::is_regular_file(path, code);  // opening a pipe would wait
+    const bool regular = fs::is_regular_file(path, code);  // opening a pipe would block
     std::ifstream file(regular ? path : fs::path(), std::ios::binary);
     if (!file) throw Error(ErrorKind::input, "cannot read the jobs of '" + path.string() + "'");
     if (fs::file_size(path, code) > most)

@@ -19,7 +19,7 @@ std::uint64_t available_memory() {
     return std::numeric_limits<std::uint64_t>::max();
 }
 
-// What the control group still has to give; all there is where it has no limit.
+// Returns what the control group may still use; the largest number if it has no limit.
 std::uint64_t group_memory() {
     std::uint64_t limit = 0, used = 0;
     std::ifstream("/sys/fs/cgroup/memory.max") >> limit;

@@ -1,20 +1,20 @@
-// How much memory units take, so that only as many are under way as there is room for.
+// Estimates the memory that units take, so that only as many run as there is room for.
 #pragma once
 
 #include <cstdint>
 
 namespace hexrelief {
 
-// Three quarters of what the system has to give now, within its control group.
+// Returns three quarters of the memory that is available now, within the process's control group.
 std::uint64_t memory_to_use();
 
-// Learns from what units took: where one took more than its estimate, those to come are taken for as much
-// larger.
+// Corrects estimates by the memory that units took: if one took more than its estimate, those of later units
+// are increased by the same factor.
 class MemoryRule {
   public:
     explicit MemoryRule(std::uint64_t limit) : limit_(limit) {}
     std::uint64_t expected(std::uint64_t estimate) const;
-    // Another unit may begin beside those whose expected bytes are in use; one alone always may.
+    // True if another unit may begin beside those whose expected bytes are in use; a single one always may.
     bool fits(std::uint64_t expected, std::uint64_t in_use) const;
     void learn(std::uint64_t estimate, std::uint64_t taken);
 

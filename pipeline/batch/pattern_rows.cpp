@@ -15,12 +15,12 @@ constexpr std::string_view kName = "{name}", kLeft = "left", kRight = "right";
 constexpr std::array<std::string_view, 9> kImageEndings = {".png", ".jpg", ".jpeg", ".ppm", ".pgm",
                                                            ".pnm", ".tif", ".tiff", ".webp"};
 
-// A pattern taken apart: folder, then a component before and after {name}, then what follows that component.
+// A pattern split into the folder, the path component that contains {name}, and what follows that component.
 struct Pattern {
     fs::path folder;         // above the component with {name}
-    std::string head, tail;  // of that component, around {name}
-    std::string below;       // "/left.png" where the files are in a folder of that name; else empty
-    bool any_image = false;  // ".*" was at its end, and is cut off
+    std::string head, tail;  // parts of that component before and after {name}
+    std::string below;       // "/left.png" if the files are in a folder of that name; else empty
+    bool any_image = false;  // ".*" was at its end and has been removed
 };
 
 Pattern parse_pattern(std::string text) {
@@ -44,12 +44,12 @@ Pattern parse_pattern(std::string text) {
     return pattern;
 }
 
-// `text` with `to` in place of the last "left".
+// Returns `text` with `to` in place of the last "left".
 std::string replace_left(std::string text, std::string_view to) {
     return text.replace(text.rfind(kLeft), kLeft.size(), to);
 }
 
-// The file itself, or for a pattern of any image the one that is there; empty = none.
+// Returns the file itself or, for a pattern of any image, the one that exists; empty if there is none.
 fs::path existing_image(const fs::path& path, bool any_image) {
     std::error_code none;
     if (!any_image) return fs::is_regular_file(path, none) ? path : fs::path();
@@ -59,7 +59,7 @@ fs::path existing_image(const fs::path& path, bool any_image) {
     return {};
 }
 
-// What stands for {name} in a component's name; empty = it does not match.
+// Returns the text that stands for {name} in a component's name; empty if it does not match.
 std::string matched_name(std::string component, const Pattern& pattern) {
     if (pattern.any_image && pattern.below.empty()) {
         const std::string ending = fs::path(component).extension();

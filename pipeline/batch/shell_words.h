@@ -1,4 +1,4 @@
-// Words of a command line, read and written.
+// Reads and writes the words of a command line.
 #pragma once
 
 #include <string>
@@ -6,11 +6,12 @@
 
 namespace hexrelief {
 
-// Words between white space; "double quotes" hold spaces, and a doubled quote in them is one.
+// Returns the words between white space; "double quotes" hold spaces, and a doubled quote in
+// them is one quote.
 std::vector<std::string> words_of_line(const std::string& line);
 
-// As a POSIX shell reads it back, on one line: in single quotes where it has to be. Throws Error(usage) for a
-// word with a line end, which no line can hold.
+// Returns the word as a POSIX shell reads it back, on one line, in single quotes if necessary. Throws
+// Error(usage) for a word with a line end, which a line cannot hold.
 std::string shell_quoted(const std::string& word);
 std::string shell_line(const std::vector<std::string>& words);
 

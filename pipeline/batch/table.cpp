@@ -16,7 +16,7 @@ std::string json_text(const Json& json) {
                             : json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// null where there is none.
+// Returns the row's report; null if there is none.
 Json report_of(const TableRow& row) {
     const bool has_report =
         row.result.outcome == UnitOutcome::done || row.result.outcome == UnitOutcome::up_to_date;
@@ -61,7 +61,7 @@ std::string cell(const std::string& text) {
     return quoted + "\"";
 }
 
-// Columns in the order in which they are first met.
+// Columns in the order of their first occurrence.
 class Columns {
   public:
     std::size_t at(const std::string& name) {
@@ -109,7 +109,7 @@ std::string table_csv(const std::vector<TableRow>& rows) {
 }
 
 std::string table_json(const std::vector<TableRow>& rows) {
-    // Written row by row: the reports of ten thousand units are not held as objects at once.
+    // Written row by row, so that the reports of ten thousand units are not held as objects at the same time.
     std::string text = R"({"schema": 1, "version": ")" HEXRELIEF_VERSION R"(", "rows": [)";
     for (const TableRow& row : rows) {
         Json json;

@@ -1,4 +1,4 @@
-// The batch's table: a row a unit, with every figure of its report.
+// The table of a batch: a row per unit, with every figure of its report.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,16 @@ namespace hexrelief {
 struct TableRow {
     std::string name, place;
     UnitResult result;
-    std::filesystem::path report;  // read where the unit is done or up to date; empty = none
+    std::filesystem::path report;  // read if the unit is done or up to date; may be empty
 };
 
-// RFC 4180. Columns name, status, exit_code and error, then the reports' values in their order there, named
-// by their keys: "mesh.percent_cost", "stages.mesh.seconds", "outputs.0.bytes". A value that a report does
-// not have is an empty cell.
+// Returns CSV (RFC 4180): the columns name, status, exit_code and error, then the reports' values in their
+// order, named by their keys: "mesh.percent_cost", "stages.mesh.seconds", "outputs.0.bytes". A value that a
+// report does not have is an empty cell.
 std::string table_csv(const std::vector<TableRow>& rows);
 
-// {"schema": 1, "version": ..., "rows": [{"name", "status", "exit_code", "error", "report": {...}}]}; error
-// and report are null where there is none.
+// Returns {"schema": 1, "version": ..., "rows": [{"name", "status", "exit_code", "error", "report": {...}}]};
+// error and report are null if there is none.
 std::string table_json(const std::vector<TableRow>& rows);
 
 }  // namespace hexrelief

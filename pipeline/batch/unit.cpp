@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kBug = 1, kMemory = 6;
 
-// From here on the peak is of what follows. Where the kernel knows no such thing it stays that of all so far.
+// Resets the process's peak memory. On kernels that cannot, it remains the peak so far.
 void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
 }
@@ -87,7 +87,7 @@ UnitResult result_of_exception() {
     } catch (const std::bad_alloc&) {
         result.exit_code = kMemory;
         result.message = "out of memory";
-    } catch (const std::system_error& error) {  // of threads, which need memory
+    } catch (const std::system_error& error) {  // thrown by threads, which need memory
         const bool memory = error.code() == std::errc::resource_unavailable_try_again;
         result.exit_code = memory ? kMemory : kBug;
         result.message = memory ? "out of memory" : std::string("internal error: ") + error.what();

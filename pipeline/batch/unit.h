@@ -1,4 +1,4 @@
-// One unit of a batch, done or found done.
+// Runs one unit of a batch, unless it is up to date.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace hexrelief {
 
-// Makes of the options of `hexrelief run` what is asked for. Throws Error.
+// Converts the options of `hexrelief run` to a request. Throws Error.
 using RequestParser = std::function<RunRequest(const std::vector<std::string>& words)>;
 
 enum class UnitOutcome { done, up_to_date, would_run, failed };
@@ -21,25 +21,25 @@ std::string outcome_name(UnitOutcome outcome);  // "done", "up_to_date", "would_
 struct UnitResult {
     UnitOutcome outcome = UnitOutcome::failed;
     double seconds = 0;
-    std::size_t peak_bytes = 0;  // of the memory of the process that did it; 0 = not known
-    int exit_code = 0;           // as `hexrelief run` would have given it
-    std::string message = {};    // one line: why it failed, or why it is to be done; else empty
+    std::size_t peak_bytes = 0;  // peak memory of the process that ran the unit; 0 = unknown
+    int exit_code = 0;           // the exit code of `hexrelief run`
+    std::string message = {};    // one line: why the unit failed, or why it would run; else empty
 };
 
 struct UnitRules {
     RequestParser parse;
-    bool force = false;    // what is up to date is done again
-    bool dry_run = false;  // nothing is written
-    bool strict = false;   // as --strict for each unit
-    int threads = 1;       // of a unit that names none
-    int jobs = 1;          // that a process is likely to do: they share a device's start-up
+    bool force = false;    // also run units that are up to date
+    bool dry_run = false;  // write nothing
+    bool strict = false;   // apply --strict to each unit
+    int threads = 1;       // for units that name none
+    int jobs = 1;          // number that a process is likely to run: they share a device's start-up
 };
 
-// Never throws: what fails is told in the result. A unit without a report is always done: nothing says that
-// it was.
+// Runs a unit and returns its result; never throws. A unit without a report always runs, because nothing says
+// that it was done.
 UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick);
 
-// What the program says, and its exit code, for an exception at hand. Call it in a catch block.
+// Returns the message and exit code for the current exception. Call it in a catch block.
 UnitResult result_of_exception();
 
 }  // namespace hexrelief

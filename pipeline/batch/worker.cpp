@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kLongestMessage = 4000;
 
-// A packet on the socket: this, and the message's letters.
+// The head of a packet on the socket, followed by the message's characters.
 struct ResultHeader {
     UnitOutcome outcome;
     int exit_code;
@@ -41,11 +41,11 @@ void send_result(int socket, const UnitResult& result) {
     static_cast<void>(::send(socket, packet.data(), packet.size(), MSG_NOSIGNAL));
 }
 
-// The worker's process: units until the socket is closed.
+// The worker's process: runs units until the socket is closed.
 [[noreturn]] void serve(int socket, const std::vector<BatchUnit>& units, const UnitRules& rules,
                         const std::string& device) {
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // no work for a batch that is no more
-    // Where memory runs out, the system is to end a worker rather than the batch.
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // end with the batch
+    // If memory runs out, the system should end a worker rather than the batch.
     std::ofstream("/proc/self/oom_score_adj") << "300";
     if (!device.empty()) ::setenv("CUDA_VISIBLE_DEVICES", device.c_str(), 1);
     install_interrupt_handling();
@@ -57,7 +57,7 @@ void send_result(int socket, const UnitResult& result) {
 }
 
 pid_t fork_or_throw() {
-    std::fflush(nullptr);  // what is buffered would be written twice
+    std::fflush(nullptr);  // else buffered output would be written twice
     const pid_t process = ::fork();
     if (process < 0) throw std::system_error(errno, std::generic_category(), "cannot start a worker");
     return process;
@@ -79,7 +79,7 @@ Worker::Worker(const std::vector<BatchUnit>& units, const UnitRules& rules, cons
     }
     if (process_ == 0) {
         ::close(ends[0]);
-        for (const int other : others) ::close(other);  // lest it keep them open when they are to end
+        for (const int other : others) ::close(other);  // else it would keep them open when they are to end
         serve(ends[1], units, rules, device);
     }
     ::close(ends[1]);

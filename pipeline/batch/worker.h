@@ -1,4 +1,4 @@
-// A process of its own that does units, one after the other.
+// A process of its own that runs units, one after the other.
 #pragma once
 
 #include <sys/types.h>
@@ -11,26 +11,27 @@
 
 namespace hexrelief {
 
-// Processes, not threads: a unit that crashes or is killed takes no other with it, and what is global in the
-// program, as OpenCV's number of threads, is one unit's alone. A process is forked from one that has started
-// nothing, so that it costs a millisecond, and keeps its device from unit to unit.
+// A worker process. Processes are used instead of threads so that a unit that crashes or is killed
+// takes no other with it, and global state such as OpenCV's number of threads belongs to one unit. The
+// process is forked from one that has started nothing, so it costs a millisecond, and keeps its device
+// from unit to unit.
 class Worker {
   public:
-    // device: as CUDA_VISIBLE_DEVICES names it; empty = as the environment has it. `others` are the sockets
-    // of the workers that there are. Throws std::system_error where the system has no more processes.
+    // device: a value of CUDA_VISIBLE_DEVICES; empty = as in the environment. `others` are the sockets of the
+    // existing workers. Throws std::system_error if the system cannot start another process.
     Worker(const std::vector<BatchUnit>& units, const UnitRules& rules, const std::string& device,
            const std::vector<int>& others);
     Worker(Worker&& other) noexcept;
     Worker& operator=(Worker&& other) = delete;
-    ~Worker();  // waits for its unit, if any, and its end
+    ~Worker();  // waits for its unit, if any, and for its end
 
     int socket() const { return socket_; }
     bool is_busy() const { return unit_.has_value(); }
     std::size_t unit() const { return *unit_; }
-    // False where the process is no more.
+    // Starts a unit. False if the process no longer exists.
     bool start(std::size_t unit);
-    // When the socket has something: the result of the unit, or of the process's end, after which nothing
-    // more can be started.
+    // To be called when the socket is readable. Returns the result of the unit, or of the process's end,
+    // after which nothing more can be started.
     UnitResult finish();
     bool is_dead() const { return dead_; }
     void terminate() const;  // as Ctrl-C does
@@ -43,12 +44,12 @@ class Worker {
     std::optional<std::size_t> unit_;
 };
 
-// The names of the usable devices for the workers, as CUDA_VISIBLE_DEVICES holds them; none without a GPU. A
-// process of its own asks, so that nothing has started a device here.
+// Returns the usable devices, as values of CUDA_VISIBLE_DEVICES; empty without a GPU. A separate process
+// asks, so that no device is started in this one.
 std::vector<std::string> device_names();
 
-// What --gpus asks for: "all" or the first N of them; none for an empty text. Throws Error(device) where
-// there is none, Error(usage) for another text.
+// Returns the devices that --gpus names: "all", or the first N; none for an empty text. Throws Error(device)
+// if there is no usable GPU, Error(usage) for another text.
 std::vector<std::string> devices_of(const std::string& text);
 
 }  // namespace hexrelief

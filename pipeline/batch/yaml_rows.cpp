@@ -12,13 +12,14 @@ namespace hexrelief {
 namespace {
 
 constexpr int kDeepestYamlSection = 4;
-constexpr std::size_t kMostValues = 1000;  // of one row: aliases could multiply them without end
+// Most values of one row: aliases could multiply them without limit.
+constexpr std::size_t kMostValues = 1000;
 
 [[noreturn]] void refuse_yaml(const std::string& origin, const std::string& why) {
     throw Error(ErrorKind::usage, origin + ": " + why);
 }
 
-// yaml-cpp reads the first document and says nothing of the others.
+// Refuses a second document, because yaml-cpp reads only the first one and ignores the others.
 void refuse_second_document(const std::string& text, const std::string& origin) {
     std::istringstream lines(text);
     bool has_begun = false;
@@ -35,8 +36,8 @@ void refuse_second_document(const std::string& text, const std::string& origin) 
     }
 }
 
-// A row's value takes the place of the default of its key. What the row itself gives twice stays twice, and
-// is refused as in other manifests.
+// Puts the defaults before the row's values. A row's value replaces the default of its key. A key that the
+// row itself gives twice stays twice, and is refused as in other manifests.
 void begin_with_defaults(const ManifestRow& defaults, ManifestRow& row) {
     auto own = std::exchange(row.values, defaults.values);
     for (auto& value : row.values) {
@@ -49,7 +50,7 @@ void begin_with_defaults(const ManifestRow& defaults, ManifestRow& row) {
     row.values.insert(row.values.end(), own.begin(), own.end());
 }
 
-// Returns what is wrong; empty where all is well.
+// Adds the values of a section and of the sections in it. Returns the error; empty if there is none.
 std::string append_section(const YAML::Node& section, const std::string& above, int depth, ManifestRow& row) {
     if (depth > kDeepestYamlSection) return codec::excerpt(above) + " goes too deep";
     for (const auto& entry : section) {

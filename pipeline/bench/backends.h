@@ -1,4 +1,4 @@
-// What the benchmarks run on.
+// The backends that benchmarks run on.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace hexrelief {
 
-// Every backend that can be used here, the CPU first.
+// Returns every usable backend, the CPU first.
 std::vector<Backend> usable_backends(int threads);
 
 }  // namespace hexrelief

@@ -30,7 +30,7 @@ paper::Config paper_config_of_text(const CudaBenchOptions& options) {
     return config;
 }
 
-// One line for each row: there are some hundred.
+// Returns JSON with one line per row, because there are some hundred.
 std::string lines_text(const Json& head, const std::vector<Json>& rows) {
     std::string text = json_text(head, 1);
     text.erase(text.rfind('\n'));

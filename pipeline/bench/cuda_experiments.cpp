@@ -15,8 +15,8 @@ using Kernels = paper::Kernels;
 using Memory = paper::Memory;
 
 constexpr long long kManyPixels = 1LL << 24;
-constexpr long long kMostCpuPixels = 1LL << 24;  // the CPU takes seconds beyond
-constexpr double kSigma = 24;                    // Table 1; 12 in section 6.4 alone
+constexpr long long kMostCpuPixels = 1LL << 24;  // the CPU takes seconds for more
+constexpr double kSigma = 24;                    // Table 1; 12 only in section 6.4
 const std::vector<int> kBlocks{1, 8, 16, 32, 64, 128, 256};
 
 Case made_up_case(int width, int height) {
@@ -25,8 +25,8 @@ Case made_up_case(int width, int height) {
     return c;
 }
 
-// Calls work for the paper's maps of these names that are there, or, where none is, for the scene at their
-// usual sizes.
+// Calls work for the paper's maps of these names that were found, or, if there are none, for the synthetic
+// scene at their usual sizes.
 void for_each_case(const Bench& bench, const std::vector<std::string>& names,
                    const std::vector<std::pair<int, int>>& sizes,
                    const std::function<void(const Case&, const table2::PaperMap*)>& work) {
@@ -47,7 +47,8 @@ void emit(const Bench& bench, const std::string& experiment, Row row) {
     bench.emit(std::move(row));
 }
 
-// Section 6.2 and 6.3's parameters; SSR and CRR, of which the text says nothing, as in section 6.4.
+// Returns the parameters of sections 6.2 and 6.3, with SSR and CRR, which the text does not give,
+// as in section 6.4.
 paper::Config wide_config(const Bench& bench) {
     paper::Config config = bench.paper;
     config.sigma_init = kSigma;
@@ -87,7 +88,7 @@ void keep_fastest(Bench& bench, int co, int block, const Row& row, std::map<std:
     consider("learning", row.learning_s);
 }
 
-// Section 6.2, Fig. 9; rows are shown where `show`.
+// Section 6.2, Fig. 9. Rows are shown if `show` is set.
 void sweep_blocks(Bench& bench, const Case& c, int runs, bool show) {
     for (const int co : {10, 20, 30}) {
         paper::Config config = wide_config(bench);
@@ -166,7 +167,7 @@ void iterations(Bench& bench) {
                   });
 }
 
-// One size by all programs; those that the device's memory does not hold are named and left out.
+// Measures one size with all programs; those that do not fit into the device's memory are named and left out.
 std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
     const long long pixels = static_cast<long long>(c.density.width) * c.density.height;
     const int runs = bench.options.runs, few = pixels > kManyPixels ? bench.options.sweep_runs : runs;
@@ -205,7 +206,7 @@ void size(Bench& bench) {
                   [&](const Case& c, const table2::PaperMap* map) { size_rows(bench, c, map->ssr); });
     std::vector<std::pair<int, int>> sizes{{450, 375}, {900, 750}, {1800, 1500}};
     for (int side = 2048; side <= bench.options.largest; side *= 2) sizes.emplace_back(side, side);
-    std::map<std::string, double> reference;  // ns/px of 1800x1500
+    std::map<std::string, double> reference;  // ns/px at 1800x1500
     for (const auto& [width, height] : sizes)
         for (const Row& row : size_rows(bench, made_up_case(width, height), 4)) {
             if (row.som_s.empty()) continue;

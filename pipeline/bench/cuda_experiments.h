@@ -1,4 +1,4 @@
-// The experiments of `hexrelief bench cuda`, by the paper's figures.
+// The experiments of `hexrelief bench cuda`, one for each of the paper's figures.
 #pragma once
 
 #include <functional>
@@ -13,20 +13,21 @@
 
 namespace hexrelief::cuda_bench {
 
+// The input and output of the experiments.
 struct Bench {
     const CudaBenchOptions& options;
-    const std::vector<FoundMap>& found;  // empty = the made-up scene takes their place
-    paper::Config paper;                 // where an experiment does not vary it
+    const std::vector<FoundMap>& found;  // empty = the synthetic scene is used instead
+    paper::Config paper;                 // for experiments that do not vary it
     Solvers& solvers;
-    std::function<void(Row)> emit;                       // takes each row as it comes
-    std::function<void(const std::string&)> note;        // and a line for people
-    std::map<std::pair<int, std::string>, int> fastest;  // block of (co, kernel), from `blocks`
+    std::function<void(Row)> emit;                       // receives each row as it is measured
+    std::function<void(const std::string&)> note;        // receives a line for people
+    std::map<std::pair<int, std::string>, int> fastest;  // fastest block of (co, kernel), found by `blocks`
 };
 
-// Names in the paper's order.
+// Returns the experiments' names in the paper's order.
 const std::vector<std::string>& experiment_names();
 
-// Throws as run_bench_cuda.
+// Runs one experiment. Throws what run_bench_cuda() throws.
 void run_experiment(Bench& bench, const std::string& name);
 
 }  // namespace hexrelief::cuda_bench

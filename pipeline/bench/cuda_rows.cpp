@@ -8,7 +8,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Milliseconds with a digit that still means something; "-" for none.
+// Returns milliseconds with as many digits as are meaningful; "-" for none.
 std::string ms(double seconds) {
     if (!std::isfinite(seconds)) return "-";
     const double value = seconds * 1e3;

@@ -11,8 +11,8 @@ namespace hexrelief::cuda_bench {
 
 struct Row {
     std::string experiment, map;
-    std::string solver;  // "paper" (the paper baseline), "hexrelief" (ours on its schedule), "default", ...
-    // of the paper baseline, else empty or 0
+    std::string solver;  // "paper" (the paper baseline), "hexrelief" (ours with its schedule), "default", ...
+    // For the paper baseline only, else empty or 0.
     std::string kernels, memory;
     int block_single = 0, block_extraction = 0, block_search = 0, block_learning = 0;
     Times single_s, extraction_s, search_s, learning_s;  // sums over a run's iterations; empty = not timed
@@ -29,11 +29,11 @@ struct Row {
     double nanoseconds_per_pixel() const { return som_s.median() * 1e9 / width / height; }
 };
 
-// Two lines above the rows.
+// Returns the two lines above the rows.
 std::string headings();
-// One line, line feed included.
+// Returns one line, with its line feed.
 std::string row_text(const Row& row);
-// What does not apply is left out.
+// Returns the row as JSON; fields that do not apply are left out.
 nlohmann::ordered_json row_json(const Row& row);
 
 }  // namespace hexrelief::cuda_bench

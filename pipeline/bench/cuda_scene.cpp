@@ -10,7 +10,8 @@ namespace {
 constexpr int kBalls = 24;
 constexpr float kUnknownShare = 0.02f;
 
-// Uniform in [0, 1); an integer hash (splitmix64), so that no library decides what the scene is.
+// Returns a number uniform in [0, 1), by an integer hash (splitmix64), so that the scene does not
+// depend on a library.
 float uniform(std::uint64_t counter) {
     std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15ull;
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;

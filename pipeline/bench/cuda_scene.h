@@ -1,13 +1,13 @@
-// A made-up scene of any size for `hexrelief bench cuda`.
+// A synthetic scene of any size for `hexrelief bench cuda`.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief {
 
-// Disparities of 6 to 64 px: a floor that comes nearer downwards, a far wall, two dozen balls, a strip at the
-// left that is unknown as in a matched pair. The same scene at every size, the same values on every machine.
-// Precondition: both sides >= 1.
+// Returns disparities of 6 to 64 px: a floor that comes nearer downwards, a far wall, two dozen balls, and an
+// unknown strip on the left, as in a matched pair. The scene is the same at every size, the values are the
+// same on every machine. Precondition: both sides >= 1.
 DisparityMap made_up_scene(int width, int height);
 
 }  // namespace hexrelief

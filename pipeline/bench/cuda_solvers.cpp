@@ -50,7 +50,7 @@ Row measure(const Case& c, const std::string& solver, const Backend& backend, co
         const MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
         row.stage_s.runs.push_back(now_seconds() - start);
         if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
-        if (run > 0) continue;  // the same bytes in every run
+        if (run > 0) continue;  // every run gives the same bytes
         row.iterations = result.iterations;
         row.device_bytes = result.device_bytes;
         add_quality(c, result.mesh, threads, costs, row);

@@ -1,4 +1,5 @@
-// What `hexrelief bench cuda` measures: the paper baseline, our program on the device and on the CPU.
+// The solvers that `hexrelief bench cuda` measures: the paper baseline, our program on the device
+// and on the CPU.
 #pragma once
 
 #include <memory>
@@ -12,32 +13,33 @@
 
 namespace hexrelief::cuda_bench {
 
+// A map to be meshed.
 struct Case {
     std::string map;  // its name
     DisparityMap disparity;
     DensityMap density;
 };
 
-// Our configuration for the paper baseline's schedule: Table 1 on one level, with a free border.
+// Returns our configuration with the paper baseline's schedule: Table 1 on one level, with a free border.
 MeshConfig same_schedule(const paper::Config& config);
 
 class Solvers {
   public:
-    explicit Solvers(int threads);  // >= 1; throws Error(device) where no CUDA device is usable
+    explicit Solvers(int threads);  // >= 1; throws Error(device) if no CUDA device is usable
     ~Solvers();
     const std::string& device() const;
     const std::string& cpu() const;
 
-    // Each measures `runs` times, after one run that is not counted. The paper baseline makes none of those
-    // where it runs at most three times. Its %cost differs from run to run: the median of the first three.
+    // Measure `runs` runs, after one that is not counted; the paper baseline has no such run if `runs` is at
+    // most three. Its %cost differs from run to run: the median of the first three is taken.
     Row paper(const Case& c, const paper::Config& config, int runs);
     Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
-    // The default's lattice cut along silhouettes, by CUDA: som_s is its kernels' time, stage_s that of the
-    // whole call.
+    // Measures cutting the default configuration's lattice along silhouettes by CUDA: som_s is the kernels'
+    // time, stage_s that of the whole call.
     Row cut_mesh(const Case& c, int runs);
-    // One run, without the uncounted one.
+    // Measures one run, without an uncounted one before.
     Row on_cpu(const Case& c, const MeshConfig& config);
-    // Gives the paper baseline's memory back.
+    // Frees the paper baseline's memory.
     void release();
 
   private:

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace table2;
 
-// The ground truth's file, or nothing where the folder does not hold it.
+// Returns the ground truth's file, or nothing if the folder does not hold it.
 std::optional<fs::path> file_of(const fs::path& data, const PaperMap& map) {
     for (const char* name : {"disp.png", "disp.pgm"})
         if (const fs::path path = data / map.folder / name; fs::is_regular_file(path)) return path;

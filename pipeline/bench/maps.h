@@ -1,4 +1,4 @@
-// The benchmarks' maps: names given on the command line, files in a folder with Middlebury's sets.
+// The maps of the benchmarks: names given on the command line, and files in a folder with Middlebury's sets.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 
 namespace hexrelief {
 
-// Throws Error(usage) naming the option where `given` holds a name that is not among the known ones.
+// Throws Error(usage) naming the option if one of `given` is not a known name.
 void check_names(const std::vector<std::string>& given, const std::vector<std::string>& known,
                  const char* option);
-// True where the name is given or none is.
+// True if the name is given, or if no names are given.
 bool wanted(const std::vector<std::string>& names, const std::string& name);
 
 struct FoundMap {
@@ -21,13 +21,13 @@ struct FoundMap {
     std::filesystem::path path;
 };
 
-// The paper's maps that are in one of `sets` (the paper's names; empty = all), among `names` (empty = all)
-// and in the folder `data`; `missing` gets a line for each that the folder lacks. Throws Error: usage for a
-// name that is not known, input where there is no such folder or none of the maps in it.
+// Returns the paper's maps that are in one of `sets` (the paper's names; empty = all), among `names` (empty =
+// all) and in the folder `data`; `missing` gets a line for each map that the folder lacks. Throws
+// Error(usage) for an unknown name, Error(input) if there is no such folder or it has none of the maps.
 std::vector<FoundMap> find_maps(const std::filesystem::path& data, const std::vector<std::string>& sets,
                                 const std::vector<std::string>& names, std::vector<std::string>& missing);
 
-// In px. Throws Error(input).
+// Reads a map, in px. Throws Error(input).
 DisparityMap load_map(const FoundMap& found);
 
 }  // namespace hexrelief

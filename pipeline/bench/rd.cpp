@@ -32,11 +32,12 @@ using Json = nlohmann::ordered_json;
 constexpr int kOthersBits = 12;  // of the other meshers' positions
 constexpr int kPeersBits[] = {10, 12};
 constexpr int kLevel = 7;
-constexpr double kStep_px = 4;  // triangles across more are taken out before simplification
-// Bits that Draco spends on a vertex of an irregular triangulation at 12 bits: aims the simplification at the
-// bytes of the uniform grids.
+constexpr double kStep_px = 4;  // triangles across larger steps are removed before simplification
+// Bits that Draco needs per vertex of an irregular triangulation at 12 bits; used to aim the simplification
+// at the uniform grids' bytes.
 constexpr double kIrregularBits = 21;
-constexpr double kCompared_px[] = {10, 6, 4};  // uniform grids whose bytes all are compared at
+// Spacings of the uniform grids at whose bytes all methods are compared.
+constexpr double kCompared_px[] = {10, 6, 4};
 
 const std::vector<std::string> kPresets{"default", "quality", "compact", "paper"};
 const std::vector<std::string> kSets{"first", "L"};
@@ -56,7 +57,7 @@ std::vector<std::string> other_meshers() {
     return names;
 }
 
-// In the order of the tables.
+// Returns the methods in the order of the tables.
 std::vector<std::string> known_methods() {
     std::vector<std::string> known = kPresets;
     const std::vector<std::string> others = other_meshers();
@@ -64,7 +65,7 @@ std::vector<std::string> known_methods() {
     return known;
 }
 
-// Those asked for, the uniform grid, whose bytes all are compared at, and all peers.
+// Returns the chosen methods, the uniform grid, at whose bytes all are compared, and all peers.
 std::vector<std::string> methods_of(const RdOptions& options, const std::vector<Peer>& peers) {
     const std::vector<std::string> known = known_methods();
     std::vector<std::string> methods;
@@ -95,7 +96,8 @@ SurfaceMesh with_positions(SurfaceMesh mesh) {
     return mesh;
 }
 
-// The fewest bits that keep every coordinate within tolerance_px; Draco's steps are the largest extent's.
+// Returns the fewest bits that keep every coordinate within tolerance_px; Draco's step is that
+// of the largest extent.
 int bits_for(const SurfaceMesh& mesh, double tolerance_px) {
     const double extent = bounds_of(mesh.positions).widest_side();
     int bits = 1;
@@ -103,7 +105,7 @@ int bits_for(const SurfaceMesh& mesh, double tolerance_px) {
     return bits;
 }
 
-// One map with what all its meshes need, and the points measured so far.
+// One map, the data that all its meshes need, and the points measured so far.
 struct MapBench {
     const RdOptions& options;
     int threads;
@@ -157,7 +159,7 @@ struct MapBench {
         }
     }
 
-    // The compared grids come first, and are made whatever spacings are asked for.
+    // Adds the uniform grids: the compared ones first, whatever spacings are chosen.
     void add_uniform() {
         std::vector<double> spacings(std::begin(kCompared_px), std::end(kCompared_px));
         for (const double spacing : options.spacings)
@@ -170,8 +172,8 @@ struct MapBench {
         }
     }
 
-    // From a third of the smallest grid's bytes on: small triangulations come out larger than aimed at, as
-    // borders take a larger part of them.
+    // Adds simplified meshes, beginning with a third of the smallest grid's bytes: small triangulations come
+    // out larger than aimed at, because their borders are a larger part of them.
     void add_simplified(const std::string& method) {
         SurfaceMesh full = uniform_mesh(map, background_px, 1);
         if (method == "meshopt+cut") full = without_steps(std::move(full), kStep_px);
@@ -198,7 +200,7 @@ struct MapBench {
         }
     }
 
-    // The uniform grids come first: the others are aimed at their bytes.
+    // Adds all meshes. The uniform grids come first, because the others are aimed at their bytes.
     void add_all(const std::vector<std::string>& methods, const std::vector<Peer>& peers) {
         add_uniform();
         for (const std::string& method : methods)

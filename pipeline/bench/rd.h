@@ -12,23 +12,24 @@ namespace hexrelief {
 
 struct RdOptions {
     std::filesystem::path data;        // Middlebury's maps, as for table2.h
-    std::vector<std::string> maps;     // by the paper's names; empty = its small and its largest ones
-    std::vector<std::string> methods;  // of presets and other meshers; empty = all
-    // "NAME=DIR": meshes of other programs (rd_peers.h), compared with whatever methods are asked for
+    std::vector<std::string> maps;     // the paper's names; empty = its small and its largest maps
+    std::vector<std::string> methods;  // presets and other meshers; empty = all
+    // "NAME=DIR": meshes of other programs (rd_peers.h), compared with the chosen methods
     std::vector<std::string> peers;
     std::vector<double> spacings{4, 5, 6, 7.5, 9, 10, 12, 15, 18};  // px, of lattices and uniform grids
-    std::vector<std::string> settings;              // "key.path=value", on top of every preset
-    int threads = 0;                                // 0 = all that the process may use
-    std::filesystem::path json;                     // also written there; empty = not
-    std::function<void(const std::string&)> warns;  // told of settings by old names; may be empty
+    std::vector<std::string> settings;  // "key.path=value", on top of every preset
+    int threads = 0;                    // 0 = all that the process may use
+    std::filesystem::path json;         // the results as JSON; empty = not written
+    // Receives warnings about settings with old names; may be empty.
+    std::function<void(const std::string&)> warns;
 };
 
-// Writes the tables to `out` as they come. Every mesh holds positions alone, x, y and disparity in px, is
-// compressed by Draco at level 7 and measured as decoded. Other meshers' meshes are quantised to 12 bits,
-// peers' files to 10 and to 12 bits, those of presets to tolerance_px. A peer's files may be of many kinds:
-// where all are compared, those count that no other beats in both bytes and error. Throws Error: usage for a
-// name that is not known or spacings out of range, input where a map or a peer's file cannot be read, output
-// where the JSON file cannot be written.
+// Writes the tables to `out` as they are measured. Every mesh is reduced to positions (x, y and disparity in
+// px), compressed by Draco at level 7 and measured as decoded. Positions are quantised to 12 bits in other
+// meshers' meshes, to 10 and to 12 bits in peers' files, and to tolerance_px in those of presets. A peer may
+// have files of many kinds: in the comparison of all methods only those count that no other one beats in both
+// bytes and error. Throws Error(usage) for an unknown name or spacings out of range, Error(input) if a map or
+// a peer's file cannot be read, Error(output) if the JSON file cannot be written.
 void run_bench_rd(const RdOptions& options, std::ostream& out);
 
 }  // namespace hexrelief

@@ -16,7 +16,7 @@
 namespace hexrelief::rd {
 namespace {
 
-// Pixels from 0 to size - 1, both included, about `spacing_px` apart.
+// Returns pixels from 0 to size - 1, both included, about `spacing_px` apart.
 std::vector<int> grid_lines(int size, double spacing_px) {
     const int steps = std::max(1, static_cast<int>(std::lround((size - 1) / spacing_px)));
     std::vector<int> lines;
@@ -25,8 +25,8 @@ std::vector<int> grid_lines(int size, double spacing_px) {
     return lines;
 }
 
-// The map with each unknown pixel at the farther of its row's nearest known disparities (0 in a row without
-// any), so that no grid spends bytes on the silhouettes of holes that nothing is known about.
+// Returns the map with each unknown pixel at the farther one of its row's nearest known disparities (0 in a
+// row without any), so that no grid spends bytes on the silhouettes of holes.
 DisparityMap filled(DisparityMap map) {
     std::vector<float> before(map.width);
     for (int y = 0; y < map.height; ++y) {
@@ -68,7 +68,7 @@ SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triang
 SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads) {
     const DensityMap density = compute_density(map, config.density);
     const MeshResult solved = solve_mesh(density, config.mesh, threads, {});
-    // any camera will do, because errors are measured in the image
+    // Any camera will do, because errors are measured in the image.
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
     DisparityMesh cut_mesh =
         cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.surface, threads);
@@ -119,7 +119,7 @@ bool has_simplification() {
 }
 
 SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles) {
-    constexpr float kAnyError = 1e9f;  // the number of triangles alone decides
+    constexpr float kAnyError = 1e9f;  // only the number of triangles decides
     std::vector<float> points;
     points.reserve(3 * full.disparities.size());
     for (std::size_t i = 0; i < full.disparities.size(); ++i)

@@ -1,4 +1,4 @@
-// The meshes that `hexrelief bench rd` compares. All are in the image: points in px, a disparity each.
+// The meshes that `hexrelief bench rd` compares. All are in the image: points in px, with a disparity each.
 #pragma once
 
 #include <vector>
@@ -9,23 +9,23 @@
 
 namespace hexrelief::rd {
 
-// By a preset's configuration, on the CPU. Throws Error where the map leaves nothing to mesh.
+// Makes the mesh of a preset's configuration, on the CPU. Throws Error if the map leaves nothing to mesh.
 SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads);
 
-// A rectangular grid with a vertex about every spacing_px both ways, from the first pixel's centre to the
-// last one's, each taking its pixel's disparity; triangles without a corner in the foreground (>=
+// Makes a rectangular grid with a vertex about every spacing_px both ways, from the first pixel's centre to
+// the last one's. Each vertex takes its pixel's disparity; triangles without a corner in the foreground (>=
 // background_px) are left out.
 SurfaceMesh uniform_mesh(const DisparityMap& map, float background_px, double spacing_px);
 
-// The vertices that these triangles use, in their order, and the triangles.
+// Returns the vertices that these triangles use, in their order, and the triangles.
 SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles);
 
-// True where the program was built with meshoptimizer.
+// True if the program was built with meshoptimizer.
 bool has_simplification();
-// meshoptimizer's simplification of a mesh down to about `triangles`. Throws std::logic_error without
-// meshoptimizer.
+// Returns meshoptimizer's simplification of a mesh to about `triangles`.
+// Throws std::logic_error without meshoptimizer.
 SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles);
-// A mesh without the triangles whose disparities differ by more than step_px.
+// Returns the mesh without triangles whose disparities differ by more than step_px.
 SurfaceMesh without_steps(SurfaceMesh full, double step_px);
 
 }  // namespace hexrelief::rd

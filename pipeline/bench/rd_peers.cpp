@@ -16,7 +16,7 @@ using Words = std::vector<std::string_view>;
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t(1) << 32;
 
-// What is wrong with the line is thrown as text, for the caller to add file and line number.
+// The error in a line, thrown as text; the caller adds file and line number.
 using Wrong = std::string;
 
 float coordinate(std::string_view word) {
@@ -31,7 +31,7 @@ void add_vertex(const Words& words, SurfaceMesh& mesh) {
     mesh.disparities.push_back(coordinate(words[3]));
 }
 
-// "7", "7/1", "7//2" or "7/1/2"; below 0 counted from the last vertex so far.
+// Parses "7", "7/1", "7//2" or "7/1/2"; negative numbers count from the last vertex so far.
 std::uint32_t corner(std::string_view word, std::size_t vertices) {
     long long index = 0;
     const auto end = std::from_chars(word.data(), word.data() + word.size(), index);

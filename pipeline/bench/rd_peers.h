@@ -14,15 +14,15 @@ struct Peer {
     std::filesystem::path folder;
 };
 
-// From "NAME=DIR". Throws Error: usage where a part is missing, input where there is no such folder.
+// Parses "NAME=DIR". Throws Error(usage) if a part is missing, Error(input) if there is no such folder.
 Peer peer_of(const std::string& text);
 
-// The peer's meshes of a map, sorted by name: FOLDER/MAP.obj and FOLDER/MAP_*.obj. None = empty.
+// Returns the peer's meshes of a map, sorted by name: FOLDER/MAP.obj and FOLDER/MAP_*.obj; may be empty.
 std::vector<std::filesystem::path> peer_files(const Peer& peer, const std::string& map);
 
-// Vertices are x, y and disparity in px; the centre of the image's first pixel is (0.5, 0.5). Faces may have
-// any number of corners, texture coordinates and normals, which are left out. Vertices that no face uses are
-// dropped. Throws Error(input) naming file and line.
+// Reads a mesh whose vertices are x, y and disparity in px; the centre of the image's first pixel is (0.5,
+// 0.5). Faces may have any number of corners; texture coordinates and normals are ignored. Vertices that no
+// face uses are dropped. Throws Error(input) naming file and line.
 SurfaceMesh read_peer_mesh(const std::filesystem::path& path);
 
 }  // namespace hexrelief::rd

@@ -10,6 +10,7 @@
 
 namespace hexrelief::rd {
 
+// A mesh of a method: its size and its error.
 struct Point {
     std::string map, method;
     double spacing_px = 0;  // of the lattice or grid; 0 = none
@@ -19,19 +20,19 @@ struct Point {
     SurfaceQuality quality;
 };
 
-// A figure of a method's points on one map at `bytes`: interpolated between the two nearest points on
+// Returns a figure of a method's points on one map at `bytes`: interpolated between the two nearest points on
 // logarithmic scales; nothing outside the points' range.
 std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
                                double SurfaceQuality::*figure);
 
-// Without those points of a method that another one of its own on the same map beats: no more bytes, less
-// error of both views.
+// Returns the points without those of `method` that another point of the same method and map beats: no more
+// bytes, and less error of both views.
 std::vector<Point> without_beaten(const std::vector<Point>& points, const std::string& method);
 
 // All methods at the bytes of one uniform grid.
 struct Comparison {
     std::string map;
-    double spacing_px = 0;  // of that grid
+    double spacing_px = 0;  // spacing of that grid
     std::size_t bytes = 0;
     struct Entry {
         std::string method;
@@ -43,26 +44,26 @@ struct Comparison {
 Comparison compare(const std::vector<Point>& points, const Point& uniform,
                    const std::vector<std::string>& methods);
 
-// The least error of both views among the other meshers' entries, with its method; nothing where none has
-// one.
+// The least error of both views among the other meshers' entries, with its method.
 struct Best {
     std::string method;
     double duo;
 };
 std::optional<Best> best_other(const Comparison& comparison, const std::vector<std::string>& others);
 
-// Geometric mean over the comparisons at grids of spacing_px: the method's error of both views as a share of
-// the best other mesher's.
+// The geometric mean, over the comparisons at grids of spacing_px, of the ratio between the method's error of
+// both views and the best other mesher's.
 struct Mean {
     std::string method;
     double spacing_px = 0;
-    int maps = 0, maps_below = 0;  // below: where the method is better than the best other mesher
+    // maps_below: those on which the method is better than the best other mesher.
+    int maps = 0, maps_below = 0;
     double share = 0;
 };
 std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const std::string& method,
                                const std::vector<std::string>& others, double spacing_px);
 
-// What the columns hold, and their names.
+// Returns the meaning of the columns, and their names.
 std::string headings();
 std::string point_text(const Point& point);
 std::string comparison_text(const Comparison& comparison, const std::vector<std::string>& others);

@@ -1,4 +1,4 @@
-// What all benchmarks share: the text of their rows, the times in them, the file that they go to.
+// Functions that all benchmarks share: the text of their rows, the times in them, the file that they go to.
 #pragma once
 
 #include <cstdio>
@@ -19,17 +19,18 @@ struct Times {
     double most() const;
 };
 
-// As printf() writes them; a longer row than 512 bytes is cut off.
+// Formats a row as printf() does; cut off after 511 bytes.
 std::string format(const char* pattern, auto... values) {
     char text[512];
     std::snprintf(text, sizeof text, pattern, values...);
     return text;
 }
 
-// Names of scenes need not be UTF-8: what is not becomes U+FFFD. indent as of dump(); -1 = one line.
+// Returns JSON as text. Names of scenes may not be UTF-8: invalid bytes become U+FFFD. indent: as for dump();
+// -1 = one line.
 std::string json_text(const nlohmann::ordered_json& json, int indent);
 
-// Write nothing where no path is given. Throw Error(output).
+// Write a file, or nothing if the path is empty. Throw Error(output).
 void write_json(const std::filesystem::path& path, const std::string& text);
 void write_json(const std::filesystem::path& path, const nlohmann::ordered_json& json);
 

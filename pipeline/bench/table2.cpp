@@ -24,11 +24,13 @@ namespace fs = std::filesystem;
 using namespace table2;
 using Json = nlohmann::ordered_json;
 
-constexpr long long kSmallMap_px = 250000;  // the paper's S maps; the sequential method takes a second there
+// The paper's S maps; the sequential method takes a second for them.
+constexpr long long kSmallMap_px = 250000;
 
 const std::vector<std::string> kMethods{"sequential", "paper", "som", "default"};
 
-// Table 1 with section 6.4's radius, one level, on the paper's free border: both of the paper's own methods.
+// Returns Table 1 with section 6.4's radius, one level, on the paper's free border: used by both of
+// the paper's own methods.
 MeshConfig paper_schedule(int ssr) {
     MeshConfig config;
     config.levels = 1;
@@ -60,7 +62,7 @@ struct Method {
     DensityConfig density;
 };
 
-// The sequential method is the CPU's by definition.
+// True for the sequential method, which only exists on the CPU.
 bool needs_cpu(const std::string& method) {
     return method == "sequential";
 }
@@ -78,13 +80,14 @@ double seconds_of(const std::function<void()>& work) {
     return now_seconds() - start;
 }
 
-// The whole surface stage with its default configuration. The camera does not matter: only time is measured.
+// Runs the whole surface stage in its default configuration. The camera does not matter: only
+// the time is measured.
 void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const int width = map.disparity.width, height = map.disparity.height;
     const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
     const DisparityMesh cut_mesh =
         cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
-    // the paper's schedule may leave a tiny map's lattice mirrored, with no triangle to keep
+    // The paper's schedule may leave a tiny map's lattice mirrored, with no triangle to keep.
     if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
 }
 
@@ -118,7 +121,7 @@ Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, c
     return row;
 }
 
-// The first call on a device pays for its context, which belongs to no map.
+// Makes a first call on a device, which also creates its context, which belongs to no map.
 void warm_up(const Backend& backend, const LoadedMap& map) {
     MeshConfig config;
     config.t_max = 1;

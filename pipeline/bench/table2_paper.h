@@ -1,4 +1,4 @@
-// The paper's Table 2: its maps, where Middlebury's folders keep them, and its figures.
+// The paper's Table 2: its maps, their folders in Middlebury's data sets, and its figures.
 #pragma once
 
 #include <array>
@@ -6,9 +6,9 @@
 namespace hexrelief::table2 {
 
 struct PaperMap {
-    const char* set;  // of maps that the paper averages over
+    const char* set;  // the maps that the paper averages over
     const char* name;
-    const char* folder;  // of Middlebury's data sets
+    const char* folder;  // in Middlebury's data sets
     double scale;        // raw value / scale = px; raw 0 is unknown
     int ssr;
     double gpu_s, cpu_s, gpu_cost, cpu_cost;  // s and %cost; means of ten runs on hardware of 2012

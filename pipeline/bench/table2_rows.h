@@ -16,11 +16,11 @@ struct Row {
     std::string method, backend;
     int width = 0, height = 0, columns = 0, rows = 0, cell_columns = 0, cell_rows = 0, ssr = 0, crr = 0;
     int iterations = 0;
-    Times mesh, surface;  // of the two stages; the surface's is the CPU's on every backend
+    Times mesh, surface;  // of the two stages; the surface stage runs on the CPU for every backend
     MeshQuality quality;
 };
 
-// Means over the rows of one set, method and backend; the paper's over the same maps.
+// Means over the rows of one set, method and backend, and the paper's over the same maps.
 struct Average {
     std::string set, method, backend;
     int maps = 0;
@@ -29,12 +29,12 @@ struct Average {
     double gpu_s = 0, cpu_s = 0, gpu_cost = 0, cpu_cost = 0;
 };
 
-// One entry for each method and backend that the set's rows hold.
+// Returns the means for each method and backend in the set's rows.
 std::vector<Average> averages(const std::vector<Row>& rows, const std::string& set);
 
-// Two lines above the rows.
+// Returns the two lines above the rows.
 std::string headings();
-// One line each, line feed included.
+// Each returns one line, with its line feed.
 std::string row_text(const Row& row);
 std::string average_text(const Average& average);
 

@@ -10,10 +10,11 @@
 namespace hexrelief {
 namespace {
 
-// Rough slopes on logarithmic scales, measured on Middlebury's maps: the first step of each search.
+// Rough slopes on logarithmic scales, measured on Middlebury's maps: they give the first step of each search.
 constexpr double kVertexSlope = -2, kByteSlope = -1.5, kErrorSlope = 0.8;
-constexpr int kTolerances = 3;         // the configured one, twice and four times it
-constexpr double kTextureShare = 0.5;  // of the bytes, at most
+// Number of tolerances tried: the configured one, twice and four times it.
+constexpr int kTolerances = 3;
+constexpr double kTextureShare = 0.5;  // largest share of the bytes
 
 std::string number(double value) {
     char text[64];
@@ -57,7 +58,7 @@ struct Search {
     }
 };
 
-// The best mesh beside the texture in use.
+// Returns the best mesh for the texture in use.
 std::optional<BudgetResult> fit_mesh_bytes(double limit, Search& search, SpacingFound& nearest) {
     const BudgetJob& job = search.job;
     std::optional<BudgetResult> best;
@@ -65,7 +66,7 @@ std::optional<BudgetResult> fit_mesh_bytes(double limit, Search& search, Spacing
     for (int i = 0; i < (job.compressed ? kTolerances : 1); ++i) {
         const double tolerance_px = job.tolerance_px * (1 << i);
         const auto found = search.find(limit, kByteSlope, start_px, tolerance_px, job.bytes, nearest);
-        if (!found) continue;  // a coarser tolerance may still do
+        if (!found) continue;  // a coarser tolerance may still succeed
         search.settle(found->spacing_px, tolerance_px);
         const double error_px = job.error_px();
         if (best && error_px >= least_error_px) break;
@@ -81,7 +82,7 @@ BudgetResult fit_bytes(double limit, Search& search) {
     SpacingFound nearest;
     std::optional<BudgetResult> best;
     if (job.texture && search.solve(job.start_px, job.tolerance_px)) {
-        // A share of 0 is the smallest texture of all.
+        // A share of 0 gives the smallest texture of all.
         for (const double share : {kTextureShare, kTextureShare / 2, 0.0}) {
             const TextureChoice chosen = choose_texture(*job.texture, limit, share, job.texture_bytes);
             job.use_texture(chosen);

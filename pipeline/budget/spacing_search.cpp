@@ -7,9 +7,9 @@ namespace hexrelief {
 namespace {
 
 constexpr int kMostSolves = 12;
-constexpr double kNearLimit = 0.97;  // of the limit: near enough
-constexpr double kBracket = 1.01;    // ratio of two spacings: near enough
-constexpr double kLargestStep = 4;   // ratio of a spacing to the last one
+constexpr double kNearLimit = 0.97;  // share of the limit that is near enough
+constexpr double kBracket = 1.01;    // ratio of two spacings that is near enough
+constexpr double kLargestStep = 4;   // largest ratio of a spacing to the last one
 
 struct Tried {
     double spacing_px;
@@ -20,8 +20,9 @@ double hundredths(double spacing_px) {
     return std::round(spacing_px * 100) / 100;
 }
 
-// Where the line through two points, on logarithmic scales, meets the limit. Kept away from both points:
-// the figure is no straight line, and the search could else move one of them alone, in ever smaller steps.
+// Returns the spacing at which the line through two points, on logarithmic scales, meets the limit. It stays
+// away from both points: the figure is not a straight line, and the search could otherwise move only one of
+// them, in ever smaller steps.
 double between(const Tried& a, const Tried& b, double limit) {
     double share = 0.5;
     const double from = std::log(a.value), to = std::log(b.value);
@@ -35,7 +36,7 @@ std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const Sp
                                            SpacingFound& nearest) {
     const bool falls = search.slope < 0;
     double most_px = search.most_px;
-    std::optional<Tried> kept, broken;  // the best that keeps the limit, the nearest to it that does not
+    std::optional<Tried> kept, broken;  // the best that keeps the limit, and the nearest to it that does not
     double spacing_px = hundredths(std::clamp(search.start_px, search.least_px, most_px));
     nearest = {};
     int solves = 0;

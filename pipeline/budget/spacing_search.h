@@ -1,4 +1,4 @@
-// The lattice spacing at which a figure of the mesh meets a limit, in as few solves as can be.
+// Finds the lattice spacing at which a figure of the mesh meets a limit, in as few solves as possible.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 namespace hexrelief {
 
 struct SpacingSearch {
-    double limit = 0;  // the figure may be at most this; > 0
-    // About how fast the figure grows with the spacing, both as logarithms; its sign must be right.
+    double limit = 0;  // upper limit of the figure; > 0
+    // Rough slope of the figure over the spacing, both as logarithms; its sign must be right.
     double slope = -2;
     double start_px = 6;  // tried first
     double least_px = 2;  // range of the spacing
@@ -17,17 +17,18 @@ struct SpacingSearch {
 
 struct SpacingFound {
     double spacing_px = 0;
-    double value = 0;  // of the figure there, <= limit
-    int solves = 0;    // calls of the figure, all of them
+    double value = 0;  // the figure at this spacing, <= limit
+    int solves = 0;    // all calls of the figure
 };
 
-// The figure at a spacing (> 0), or nothing where no mesh is left at it, which counts as too coarse.
+// Returns the figure at a spacing (> 0), or nothing if no mesh is left, which counts as too coarse.
 using SpacingFigure = std::function<std::optional<double>(double)>;
 
-// A figure that falls with the spacing (slope < 0: vertices, bytes): the finest spacing found whose figure
-// keeps the limit. One that grows (slope > 0: error): the coarsest. Spacings are whole hundredths of a px; at
-// most 12 solves; ends when the figure comes within 3 % of the limit or the spacing is bracketed to 1 %.
-// Nothing where no spacing tried keeps the limit: then `nearest` holds the one that came nearest.
+// Finds the best spacing whose figure keeps the limit: the finest one if the figure falls with the
+// spacing (slope < 0: vertices, bytes), the coarsest if it grows (slope > 0: error). Spacings are
+// multiples of 0.01 px. The search ends after 12 solves, or when the figure is within 3 % of the limit or
+// the spacing is bracketed to 1 %. Returns nothing if no spacing tried keeps the limit; `nearest` then
+// holds the one that came nearest.
 std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const SpacingFigure& figure,
                                            SpacingFound& nearest);
 

@@ -6,7 +6,7 @@
 namespace hexrelief {
 namespace {
 
-// Below this quality a JPEG's blocks show, and fewer pixels look better.
+// Below this quality a JPEG's blocks are visible, and fewer pixels look better.
 constexpr int kLeastQuality = 50, kQualityStep = 10, kShrunkQuality = 70;
 constexpr int kLeastSide_px = 32;
 

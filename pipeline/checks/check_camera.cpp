@@ -11,7 +11,7 @@ using namespace checks;
 
 namespace {
 
-// Says nothing where half of the scene is at infinity, which is sky, or its median is not known.
+// Checks the median depth. Finds nothing if half of the scene is at infinity (sky) or the median is unknown.
 std::vector<Finding> check_depth(const Calibration& camera, double median_disparity_px,
                                  const std::string& advice) {
     const double depth_m = camera.focal_px * camera.baseline_m / (median_disparity_px + camera.doffs_px);

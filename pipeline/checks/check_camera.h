@@ -1,4 +1,4 @@
-// Are the depths those of a scene?
+// Checks whether a camera gives depths that a scene can have.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace hexrelief {
 
-// median_disparity_px: of the scene; NaN where it is not known. Judges only metric calibrations.
+// Checks a metric calibration; others are not judged. median_disparity_px: of the scene; NaN if unknown.
 std::vector<Finding> check_camera(const Calibration& camera, double median_disparity_px);
-// Of a depth map, whose depths are in metres whatever the baseline that its disparities were made with.
+// As check_camera(), for a depth map, whose depths are in metres whatever baseline its
+// disparities were made with.
 std::vector<Finding> check_depths(const Calibration& camera, double median_disparity_px);
 
 }  // namespace hexrelief

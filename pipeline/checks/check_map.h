@@ -1,4 +1,4 @@
-// Is it a disparity map in px, and is the picture that of its view?
+// Checks whether a map holds disparities in px, and whether the picture is that of its view.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace hexrelief {
 
 enum class MapKind { disparity, depth };
 
-// What a map that was read seems to be wrong in; left: the picture of the same view and size, or empty. Of a
-// depth map the disparities that were made from it, whose scale is then not judged.
+// Returns what seems to be wrong with a map. left: the picture of the same view and size, or empty. For a
+// depth map, `map` holds the disparities made from it, whose scale is not judged.
 std::vector<Finding> check_map(const DisparityMap& map, const Image& left, MapKind kind = MapKind::disparity,
                                const MapScale& stored = {});
 

@@ -98,7 +98,8 @@ Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
     return {};
 }
 
-// By points anywhere, of a pair whose views agree on little, or on much at the least disparity searched.
+// Examines a pair by points anywhere, if its views agree on little, or on much at
+// the least disparity searched.
 Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRange& range, int threads) {
     const CoarsePoints points = match_coarse_points(coarse);
     const double scale = coarse.small.scale;
@@ -122,7 +123,7 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
 
 Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
                     int threads) {
-    if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses it
+    if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses such a pair
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
         return {views_equal("the same picture")};
     const double left = textured_share(coarse.small.pair.left),

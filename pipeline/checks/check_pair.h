@@ -1,4 +1,5 @@
-// Is it a rectified pair, left and right, and does the range hold its disparities?
+// Checks whether a pair is rectified, left and right are not exchanged, and the
+// range contains its disparities.
 #pragma once
 
 #include <vector>
@@ -12,11 +13,12 @@ enum class RangeOrigin { chosen, given, ndisp };
 
 struct SearchedRange {
     int min_px = 0, count_px = 0;
-    RangeOrigin origin = RangeOrigin::chosen;  // one that the program chose is not judged
+    RangeOrigin origin = RangeOrigin::chosen;  // a range that the program chose is not judged
 };
 
-// What the pair seems to be wrong in; of several that have one cause only that cause. Empty for a right pair.
-// coarse: match_coarsely(pair, ...) from at most range.min_px on. The same for any number of threads.
+// Returns what seems to be wrong with a pair; empty if nothing is. If several findings have one cause, only
+// the cause is returned. coarse: the result of match_coarsely(pair, ...) from at most range.min_px on. The
+// result is the same for any number of threads.
 std::vector<Finding> check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
                                 int threads);
 

@@ -8,10 +8,10 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kEdgeLines = 200;      // rows or columns looked at
-constexpr double kLeastStep = 0.08;  // of the range of values
+constexpr int kEdgeLines = 200;      // most rows or columns examined
+constexpr double kLeastStep = 0.08;  // as a share of the range of values
 constexpr int kMostContrast = 48;    // grey levels: a few strong edges must not outweigh all others
-constexpr int kBeside_px = 4;        // from where on the contrast is that elsewhere
+constexpr int kBeside_px = 4;        // from this offset on the contrast counts as elsewhere
 
 double least_step(const DisparityMap& map) {
     std::vector<float> known;
@@ -30,7 +30,7 @@ int contrast(const Image& image, int x, int y, int dx, int dy) {
     return std::min(most, kMostContrast);
 }
 
-// Sums of the contrast at each offset from a step.
+// The sums of the contrast at each offset from a step.
 struct Profile {
     explicit Profile(int reach_px)
         : reach(reach_px), sums(static_cast<std::size_t>(2 * reach_px + 1)), counts(sums.size()) {}

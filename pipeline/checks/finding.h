@@ -1,4 +1,4 @@
-// What an input's meaning seems to be wrong in.
+// The kinds of mistakes that an input's meaning may reveal.
 #pragma once
 
 #include <string>
@@ -26,7 +26,7 @@ enum class Mistake {
     depth_implausible,
 };
 
-// One line: what was seen with its figure, what it means, and what to do.
+// A finding as one line: what was seen, with a figure, what it means, and what to do.
 struct Finding {
     Mistake mistake;
     std::string text;

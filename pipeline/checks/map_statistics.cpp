@@ -8,14 +8,15 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kMapLines = 100;  // rows or columns looked at
-// Runs of pixels whose values change by less say nothing, and those farther from a line are no plane.
-constexpr double kLeastRange = 0.08;   // of the largest value
-constexpr double kLargestRest = 0.04;  // of the values' sum of squares
-constexpr double kTopmost = 0.03;      // of the range of values
-constexpr double kSmoothStep = 0.08;   // likewise
+constexpr int kMapLines = 100;  // most rows or columns examined
+// Runs of pixels whose values change by less than kLeastRange are ignored, and so are runs that leave more
+// than kLargestRest of a line: they are no planes.
+constexpr double kLeastRange = 0.08;   // share of the largest value
+constexpr double kLargestRest = 0.04;  // share of the values' sum of squares
+constexpr double kTopmost = 0.03;      // share of the range of values
+constexpr double kSmoothStep = 0.08;   // share of the range of values
 
-// The share of a run's sum of squares about its mean that a line leaves.
+// Returns the share of a run's sum of squares about its mean that a fitted line leaves.
 double rest_of_line(const std::vector<double>& values) {
     const double count = static_cast<double>(values.size()), middle = 0.5 * (count - 1);
     double mean = 0, spread = 0, along = 0, squares = 0;
@@ -45,7 +46,7 @@ struct Leaning {
     }
 };
 
-// Calls visit(x, y, along_x) for the first pixel of each line looked at.
+// Calls visit(x, y, along_x) for the first pixel of each line examined.
 template <typename Visit>
 void each_line(const DisparityMap& map, const Visit& visit) {
     for (int y = 0; y < map.height; y += std::max(1, map.height / kMapLines)) visit(0, y, true);
@@ -67,14 +68,15 @@ void judge_line(const DisparityMap& map, int x, int y, bool along_x, int length,
     }
 }
 
-// Neighbours of one value, and the first one's place on its line.
+// A run of equal values, and the position of its first pixel on the line.
 struct Plateau {
     float value;
     int position;
 };
 using Stretch = std::vector<Plateau>;  // smooth ground along a line
 
-// Pixels around plateau i down to a value, where the stretch goes below it on both sides; else 0.
+// Returns the number of pixels around plateau i that are not below `value`; 0 unless the stretch goes below
+// it on both sides.
 int length_above(const Stretch& stretch, std::size_t i, float value) {
     std::size_t first = i, end = i;
     while (first > 0 && stretch[first].value >= value) --first;
@@ -85,10 +87,10 @@ int length_above(const Stretch& stretch, std::size_t i, float value) {
 
 struct TurnCounts {
     int all = 0, topmost = 0;
-    int top_px = 0, slopes_px = 0;  // lengths of their first band below the top, and of four
+    int top_px = 0, slopes_px = 0;  // lengths of the first band below the top, and of the first four
 };
 
-// Counts where the values rise at least twice and then fall at least twice.
+// Counts the places where values rise at least twice and then fall at least twice.
 void count_turns(const Stretch& stretch, float high, float band, TurnCounts& turns) {
     for (std::size_t i = 2; i + 2 < stretch.size(); ++i) {
         const Plateau* v = stretch.data() + i;
@@ -125,10 +127,10 @@ MapValues measure_values(const DisparityMap& map) {
     std::stable_sort(samples.begin(), samples.end(),
                      [](const auto& a, const auto& b) { return a.value < b.value; });
     const double count = static_cast<double>(samples.size());
-    double rank = 0, sums[5] = {};  // of rank, row, their squares and product, about the middle
+    double rank = 0, sums[5] = {};  // sums of rank, row, their squares and their product, about the middle
     for (std::size_t first = 0, i = 0; i < samples.size(); ++i) {
         if (samples[i].value != samples[first].value) first = i;
-        if (first == i) {  // equal values have one rank, the middle of theirs
+        if (first == i) {  // equal values share one rank, the mean of their ranks
             std::size_t last = i;
             while (last + 1 < samples.size() && samples[last + 1].value == samples[i].value) ++last;
             rank = 0.5 * static_cast<double>(first + last) - 0.5 * (count - 1);
@@ -149,7 +151,7 @@ MapValues measure_values(const DisparityMap& map) {
 }
 
 bool are_greys(const DisparityMap& map, const MapScale& stored) {
-    constexpr double kRounding = 1e-3;  // more than what a division by the scale leaves of 255
+    constexpr double kRounding = 1e-3;  // more than the rounding of a division of 255 by the scale
     return std::ranges::all_of(map.values, [&](float d) {
         const double sample = (d - stored.offset_px) * stored.scale;
         return !DisparityMap::known(d) || (sample > -kRounding && sample < 255 + kRounding &&

@@ -1,41 +1,43 @@
-// What tells a disparity map from a picture of something else, in figures.
+// Figures that distinguish a disparity map from a picture of something else.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief {
 
-// Of known pixels all over the map.
+// Figures of known pixels sampled all over the map.
 struct MapValues {
     int count = 0;
     double median_px = 0;
-    double largest_px = 0;       // but for one in a hundred
-    bool are_bytes = true;       // all of them whole numbers up to 255
-    double row_correlation = 0;  // of ranks: above 0 where values grow downwards, as near ground does
+    double largest_px = 0;  // except for one in a hundred
+    bool are_bytes = true;  // all are integers up to 255
+    // Rank correlation of value and row; above 0 if values grow downwards, as they do on the ground.
+    double row_correlation = 0;
 };
 
 MapValues measure_values(const DisparityMap& map);
 
-// A stored sample / scale + offset_px are px.
+// The conversion to px: stored sample / scale + offset_px.
 struct MapScale {
     double scale = 1, offset_px = 0;
 };
 
-// Whether all samples were whole numbers up to 255, as a picture's grey is and hardly any map of floats.
+// True if all samples were integers up to 255, as a picture's grey levels are and hardly any map of floats.
 bool are_greys(const DisparityMap& map, const MapScale& stored);
 
-// A plane's disparities are linear in the picture, its depths are not: their reciprocals are. -1 where all
-// slanted planes are straighter as reciprocals, 1 where all are straighter as they are, 0 where none are
-// found.
+// Returns whether slanted planes are straight in the values or in their reciprocals: a plane's disparities
+// are linear in the picture, its depths are not, but their reciprocals are. -1 if all are straighter as
+// reciprocals, 1 if all are straighter as they are, 0 if none is found.
 double measure_straightness(const DisparityMap& map);
 
-// Values that rise and fall again on smooth ground. On a surface they turn anywhere; the grey of a colour map
-// rises and falls itself: slopes turn all over the picture where they come to the largest grey.
+// The places where values rise and fall again on smooth ground. On a surface they have any value. In the grey
+// of a colour-mapped picture, slopes turn all over the picture at the largest grey, because the colour map
+// itself rises and falls.
 struct TurningPoints {
     int count = 0;
-    double topmost_share = 0;  // of them within 3 % of the map's largest value
-    // Length of the first 3 % below the top in that of the first 12 %, where slopes go that far: 1/4 of a
-    // fold, 1/2 of a round top, 0 where no slope does.
+    double topmost_share = 0;  // share of them within 3 % of the map's largest value
+    // Length of the first 3 % below the top, divided by that of the first 12 %, on slopes that go down that
+    // far: 1/4 for a fold, 1/2 for a round top, 0 if there is no such slope.
     double roundness = 0;
 };
 

@@ -9,9 +9,10 @@ namespace {
 
 constexpr int kPoints = 240;
 constexpr int kBlock = 8;
-constexpr int kLeastSpread = 10;  // grey levels between a block's darkest and lightest pixels but one in ten
+// Grey levels between a block's darkest and lightest pixels, ignoring the extreme tenths.
+constexpr int kLeastSpread = 10;
 
-// In px of the full pair.
+// Returns the agreed disparities in px of the full pair, ascending.
 std::vector<double> sorted_disparities(const SmallMatch& match) {
     std::vector<double> known;
     for (const std::int16_t d : match.map.disparities)

@@ -1,4 +1,4 @@
-// What tells a right pair from a wrong one, in figures.
+// Figures that distinguish a correct pair from a wrong one.
 #pragma once
 
 #include <vector>
@@ -9,56 +9,57 @@
 
 namespace hexrelief {
 
-// Share of the reduced pair's pixels whose disparity both views agree on.
+// Returns the share of the reduced pair's pixels whose disparity both views agree on.
 double agreed_share(const SmallMatch& match);
 
-// The same of the pair with its views swapped.
+// Returns the same share for the pair with its views swapped.
 double swapped_share(const SmallMatch& match, int threads);
 
-// Half of what both views agree on has a smaller disparity, in px of the full pair. NaN where they agree on
-// nothing.
+// Returns the median of the disparities that both views agree on, in px of the full pair; NaN if
+// they agree on none.
 double median_disparity_px(const SmallMatch& match);
 
-// One colour everywhere.
+// True if all pixels have the same colour.
 bool is_blank(const Image& image);
 
-// Share of the reduced picture's blocks of 8 x 8 px that show more than noise.
+// Returns the share of the reduced picture's blocks of 8 x 8 px that show more than noise.
 double textured_share(const Image& reduced);
 
-// Rows of the right view against the left's, by points of the full pair near the coarse match's disparities.
+// Fits the right view's rows to the left's, by points of the full pair near the coarse match's disparities.
 RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse);
 
-// Points of the reduced pair at any disparity and up to an eighth of its height above or below their row:
-// finds what is too far off for the coarse match.
+// Points of the reduced pair, searched at any disparity and up to an eighth of its height above or below
+// their row, which finds points that are too far off for the coarse match.
 struct CoarsePoints {
-    std::vector<PointMatch> matches;  // those that agree with the fit
+    std::vector<PointMatch> matches;  // the matches that agree with the fit
     RowFit rows;                      // in px of the full pair
 };
 
 CoarsePoints match_coarse_points(const SmallMatch& coarse);
 
-// Points below a range that begins at min_px, and below 0, by more than half a pixel of the reduced pair.
+// The points below a range that begins at min_px, and those below 0, by more than half a pixel
+// of the reduced pair.
 struct LowEnd {
     double below_share = 0, negative_share = 0;
-    double least_px = 0;  // but for one in fifty
+    double least_px = 0;  // except for one in fifty
 };
 
 LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int min_px);
 
-// Share of what both views agree on within a pixel of the least disparity that was searched.
+// Returns the share of the agreed disparities that are within a pixel of the least disparity searched.
 double share_at_low_end(const SmallMatch& match);
 
-// Share of what both views agree on within a pixel of the reduced pair of no disparity at all.
+// Returns the share of the agreed disparities that are within a pixel of the reduced pair of 0.
 double share_at_zero(const SmallMatch& match);
 
-// The grey views' mean absolute difference at the same place in that of the left one to its next column:
-// about the disparity in px where that is below 1, and 0 of equal views.
+// Returns the mean absolute difference of the grey views at the same place, divided by that of the left view
+// to its next column. This is about the disparity in px if that is below 1, and 0 for equal views.
 double difference_over_slope(const StereoPair& pair);
 
-// What both views agree on beyond a range that ends at end_px, by more than half a pixel of the reduced pair.
+// The agreed disparities beyond a range that ends at end_px, by more than half a pixel of the reduced pair.
 struct HighEnd {
     double beyond_share = 0;
-    double largest_px = 0;  // but for one in two hundred
+    double largest_px = 0;  // except for one in two hundred
 };
 
 HighEnd measure_high_end(const SmallMatch& coarse, int end_px);

@@ -11,10 +11,10 @@ namespace {
 constexpr int kPatchColumns = 16, kPatchRows = 9;
 constexpr int kPatchPixels = kPatchColumns * kPatchRows;
 constexpr int kLeftPart = kPatchColumns / 2, kUpperPart = kPatchRows / 2;
-constexpr int kLargestCell = 24;       // px: of a larger cell only the middle is looked at
-constexpr int kLeastRowContrast = 24;  // grey levels over two neighbouring rows and the next two
+constexpr int kLargestCell = 24;       // px: only the middle of a larger cell is examined
+constexpr int kLeastRowContrast = 24;  // grey levels between the rows above and below, at distances 1 and 2
 constexpr double kLeastScore = 0.8;
-constexpr double kLeastLead = 0.05;  // of the best row's score before all but its neighbours'
+constexpr double kLeastLead = 0.05;  // of the best row's score over those of all but its neighbours
 
 struct PatchSums {
     int sum = 0, squares = 0;
@@ -35,7 +35,7 @@ double variance_of(const PatchSums& sums) {
 
 using Patch = std::array<std::uint8_t, kPatchPixels>;
 
-// Normalised correlation of the patch with that around (x, y), -1 .. 1.
+// Returns the normalised correlation of the patch with that around (x, y), -1 .. 1.
 double correlation(const Patch& patch, const PatchSums& sums, const GreyImage& right, int x, int y) {
     PatchSums other;
     int product = 0;
@@ -90,7 +90,7 @@ std::optional<PointMatch> match_point(const GreyImage& left, const GreyImage& ri
     return PointMatch{s.x, s.y, best->disparity_px, row + part};
 }
 
-// Least squares of the points that differ from `fit` by at most `limit`.
+// Returns the least squares fit to the points that differ from `fit` by at most `limit`.
 RowFit refit(const std::vector<PointMatch>& matches, const RowFit& fit, int width, int height, double limit) {
     double m[3][4] = {};
     RowFit next = fit;
@@ -105,7 +105,8 @@ RowFit refit(const std::vector<PointMatch>& matches, const RowFit& fit, int widt
         }
     }
     if (next.points == 0) return fit;
-    // A prior of no tilt, worth four points at each border: few points in one place say little of it.
+    // A prior of no tilt, worth four points at each border: few points in one place say
+    // little about the tilt.
     m[1][1] += 1.0 * width * width;
     m[2][2] += 1.0 * height * height;
     for (int i = 0; i < 3; ++i)  // the matrix is positive definite: no pivoting

@@ -1,4 +1,4 @@
-// Points of the left view found again in the right one, also above and below their row.
+// Finds points of the left view in the right one, also above and below their row.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace hexrelief {
 
-// Row-major, top row first.
+// A grey image: row-major, top row first.
 struct GreyImage {
     int width = 0, height = 0;
     std::vector<std::uint8_t> values;
@@ -18,36 +18,36 @@ struct GreyImage {
 
 GreyImage grey_of(const Image& image);
 
-// Where to look for a point of the left view: at right(x - disparity, y + row), for all disparities and rows
-// within the reach of the one expected.
+// A search for a point of the left view: at right(x - disparity, y + row), for all disparities and rows
+// within the reach of the expected disparity and of row 0.
 struct PointSearch {
     int x = 0, y = 0;
     int disparity_px = 0, reach_px = 0, row_reach_px = 0;
 };
 
-// left(x, y) is right(x - disparity_px, y + row_px).
+// A match: left(x, y) is right(x - disparity_px, y + row_px).
 struct PointMatch {
     int x = 0, y = 0;
     int disparity_px = 0;
     double row_px = 0;
 };
 
-// The points among those of a grid of about `cells` whose surroundings tell a row from the next: the
+// Returns the points of a grid of about `cells` cells that allow one row to be told from the next: the
 // strongest edge across the rows in each cell.
 std::vector<PointSearch> find_points(const GreyImage& left, int cells);
 
-// Those that have a clear best match by normalised correlation, at one row only.
+// Returns the points that have a clear best match by normalised correlation, at one row only.
 std::vector<PointMatch> match_points(const GreyImage& left, const GreyImage& right,
                                      const std::vector<PointSearch>& searches);
 
 inline constexpr double kAgree_px = 1;  // points that differ by no more agree
 
-// The rows as a plane over the picture, fitted to most of the points.
+// The rows' offset as a plane over the picture, fitted to most of the points.
 struct RowFit {
     int points = 0;
-    double agreeing_share = 0;  // of the points
+    double agreeing_share = 0;  // share of the points that agree with the plane
     double center_px = 0, per_column = 0, per_row = 0;
-    double largest_px = 0;  // at a corner of the picture, absolute
+    double largest_px = 0;  // largest absolute offset, at a corner of the picture
     double center_x = 0, center_y = 0;
 
     double at(double x, double y) const {

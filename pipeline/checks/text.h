@@ -1,4 +1,4 @@
-// Figures as warnings show them.
+// Formats figures for warnings.
 #pragma once
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace hexrelief {
 
-// Three digits or more: 0.0123, 1.23, 1234.
+// Returns a number with three digits or more: 0.0123, 1.23, 1234.
 inline std::string figure(double value) {
     char text[32];
     const double size = value < 0 ? -value : value;

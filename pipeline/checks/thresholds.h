@@ -1,45 +1,55 @@
-// Where right inputs end and wrong ones begin. Each lies between what right and wrong ones show, and not
-// close to any one scene's figure: EXPERIMENTS.md has both.
+// The thresholds between correct inputs and wrong ones. Each lies between the figures of correct and wrong
+// inputs, not close to that of any one scene: EXPERIMENTS.md has both.
 #pragma once
 
 namespace hexrelief::checks {
 
-// Pairs.
-constexpr double kLeastTexture = 0.1;     // of the reduced picture's blocks
-constexpr double kLeastAtZero = 0.98;     // of the reduced picture's known pixels; below, views are not equal
-constexpr double kMostDifference = 0.9;   // of the difference to the next column; likewise, above
-constexpr double kSureAgreement = 0.8;    // of the reduced picture; below, the pair is looked at more closely
-constexpr double kLeastAgreement = 0.45;  // likewise; below, and where points do not agree either, it is none
-constexpr int kLeastPoints = 20;          // that agree on the rows
+// Thresholds for pairs.
+constexpr double kLeastTexture = 0.1;  // least share of textured blocks of the reduced picture
+constexpr double kLeastAtZero = 0.98;  // views may be equal from this share of pixels at disparity 0 on
+// Views may be equal up to this share of the difference to the next column.
+constexpr double kMostDifference = 0.9;
+constexpr double kSureAgreement = 0.8;  // share of agreed pixels; below, the pair is examined more closely
+// Share of agreed pixels; below, and without agreeing points, the pair is unrelated.
+constexpr double kLeastAgreement = 0.45;
+constexpr int kLeastPoints = 20;  // least number of points that agree on the rows
 constexpr double kLeastAgreeingPoints = 0.7;
 constexpr double kLargestRow_px = 1;
-constexpr double kLargestCoarseRow = 0.25;  // of the reduced pair's px, beside the above
-constexpr double kSwappedBelow = 0.85;      // of the points, below 0
-constexpr double kSwappedAgreement = 0.5;   // of the reduced picture, the other way round
-constexpr double kMostBelow = 0.05;         // of the points, below the range searched
-constexpr double kMostAtLowEnd = 0.05;      // of the known pixels; above, the pair is looked at more closely
-constexpr double kMostBeyond = 0.003;       // of the reduced picture's known pixels
-constexpr double kWidestRange = 3;          // times what the scene needs
-constexpr int kFreeRange_px = 32;           // a range may always be as much wider
+// In px of the reduced pair, added to kLargestRow_px for its points.
+constexpr double kLargestCoarseRow = 0.25;
+// Least share of the points with a disparity below 0 in a swapped pair.
+constexpr double kSwappedBelow = 0.85;
+// Least share of agreed pixels the other way round in a swapped pair.
+constexpr double kSwappedAgreement = 0.5;
+constexpr double kMostBelow = 0.05;  // largest share of the points below the range searched
+// Share of the known pixels; above, the pair is examined more closely.
+constexpr double kMostAtLowEnd = 0.05;
+// Largest share of the reduced picture's known pixels beyond the range.
+constexpr double kMostBeyond = 0.003;
+constexpr double kWidestRange = 3;  // largest range, as a multiple of the scene's need
+constexpr int kFreeRange_px = 32;   // a range may always be wider than needed by this
 
-// Maps.
+// Thresholds for maps.
 constexpr int kLeastValues = 200;
 constexpr int kLeastTurns = 80;
-constexpr double kMostTopmost = 0.1;          // of the places where values turn
-constexpr double kLeastRoundness = 0.41;      // of those
-constexpr double kDepthLike = -0.25;          // correlation with the row and straightness
+constexpr double kMostTopmost = 0.1;      // largest share of turning points at the largest value
+constexpr double kLeastRoundness = 0.41;  // least roundness of these turning points
+// A sum of row correlation and straightness below this means depths.
+constexpr double kDepthLike = -0.25;
 constexpr double kLargestStraightness = 0.5;  // planes must not outweigh the correlation
-constexpr double kLargest = 0.6;              // of the width
-constexpr double kLargestOfBytes = 0.17;      // likewise, of whole numbers up to 255
-constexpr double kLeastOfLargest = 0.005;     // likewise
+constexpr double kLargest = 0.6;              // largest disparity, as a share of the width
+// Largest disparity in maps of integers up to 255, as a share of the width.
+constexpr double kLargestOfBytes = 0.17;
+constexpr double kLeastOfLargest = 0.005;  // least largest disparity, as a share of the width
 constexpr int kLeastSteps = 200;
-constexpr double kLeastContrast = 1.43;  // at the map's steps, of that around them
-constexpr double kLeastDeviations = 9;   // of it from that around
-constexpr double kLeastHere = 0.85;      // of the contrast where it is largest
+constexpr double kLeastContrast = 1.43;  // least contrast at the map's steps, relative to that around them
+constexpr double kLeastDeviations = 9;   // or least difference of the two, in standard deviations
+// Contrast at the steps, as a share of the largest one; below, the picture is shifted.
+constexpr double kLeastHere = 0.85;
 constexpr int kLeastShift_px = 3;
 
-// Cameras.
-constexpr double kLargestBaseline_m = 5;  // on vehicles 1.5 m; of phones in mm 12
+// Thresholds for cameras.
+constexpr double kLargestBaseline_m = 5;  // vehicles have 1.5 m; a phone's baseline in mm is 12
 constexpr double kLeastDepth_m = 0.05, kLargestDepth_m = 1000;
 
 }  // namespace hexrelief::checks

@@ -1,4 +1,4 @@
-// Work that is done beside the caller's.
+// Runs work in a thread beside the caller's.
 #pragma once
 
 #include <future>
@@ -6,10 +6,10 @@
 
 namespace hexrelief {
 
-// Starts `work`, which has no arguments, in a thread of its own; where the caller may use one thread only, or
-// the system has none left, it is done when its result is asked for. get() returns what it returns or throws
-// what it throws. The future waits for its work where it is destroyed, so that the work may refer to what
-// lives longer than the future.
+// Starts `work`, a callable without arguments, in a thread of its own. If `threads` is 1, or the system has
+// no thread left, the work is done by the first call of get() instead. get() returns what the work returns
+// or throws what it throws. The future's destructor waits for the work, so the work may refer to any object
+// that outlives the future.
 template <typename Work>
 auto start_work(int threads, Work work) {
     return std::async(threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred,

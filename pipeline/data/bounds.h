@@ -1,4 +1,4 @@
-// The smallest box along the axes that holds some points.
+// The axis-aligned bounding box of points.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ struct Bounds {
     float widest_side() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
 };
 
-// Precondition: there is at least one point.
+// Returns the bounding box of `points`, of which there must be at least one.
 inline Bounds bounds_of(const std::vector<Vec3f>& points) {
     Bounds bounds{points.front(), points.front()};
     for (const Vec3f& p : points) bounds.include(p);

@@ -1,11 +1,11 @@
-// Time as stages and benchmarks measure it.
+// The clock of all time measurements.
 #pragma once
 
 #include <chrono>
 
 namespace hexrelief {
 
-// Seconds on a steady clock.
+// Returns the time of a steady clock in seconds.
 inline double now_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

@@ -1,4 +1,4 @@
-// A part of a picture.
+// Parts of images.
 #pragma once
 
 #include "pipeline/data/image.h"
@@ -9,7 +9,7 @@ struct PixelRect {
     int x = 0, y = 0, width = 0, height = 0;
 };
 
-// Its alpha comes along. Precondition: the part lies inside.
+// Returns a copy of the part `rect`, with its alpha if the image has any. The part must lie inside the image.
 inline Image cropped(const Image& image, const PixelRect& rect) {
     Image part{rect.width, rect.height, image.channels, {}};
     part.pixels.reserve(static_cast<std::size_t>(rect.width) * rect.height * image.channels);

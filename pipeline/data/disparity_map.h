@@ -1,4 +1,4 @@
-// Disparities in pixels, and the rectified pair that they come from.
+// Disparity maps in pixels, and the rectified pairs that they come from.
 #pragma once
 
 #include <cmath>
@@ -13,25 +13,27 @@ namespace hexrelief {
 
 inline constexpr float kUnknownDisparity = std::numeric_limits<float>::infinity();
 
-// Where a pixel's disparity comes from: found in both views of a pair, or filled from pixels that were.
+// The origin of a pixel's disparity: matched in both views of a pair, or filled from such pixels around it.
 enum class PixelOrigin : std::uint8_t { unknown, matched, filled };
 
-// Row-major, top row first, true pixels: left(x, y) = right(x - d, y). Unknown is +infinity, never NaN.
+// Row-major, top row first; in pixels of this map: left(x, y) = right(x - d, y). Unknown
+// is +infinity, never NaN.
 struct DisparityMap {
     int width = 0;
     int height = 0;
-    std::vector<float> values;              // width * height
-    std::vector<PixelOrigin> origins = {};  // likewise, of a matched map; empty for one that was read
+    std::vector<float> values;              // width * height if the map was matched, else empty
+    std::vector<PixelOrigin> origins = {};  // width * height if the map was matched, empty if it was read
 
     float at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
     float& at(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
     static bool known(float d) { return std::isfinite(d); }
 };
 
-// Of a picture that can be rectified and matched: OpenCV counts the pixels of a side with 15 bits.
+// The largest width or height of a pair that can be rectified and matched: OpenCV counts the pixels of a
+// side with 15 bits.
 inline constexpr int kLargestPairSide_px = 32766;
 
-// Rectified: the same scene row lies on the same image row. Both images have one size.
+// A rectified pair: a point of the scene lies on the same row of both images. Both have one size.
 struct StereoPair {
     Image left;
     Image right;

@@ -1,4 +1,4 @@
-// The lattice, cut along depth discontinuities, with a disparity for each vertex.
+// The lattice mesh in the image, cut along depth discontinuities, with a disparity per vertex.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,15 @@
 
 namespace hexrelief {
 
-// Vertices are in the order of the lattice vertices that they come from, so that copies of one point are
-// neighbours. Triangles have positive area (x right, y down). An edge has at most two triangles, which run
-// through it in opposite directions. A vertex may be non-manifold: several fans of triangles touch there.
+// Vertices are in the order of the lattice vertices that they come from, so that copies of one lattice vertex
+// are adjacent in the arrays. Triangles have positive area (x right, y down). An edge has at most two
+// triangles, which run through it in opposite directions. A vertex may be non-manifold: several fans of
+// triangles touch in it.
 struct DisparityMesh {
     std::vector<Vec2f> points;       // px in the left image
     std::vector<float> disparities;  // px, finite
     std::vector<Triangle> triangles;
-    // Whether each vertex is known to hold exactly one fan. If not, it may even be unused.
+    // True if each vertex is known to belong to exactly one fan. If false, vertices may even be unused.
     bool has_one_fan_per_vertex = false;
 };
 

@@ -1,4 +1,4 @@
-// The one exception type of the libraries, with the kind that decides the process's exit code.
+// The only exception type of the libraries; its kind decides the process's exit code.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace hexrelief {
 
-// Values are the process's exit codes; anything that is not an Error is a bug and exits with 1.
+// The values are the process's exit codes. Any other exception is a bug and exits with 1.
 enum class ErrorKind {
     usage = 2,   // command line or configuration
     input = 3,   // a file that cannot be read or used
@@ -14,7 +14,7 @@ enum class ErrorKind {
     device = 5,  // a compute device that is missing or fails
 };
 
-// One line: what is wrong, where (file, key, value), and what to do about it.
+// The message is one line: what is wrong, at which file, key or value, and what to do about it.
 class Error : public std::runtime_error {
   public:
     Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}

@@ -1,4 +1,4 @@
-// Small vectors; no arithmetic beyond what the data structs need.
+// Small vectors, with no arithmetic beyond what the data structs need.
 #pragma once
 
 namespace hexrelief {
@@ -8,7 +8,7 @@ struct Vec2f {
     friend bool operator==(const Vec2f&, const Vec2f&) = default;
 };
 
-// Twice a triangle's area in the image, px^2: one with less is degenerate.
+// A triangle is degenerate if twice its area in the image, in px^2, is below this.
 inline constexpr float kDegenerateArea_px = 1e-4f;
 
 struct Vec3f {

@@ -10,9 +10,10 @@
 
 namespace hexrelief {
 
-// columns x rows vertices, row-major, odd rows shifted right by half a spacing. Positions in px of the left
-// image (pixel (x, y) is the unit square with its centre at +0.5). Every lattice quad is two triangles whose
-// signed area (x right, y down) is positive in the undeformed lattice: see quad_triangles().
+// The lattice has columns x rows vertices, row-major; odd rows are shifted right by half the spacing.
+// Positions are in px of the left image: pixel (x, y) is the unit square with its centre at +0.5. Each quad
+// of the lattice is two triangles, whose signed area (x right, y down) is positive in the undeformed lattice:
+// see quad_triangles().
 struct HexMesh2D {
     int columns = 0;
     int rows = 0;
@@ -27,8 +28,8 @@ struct HexMesh2D {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// The two triangles of the quad whose top left vertex is (column, row), as vertex indices; 0 <= column <
-// columns-1, 0 <= row < rows-1. Positive signed area in the undeformed lattice.
+// Returns, as vertex indices, the two triangles of the quad whose top left vertex is (column, row); 0 <=
+// column < columns - 1, 0 <= row < rows - 1. Their signed area is positive in the undeformed lattice.
 constexpr std::array<Triangle, 2> quad_triangles(int columns, int column, int row) {
     const auto at = [&](int c, int r) { return static_cast<std::uint32_t>(r) * columns + c; };
     const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column, row + 1),

@@ -1,4 +1,4 @@
-// 8-bit images as every stage sees them.
+// 8-bit images, the form in which all stages see pictures.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ struct Image {
     int height = 0;
     int channels = 1;
     std::vector<std::uint8_t> pixels;  // width * height * channels
-    // 0 = transparent to 255 = opaque, of each pixel; empty = all are opaque. The colours are not darkened by
-    // it. What is made of an image has none, but for the views of a file that holds both.
+    // One value per pixel, 0 = transparent to 255 = opaque; empty = all pixels are opaque. Colours are not
+    // premultiplied. Images made from others have no alpha, except the two views split from one file.
     std::vector<std::uint8_t> alpha = {};
 
     bool empty() const { return pixels.empty(); }
@@ -27,6 +27,6 @@ struct Image {
     }
 };
 
-inline constexpr std::uint8_t kOpaque = 128;  // alpha below this is transparent
+inline constexpr std::uint8_t kOpaque = 128;  // pixels with a smaller alpha count as transparent
 
 }  // namespace hexrelief

@@ -1,4 +1,5 @@
-// Libraries of the program's own that are opened only when they are needed, because they bring in others.
+// Loads the program's own optional libraries, which are opened only when needed because they
+// depend on many others.
 #pragma once
 
 #include <dlfcn.h>
@@ -12,7 +13,7 @@
 
 namespace hexrelief {
 
-// The program, or the shared library or Python module that this is a part of.
+// Returns the path of the file that this code is part of: the program, a shared library or the Python module.
 inline std::filesystem::path own_object() {
     static const char inside = 0;
     Dl_info own{};
@@ -23,9 +24,9 @@ inline std::filesystem::path own_object() {
     return std::filesystem::canonical(is_program ? "/proc/self/exe" : map->l_name, failure);
 }
 
-// Where the modules of an object in the folder `own` lie: of a build in its root; of an installation in
-// PREFIX/lib/hexrelief, where `own` is the folder of PREFIX that programs, libraries or Python modules are
-// installed into. Empty = neither. Nowhere else is looked, for what is there may be anybody's.
+// Returns the folder of the modules for an object that lies in the folder `own`: the build folder if `own`
+// lies in it; PREFIX/lib/hexrelief if `own` is a folder of PREFIX that programs, libraries or Python modules
+// are installed into; else empty. No other folder is searched, because anybody might have put a file there.
 inline std::filesystem::path module_folder(const std::filesystem::path& own) {
     namespace fs = std::filesystem;
     const fs::path build = HEXRELIEF_BUILD_FOLDER;
@@ -43,7 +44,7 @@ inline std::filesystem::path module_folder(const std::filesystem::path& own) {
     return {};
 }
 
-// Whether a file is the superuser's, or of the one who owns `object`.
+// True if the file belongs to the superuser or to the owner of `object`.
 inline bool is_trusted(const std::filesystem::path& file, const std::filesystem::path& object) {
     struct stat of_file {
     }, of_object{};
@@ -53,11 +54,11 @@ inline bool is_trusted(const std::filesystem::path& file, const std::filesystem:
 
 struct ModuleFunction {
     void* function = nullptr;
-    std::string failure;  // why there is none
+    std::string failure;  // why `function` is null
 };
 
-// Opens the library `file` of module_folder() for good, where it has the program's owner or is the
-// superuser's.
+// Opens the library `file` of module_folder() and looks up `function` in it. The library must belong to the
+// superuser or to the program's owner. It is never closed.
 inline ModuleFunction open_module(const std::string& file, const char* function) {
     const std::filesystem::path object = own_object(), folder = module_folder(object.parent_path());
     std::error_code failure;

@@ -1,4 +1,4 @@
-// Numbers in messages.
+// Formats numbers for messages.
 #pragma once
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace hexrelief {
 
-// As short as it was written: "6", "713.26". Nine digits at most.
+// Returns the number with at most nine significant digits and no trailing zeros: "6", "713.26".
 inline std::string number_text(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.9g", value);

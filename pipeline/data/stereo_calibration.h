@@ -1,4 +1,4 @@
-// Two cameras as they stand, before their pictures are rectified.
+// The calibration of two cameras before their pictures are rectified.
 #pragma once
 
 #include <array>
@@ -6,19 +6,19 @@
 
 namespace hexrelief {
 
-// As OpenCV's calibration functions return them: the centre of pixel 0 is at 0, and a point x of the left
-// camera is R x + T of the right one.
+// The conventions are those of OpenCV's calibration functions: the centre of pixel 0 is at 0, and a point x
+// in the left camera's coordinates is R x + T in the right camera's.
 struct StereoCalibration {
     struct Camera {
         std::array<double, 9> matrix{};  // K, row-major
-        std::vector<double> distortion;  // 0, 4, 5, 8, 12 or 14 numbers; of a fisheye 4
+        std::vector<double> distortion;  // 0, 4, 5, 8, 12 or 14 coefficients; a fisheye lens has 4
     };
 
     Camera left, right;
     std::array<double, 9> rotation{};     // row-major
     std::array<double, 3> translation{};  // m
     bool is_fisheye = false;
-    int width = 0, height = 0;  // of the pictures, 0 = not said
+    int width = 0, height = 0;  // size of the pictures; 0 = unknown
 };
 
 }  // namespace hexrelief

@@ -9,14 +9,14 @@
 
 namespace hexrelief {
 
-// glTF's camera frame: camera at the origin, +X right, +Y up, looking along -Z; metres (or relative units
-// where the calibration is not metric). Triangles are counter-clockwise seen from the camera. All per-vertex
-// arrays have one length.
+// Coordinates are glTF's: camera at the origin, +X right, +Y up, looking along -Z; metres, or relative units
+// if the calibration is not metric. Triangles are counter-clockwise seen from the camera. All per-vertex
+// arrays have the same length.
 struct SurfaceMesh {
     std::vector<Vec3f> positions;
     std::vector<Vec3f> normals;       // unit length, towards the camera
     std::vector<Vec2f> texcoords;     // (0, 0) = top left corner of the left image, (1, 1) = bottom right
-    std::vector<Vec2f> image_points;  // px in the left image, before texcoords' division by the image size
+    std::vector<Vec2f> image_points;  // px in the left image; texcoords are these divided by the image size
     std::vector<float> disparities;   // px
     std::vector<Triangle> triangles;
     bool metric = false;

@@ -1,4 +1,4 @@
-// Disjoint sets of numbered elements, joined one pair at a time.
+// Union-find: disjoint sets of numbered elements.
 #pragma once
 
 #include <cstddef>
@@ -8,16 +8,16 @@
 
 namespace hexrelief {
 
-// A set's root is always its smallest element, so that the outcome does not depend on the order of joins.
+// The root of a set is always its smallest element, so that the result does not depend on the order of joins.
 class UnionFind {
   public:
-    // count elements, each a set of its own.
+    // Makes `count` elements, each a set of its own.
     explicit UnionFind(std::size_t count = 0) : parents_(count) {
         std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
     }
-    // One element more, a set of its own.
+    // Adds one element as a set of its own.
     void add() { parents_.push_back(static_cast<std::uint32_t>(parents_.size())); }
-    // All elements of another, with their sets, numbered behind these.
+    // Adds copies of all sets of `other`, whose elements are numbered after those present.
     void append(const UnionFind& other) {
         const std::uint32_t offset = static_cast<std::uint32_t>(parents_.size());
         for (const std::uint32_t parent : other.parents_) parents_.push_back(offset + parent);

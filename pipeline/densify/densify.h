@@ -1,14 +1,14 @@
-// A dense map from scattered measurements, guided by the picture where there is one.
+// Fills a map of scattered measurements, guided by the picture if there is one.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief {
 
-// sparse: see Sparsity::is_sparse(). left: the picture that the map belongs to, of its size, or empty.
-// Pixels that measurements surround get the disparity of one of the surfaces around them; others stay
-// unknown. Known pixels keep their disparities. origins: matched where it was known, filled where it was not.
-// The same bytes for any number of threads (>= 1).
+// Returns a dense map. sparse: see Sparsity::is_sparse(). left: the picture of the map's view and size, or
+// empty. Unknown pixels surrounded by measurements get the disparity of one of the surfaces around them;
+// others stay unknown. Known pixels keep their disparities. The origins are matched for pixels known before,
+// filled for those filled here. The result is the same for any number of threads (>= 1).
 DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads);
 
 }  // namespace hexrelief

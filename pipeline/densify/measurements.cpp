@@ -4,7 +4,7 @@ namespace hexrelief {
 namespace {
 
 constexpr std::uint32_t kStraight = kDistanceOne, kDiagonal = 23, kFar = 0x7fffffffu;
-constexpr std::uint32_t kColor = kDistanceOne;  // of a colour step of 1
+constexpr std::uint32_t kColor = kDistanceOne;  // cost of a colour step of 1
 
 struct Sweep {
     int width, height;

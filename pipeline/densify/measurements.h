@@ -1,4 +1,4 @@
-// The known pixels of a sparse map, and which of them is the nearest to each pixel.
+// The known pixels of a sparse map, and the nearest of them at each pixel.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +19,18 @@ struct PlaneAt {
     }
 };
 
-// The known pixels in row-major order, as planes that face the camera.
+// Returns the known pixels in row-major order, as planes that face the camera.
 std::vector<PlaneAt> measurements_of(const DisparityMap& map);
 
 inline constexpr std::uint32_t kNoMeasurement = 0xffffffffu;
 
 struct NearestMeasurements {
     int width, height;
-    std::vector<std::uint32_t> index;     // of each pixel's nearest measurement; kNoMeasurement where none is
-    std::vector<std::uint32_t> distance;  // 1/16 px
+    // Index of each pixel's nearest measurement; kNoMeasurement if there is none.
+    std::vector<std::uint32_t> index;
+    std::vector<std::uint32_t> distance;  // in 1/16 px
 
-    // kNoMeasurement outside of the picture.
+    // Returns the nearest measurement's index; kNoMeasurement outside the picture.
     std::uint32_t of(int x, int y) const {
         if (x < 0 || x >= width || y < 0 || y >= height) return kNoMeasurement;
         return index[static_cast<std::size_t>(y) * width + x];
@@ -37,12 +38,13 @@ struct NearestMeasurements {
 };
 inline constexpr std::uint32_t kDistanceOne = 16;  // 1 px
 
-// By the length of the shortest path (chamfer distances), to which each colour step of 1 adds 1 px; `left`
-// may be empty. Two sweeps over the picture and back, so that a path which turns often may be missed.
+// Finds the measurement with the shortest path to each pixel (chamfer distances); each colour step of 1 along
+// the path adds 1 px. `left` may be empty. Made of two sweeps over the picture and back, so that a path that
+// turns often may be missed.
 NearestMeasurements find_nearest(const std::vector<PlaneAt>& measurements, int width, int height,
                                  const Image& left);
 
-// Largest difference of a channel.
+// Returns the largest difference of a channel.
 inline int color_step(const std::uint8_t* a, const std::uint8_t* b, int channels) {
     int largest = 0;
     for (int c = 0; c < channels; ++c) {

@@ -7,11 +7,12 @@ namespace hexrelief {
 namespace {
 
 constexpr int kReach = 3, kMostOffsets = (2 * kReach + 1) * (2 * kReach + 1);
-constexpr float kSteepest = 2;                   // px of disparity per px
-constexpr float kReach_px = 1.5f;                // a measurement farther off a plane is on another surface
-constexpr float kGood = 0.05f, kBetter = 0.45f;  // cost of a plane that fits, and that replaces a flat one
-constexpr int kTried = 6;                        // measurements whose pairs give planes to try
-// Pull towards a plane that faces the camera: decides where all measurements lie on one line.
+constexpr float kSteepest = 2;     // px of disparity per px
+constexpr float kReach_px = 1.5f;  // measurements farther off a plane belong to another surface
+// Cost of a plane that fits; largest ratio to a flat plane's cost for a plane that replaces it.
+constexpr float kGood = 0.05f, kBetter = 0.45f;
+constexpr int kTried = 6;  // measurements whose pairs give planes to try
+// Regularisation towards a plane that faces the camera: decides if all measurements lie on one line.
 constexpr float kRidge = 0.01f;
 
 struct Slopes {
@@ -30,7 +31,7 @@ struct Neighbours {
     int count = 0;
     float weight = 0;
 
-    // Share of the cost that it would have if all of them were on other surfaces.
+    // Returns the plane's cost, as a share of the cost if all neighbours were on other surfaces.
     float cost(Slopes s) const {
         float sum = 0;
         for (int i = 0; i < count; ++i) {
@@ -39,7 +40,7 @@ struct Neighbours {
         }
         return weight > 0 ? sum / weight : 0;
     }
-    // Least squares of those that lie within twice the reach of the given plane.
+    // Returns the least squares plane of the neighbours that lie within twice the reach of the given plane.
     Slopes fitted(Slopes s) const {
         float xx = 0, xy = 0, yy = 0, xd = 0, yd = 0, sum = 0;
         for (int i = 0; i < count; ++i) {
@@ -61,8 +62,8 @@ struct Neighbours {
         return {std::clamp((xd * yy - yd * xy) / determinant, -kSteepest, kSteepest),
                 std::clamp((yd * xx - xd * xy) / determinant, -kSteepest, kSteepest)};
     }
-    // The best of the planes through the measurement and two neighbours, if it is much better than a flat
-    // one.
+    // Returns the best of the planes through the measurement and two neighbours, if it is much better than a
+    // flat plane; else the flat plane.
     Slopes best_pair(float least_determinant) const {
         Slopes best;
         float least = kBetter * cost(best);
@@ -114,7 +115,8 @@ Slopes slopes_of(const Neighbours& neighbours, int stride_px) {
 
 void fit_planes(std::vector<PlaneAt>& planes, const NearestMeasurements& nearest, int stride_px,
                 ThreadPool& pool) {
-    // Positions and disparities alone are read, slopes alone written, so no order of measurements matters.
+    // Only positions and disparities are read and only slopes are written, so the order of
+    // measurements does not matter.
     pool.parallel_for_chunks(planes.size(), [&](std::size_t first, std::size_t end) {
         for (std::size_t m = first; m < end; ++m) {
             const Slopes s = slopes_of(

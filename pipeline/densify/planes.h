@@ -1,4 +1,4 @@
-// How the surfaces at the measurements are inclined.
+// Fits planes to the surfaces at the measurements.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,9 @@
 
 namespace hexrelief {
 
-// Sets the slopes of each plane to those that most measurements around it agree on: the ones that are nearest
-// to the pixels of a window of 7x7 at strides of stride_px. Those on other surfaces do not count.
+// Sets the slopes of each plane to those that most measurements around it agree on. These are the
+// measurements nearest to the pixels of a window of 7x7 at strides of stride_px. Those on other
+// surfaces do not count.
 void fit_planes(std::vector<PlaneAt>& planes, const NearestMeasurements& nearest, int stride_px,
                 ThreadPool& pool);
 

@@ -7,11 +7,13 @@ namespace hexrelief {
 namespace {
 
 constexpr double kTypical = 0.9;
-// Of the median: what is farther from all measurements is a hole, such as the sky between two towers.
+// Multiple of the median distance: pixels farther from all measurements lie in a hole, such as the
+// sky between two towers.
 constexpr std::uint32_t kHole = 4;
 constexpr int kLargest_px = 1024;
 
-// out[i] = 1 where one of in[i - radius .. i + radius] is `sought`, for `count` values `stride` apart.
+// Sets out[i] to `sought` if one of in[i - radius .. i + radius] is, else to the other value, for
+// `count` values `stride` apart.
 void spread(const std::uint8_t* in, std::uint8_t* out, int count, std::size_t stride, int radius,
             std::uint8_t sought) {
     int last = -radius - 1;
@@ -61,7 +63,7 @@ int typical_distance_px(const DisparityMap& map, const NearestMeasurements& near
             ++total;
         }
     }
-    // What `part` of `count` pixels are no farther than; only distances below `end` are asked for.
+    // Returns the distance that the share `part` of `count` pixels do not exceed, at most `end`.
     const auto percentile = [&](double part, std::uint32_t end, double count) {
         double below = 0;
         for (std::uint32_t d = 1; d < end; ++d)
@@ -81,7 +83,8 @@ std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestM
     const int radius = 3 * typical_px + 4;
     std::vector<std::uint8_t> mask(map.values.size());
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = DisparityMap::known(map.values[i]);
-    // a closing: dilated, then eroded by a square; what lies outside of the picture is not unknown
+    // A closing: a dilation and then an erosion by a square; pixels outside the picture do
+    // not count as unknown.
     spread_square(mask, map.width, map.height, radius, 1);
     spread_square(mask, map.width, map.height, radius, 0);
     const std::uint32_t near = kDistanceOne * static_cast<std::uint32_t>(typical_px + 2);

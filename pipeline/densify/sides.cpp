@@ -7,9 +7,10 @@ namespace hexrelief {
 namespace {
 
 constexpr int kHalfStrides = 6;
-constexpr float kStepPerStride = 10;  // a step by so much counts as a middle that is a stride farther away
-constexpr float kMissing = 3;         // strides, to the middle of a side without measurements
-constexpr int kFarColor = 255;        // its colour step
+constexpr float kStepPerStride = 10;  // a colour step of this much counts as a stride of distance
+// Assumed distance, in strides, of the middle of a side without measurements.
+constexpr float kMissing = 3;
+constexpr int kFarColor = 255;  // assumed colour step of such a side
 
 // The measurements of one side.
 struct Side {
@@ -23,7 +24,7 @@ struct Side {
         x += w * dx;
         y += w * dy;
     }
-    // What its weight is divided by.
+    // Returns the divisor of the side's weight.
     float doubt(float stride) const {
         const float away = weight > 0 ? std::sqrt(x * x + y * y) / (weight * stride) : kMissing;
         const float both = (1 + away) * (1 + static_cast<float>(step) / kStepPerStride);

@@ -9,21 +9,21 @@ namespace {
 constexpr int kRadius = 3, kSide = 2 * kRadius + 1, kMost = kSide * kSide;
 constexpr int kMostSurfaces = 6;
 constexpr float kJoined_px = 1;    // the surface stage's own default
-constexpr float kOtherColor = 40;  // from this colour step on, the least weight
+constexpr float kOtherColor = 40;  // larger colour steps have the least weight
 constexpr float kLeastWeight = 0.02f;
-constexpr float kMeasured = 3;    // weight of a window's pixel that was measured
+constexpr float kMeasured = 3;    // factor for a window's pixel that was measured itself
 constexpr float kSpread = 0.35f;  // weight (1 + kSpread r^2)^-2 at r strides
 
 struct Vote {
     float d;
-    float weight;  // by its distance
+    float weight;  // weight by distance
     std::uint32_t plane;
 };
 
 struct Votes {
     Vote votes[kMost];
     int count = 0;
-    float least = 0, most = 0;  // of all d
+    float least = 0, most = 0;  // range of all d
 };
 
 struct Surface {
@@ -88,7 +88,8 @@ float mean_of(const Votes& votes) {
     return all.mean();
 }
 
-// Of the two heaviest surfaces. A vote joins the first one whose mean so far is near enough.
+// Returns the mean of the chosen one of the two heaviest surfaces. Each vote joins the first surface whose
+// mean so far is near enough.
 float chosen_of(const Votes& votes, int x, int y, const VoteInput& input) {
     Surface surfaces[kMostSurfaces];
     int count = 0;
@@ -105,7 +106,7 @@ float chosen_of(const Votes& votes, int x, int y, const VoteInput& input) {
         surfaces[s].weight += weight;
         surfaces[s].sum += weight * vote.d;
     }
-    // Stable: ties go to the surface found first.
+    // Stable sort: ties go to the surface found first.
     std::stable_sort(surfaces, surfaces + count,
                      [](const Surface& a, const Surface& b) { return a.weight > b.weight; });
     if (count == 1) return surfaces[0].mean();

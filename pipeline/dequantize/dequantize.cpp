@@ -7,13 +7,13 @@
 namespace hexrelief {
 namespace {
 
-// As far apart are neighbours on one surface at most; the surface stage's own default.
+// Largest difference of neighbours on one surface; the surface stage's own default.
 constexpr float kJoined_px = 1.0001f;
-// Of half a quantum. Whole pixels that are two apart must stay more than 1 px apart, a discontinuity.
+// Share of half a quantum: whole pixels that are two apart must stay more than 1 px apart, a discontinuity.
 constexpr double kFree = 0.97;
 constexpr int kLevels = 5;
-// Weight of the given disparities against the bending of waves of one pixel; a wave twice as long bends 16
-// times less. Waves above some 30 px follow what was given.
+// Weight of the given disparities against the bending of waves of one pixel. A wave twice as long bends 16
+// times less. Waves longer than some 30 px follow the given disparities.
 constexpr float kPull = 0.002f, kPullGrowth = 16;
 
 }  // namespace

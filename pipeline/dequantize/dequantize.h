@@ -1,15 +1,16 @@
-// The smoothest disparities that a rounded map can stand for.
+// Replaces quantised disparities by the smoothest ones that round to them.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief {
 
-// A map of whole pixels, or of other steps of quantum_px > 0 (find_quantum_px()), has a staircase for each
-// slanted surface, which shows as rings when lit. Each disparity moves by less than half a step, to where the
-// surface bends least. Nothing is smoothed across depth discontinuities, neighbours more than 1 px apart;
-// those of whole pixels remain such. Unknown pixels stay unknown, and disparities of at most half a step stay
-// as they are. The same bytes for any number of threads (>= 1).
+// Removes the quantisation steps of a map. A map of whole pixels, or of other steps of quantum_px > 0
+// (find_quantum_px()), has a staircase on each slanted surface, which shows as rings when lit. Each disparity
+// moves by less than half a step, to where the surface bends least. Nothing is smoothed across depth
+// discontinuities (neighbours more than 1 px apart), and those of a map of whole pixels remain
+// discontinuities. Unknown pixels stay unknown, and disparities of at most half a step are unchanged. The
+// result is the same for any number of threads (>= 1).
 DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads);
 
 }  // namespace hexrelief

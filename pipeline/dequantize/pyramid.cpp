@@ -6,7 +6,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLeastSide_px = 4;  // of a level that is halved
+constexpr int kLeastSide_px = 4;  // least side of a level that is halved
 
 bool has(std::uint8_t flags, std::uint8_t asked) {
     return (flags & asked) == asked;
@@ -18,8 +18,8 @@ void find_joins(PyramidLevel& level, float join_px, ThreadPool& pool) {
             const std::size_t row = level.at(0, static_cast<int>(y));
             const float *own = &level.given[row], *below = own + level.stride;
             std::uint8_t* flags = &level.flags[row];
-            // a pixel that does not take part is 0, so it is the given value that tells, not its flag, which
-            // another thread may be writing
+            // Whether a pixel takes part is read off its given value, which is 0 if it does not; its flag may
+            // be being written by another thread.
             for (int x = 0; x < level.width; ++x) {
                 const bool right = own[x] != 0 && own[x + 1] != 0 && std::abs(own[x] - own[x + 1]) <= join_px;
                 const bool down = own[x] != 0 && below[x] != 0 && std::abs(own[x] - below[x]) <= join_px;
@@ -30,7 +30,7 @@ void find_joins(PyramidLevel& level, float join_px, ThreadPool& pool) {
     });
 }
 
-// The joins of all pixels are known.
+// Sets kBendsX, kBendsY and kTwists. The joins of all pixels must be known.
 void find_bends(PyramidLevel& level, ThreadPool& pool) {
     const auto joins = level.flags;
     pool.parallel_for(static_cast<std::size_t>(level.height), [&](std::size_t first, std::size_t end) {
@@ -64,7 +64,7 @@ PyramidLevel finest_level(const DisparityMap& map, float half_quantum_px, float 
     return level;
 }
 
-// A square of four joined pixels has kTwists at its first one.
+// Builds the next coarser level. A square of four joined pixels has kTwists at its first pixel.
 PyramidLevel half_size(const PyramidLevel& fine, ThreadPool& pool) {
     PyramidLevel level(fine.width / 2, fine.height / 2);
     const auto is_square = [&](int x, int y) {
@@ -78,8 +78,8 @@ PyramidLevel half_size(const PyramidLevel& fine, ThreadPool& pool) {
                                   under = from + fine.stride;
                 level.given[i] = 0.25f * ((fine.given[from] + fine.given[from + 1]) +
                                           (fine.given[under] + fine.given[under + 1]));
-                // both pairs of pixels on the side between two squares are joined where the square between
-                // them is one
+                // Two adjacent squares are joined if the square between them is: then both pairs of pixels
+                // across their common side are joined.
                 const bool right = is_square(x + 1, y) && has(fine.flags[from + 1], kTwists);
                 const bool down = is_square(x, y + 1) && has(fine.flags[under], kTwists);
                 level.flags[i] = static_cast<std::uint8_t>(kIsSmoothed | (right ? kJoinsRight : 0) |

@@ -1,4 +1,4 @@
-// A disparity map at full, half, quarter ... size, for a smoothing from coarse to fine.
+// A disparity map at full, half, quarter ... size, for smoothing from coarse to fine.
 #pragma once
 
 #include <cstddef>
@@ -10,33 +10,34 @@
 
 namespace hexrelief {
 
-// What a pixel's flags say.
+// The flags of a pixel.
 inline constexpr std::uint8_t kIsSmoothed = 1, kJoinsRight = 2, kJoinsBelow = 4, kBendsX = 8, kBendsY = 16,
                               kTwists = 32;
 
-// One size. Row-major with one pixel of border, whose flags are 0 and whose values are finite.
-// A pixel takes part (kIsSmoothed) or keeps its value; it joins its neighbour where both take part and lie on
-// one surface; it bends where it joins both neighbours of its row or column, and twists where the square of
-// it and its neighbours to the right and below is joined.
+// A level of the pyramid: row-major with one pixel of border, whose flags are 0 and whose values are finite.
+//
+// A pixel either takes part (kIsSmoothed) or keeps its value. It joins its right or lower neighbour if both
+// take part and lie on one surface. It bends if it is joined to both neighbours in its row or column, and
+// twists if the square of it and its neighbours to the right and below is joined.
 struct PyramidLevel {
     PyramidLevel(int columns, int rows);
 
     int width, height, stride;
-    std::vector<float> given;  // px; 0 where a pixel does not take part
+    std::vector<float> given;  // px; 0 for pixels that do not take part
     std::vector<float> smooth{};
     std::vector<std::uint8_t> flags;
 
     std::size_t at(int x, int y) const { return static_cast<std::size_t>(y + 1) * stride + x + 1; }
 };
 
-// Pixels above half_quantum_px take part; neighbours that differ by at most join_px are joined. A coarse
-// pixel takes part where its four are joined, as their mean. At most `levels` sizes, fine to coarse; smooth =
-// given in all.
+// Builds at most `levels` levels, fine to coarse, with smooth = given. Pixels above half_quantum_px take
+// part; neighbours that differ by at most join_px are joined. A coarse pixel takes part, with the mean as its
+// value, if its four fine pixels are joined.
 std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quantum_px, float join_px,
                                         int levels, ThreadPool& pool);
 
-// Lays the coarse level's surface over the fine one where it has one: along the planes between joined coarse
-// pixels, within half_px of what was given.
+// Interpolates the coarse level's surface at the fine level's pixels, wherever there is a coarse one: along
+// the planes between joined coarse pixels, within half_px of the given values.
 void prolong(const PyramidLevel& coarse, PyramidLevel& fine, float half_px, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -6,15 +6,15 @@
 namespace hexrelief {
 namespace {
 
-// Raw samples divided by 3 and the like are off their lattice by some 1e-5 px.
-constexpr double kTolerance = 0.01;  // of a quantum
+// Share of a quantum. Raw samples divided by 3 and the like are off their lattice by some 1e-5 px.
+constexpr double kTolerance = 0.01;
 constexpr double kEqual_px = kLeastQuantum_px * kTolerance;
 
 double off_lattice(double difference, double quantum) {
     return std::abs(difference - std::nearbyint(difference / quantum) * quantum);
 }
 
-// Euclid's algorithm; what is below kEqual_px counts as 0.
+// Euclid's algorithm; values below kEqual_px count as 0.
 double greatest_common_divisor(double a, double b) {
     while (b > kEqual_px) {
         const double rest = off_lattice(a, b);
@@ -24,10 +24,10 @@ double greatest_common_divisor(double a, double b) {
     return a;
 }
 
-// Of the differences seen so far.
+// The lattice of the differences seen so far.
 struct Lattice {
     double quantum = 0;
-    double farthest = 0;  // the largest of those that `quantum` was made exact by
+    double farthest = 0;  // largest difference that `quantum` was refined by
 
     void add(double difference) {
         if (difference < kEqual_px) return;
@@ -37,7 +37,7 @@ struct Lattice {
             const double before = quantum;
             quantum = greatest_common_divisor(before, off);
             farthest = 0;
-            // from small to large, so that each is exact enough to count the steps of the next
+            // From small to large, so that the quantum is exact enough to count the steps of the next.
             for (const double multiple : {off, before, difference}) make_exact(multiple);
         } else {
             make_exact(difference);
@@ -63,7 +63,7 @@ double find_quantum_px(const DisparityMap& map) {
     while (first < map.values.size() && !is_given(first)) ++first;
     if (first == map.values.size()) return 0;
     Lattice lattice;
-    float last = map.values[first];  // neighbours are often equal, and need no look twice
+    float last = map.values[first];  // neighbours are often equal and need not be examined twice
     for (std::size_t i = first; i < map.values.size(); ++i) {
         if (map.values[i] == last || !is_given(i)) continue;
         last = map.values[i];

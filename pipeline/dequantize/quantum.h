@@ -1,16 +1,17 @@
-// The step that a map's disparities were rounded to.
+// Finds the step that a map's disparities were rounded to.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief {
 
-// Steps below are finer than any mesh shows; larger ones are depth discontinuities to the surface stage.
+// Bounds of the step. Finer steps are not visible in any mesh; larger ones are depth discontinuities
+// to the surface stage.
 inline constexpr double kLeastQuantum_px = 0.1, kLargestQuantum_px = 1;
 
-// The largest step in px of which all known disparities that were not filled (PixelOrigin) are multiples,
-// apart from one offset that they share; 0 where it lies outside of these bounds, as it does for maps of
-// floats, and where all are equal.
+// Returns the largest step in px of which all known disparities that were not filled (PixelOrigin) are
+// multiples, apart from a common offset. Returns 0 if it is outside the bounds, as it is for maps of floats,
+// and if all disparities are equal.
 double find_quantum_px(const DisparityMap& map);
 
 }  // namespace hexrelief

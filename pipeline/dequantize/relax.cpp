@@ -8,15 +8,15 @@
 namespace hexrelief {
 namespace {
 
-// The bending's curvatures lie between 0 and 64. These steps serve those from 64 / 16 on, the quickest for as
-// many; longer waves are the coarser levels' part. Two rounds of four serve better than one of eight, whose
-// first steps are so long that the bounds cut off most of what they gain.
+// The curvatures of the bending lie between 0 and 64. These steps are the fastest of their number for those
+// from 64 / 16 on; longer waves are left to the coarser levels. Two rounds of four steps are better than one
+// of eight, whose first steps are so long that the bounds cut off most of their gain.
 constexpr int kRounds = 2, kSteps = 4;
 constexpr float kLargestCurvature = 64, kLeastCurvature = 64.f / (kSteps * kSteps);
 // cos((2 k + 1) pi / 8)
 constexpr float kChebyshev[kSteps] = {0.92387953f, 0.38268343f, -0.38268343f, -0.92387953f};
 
-// Second differences of one row, with a border of one pixel.
+// The second differences of one row, with a border of one pixel.
 struct Bends {
     explicit Bends(int width) : xx(static_cast<std::size_t>(width) + 2), yy(xx), xy(xx) {}
     std::vector<float> xx, yy, xy;
@@ -39,7 +39,7 @@ HEXRELIEF_VECTORS void second_differences(const float* own, int stride, const st
     }
 }
 
-// Of the rows' first pixels; of the row above yy and xy, of the row below yy alone are read.
+// Pointers to the rows' first pixels. In the row above only yy and xy are read, in the row below only yy.
 struct BendRows {
     const float *xx, *yy, *xy, *yy_above, *xy_above, *yy_below;
 };
@@ -64,7 +64,7 @@ HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const
     }
 }
 
-// One step on the rows from first to end - 1.
+// Does one step on the rows first .. end - 1.
 void relax_rows(const PyramidLevel& level, const Step& step, int first, int end, float* out) {
     Bends above(level.width), own(level.width), below(level.width);
     const auto find = [&](int y, Bends& bends) {

@@ -12,7 +12,8 @@ namespace {
 
 using namespace evaluation;
 
-// A larger picture has larger discontinuities, and needs no denser windows.
+// Returns the distance between windows: larger pictures have larger discontinuities, and
+// need no denser windows.
 int roughness_step_px(double discontinuity_px) {
     return static_cast<int>(std::clamp(std::round(4 * discontinuity_px), 1.0, 64.0));
 }

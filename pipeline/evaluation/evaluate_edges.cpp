@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kReach_px = 3;  // windows of 7x7
 
-// Each pixel's choice among the values of its window, rows first, then columns.
+// Combines the values of each pixel's window by choose(), along rows first, then along columns.
 template <typename Value, typename Choose>
 std::vector<Value> over_windows(const std::vector<Value>& values, int width, int height, Choose choose) {
     const auto pass = [&](const std::vector<Value>& from, int step_x, int step_y) {
@@ -26,7 +26,7 @@ std::vector<Value> over_windows(const std::vector<Value>& values, int width, int
     return pass(pass(values, 1, 0), 0, 1);
 }
 
-// 1 where a direct neighbour is known and differs by more than the limit.
+// Returns 1 for pixels with a direct neighbour that is known and differs by more than the limit.
 std::vector<std::uint8_t> find_discontinuities(const DisparityMap& truth, float limit_px) {
     std::vector<std::uint8_t> found(truth.values.size());
     const auto compare = [&](std::size_t a, std::size_t b) {
@@ -59,7 +59,7 @@ EdgeCounts count_edges(const DisparityMap& map, const DisparityMap& truth, float
     const auto back = over_windows(with_unknown(kUnknownDisparity), width, height, smallest);
     EdgeCounts counts;
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
-        // Marked pixels lie on both sides of a discontinuity; some windows reach those of one side alone.
+        // Marked pixels lie on both sides of a discontinuity; some windows contain only one side of it.
         if (!near_edge[i] || !is_given(truth.values[i]) || !(front[i] - back[i] > discontinuity_px)) continue;
         ++counts.pixels;
         const float middle = (front[i] + back[i]) / 2;

@@ -6,7 +6,7 @@
 namespace hexrelief::evaluation {
 namespace {
 
-constexpr float kAgreement_px = 1.01f;  // one px, and what rounding adds
+constexpr float kAgreement_px = 1.01f;  // one px, plus rounding
 
 }  // namespace
 
@@ -15,7 +15,8 @@ std::vector<std::uint8_t> find_nonoccluded(const DisparityMap& truth, const Disp
     std::vector<std::uint8_t> nonoccluded(truth.values.size());
     std::vector<float> nearest(width);
     for (int y = 0; y < truth.height; ++y) {
-        // The column of the right view where the pixel is seen; outside of the view for unknown ones.
+        // Returns the column of the right view in which the pixel is seen; outside the
+        // view for unknown pixels.
         const auto right_column = [&](int x) {
             return is_given(truth.at(x, y)) ? x - static_cast<int>(std::nearbyint(truth.at(x, y))) : -1;
         };

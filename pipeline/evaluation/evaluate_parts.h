@@ -12,8 +12,8 @@ inline bool is_given(float d) {
     return DisparityMap::known(d) && d != 0;
 }
 
-// One entry a pixel: 1 where the truth is known and the right view sees the pixel as well, by its own truth
-// or, where that is null, by what the left view's truth puts in front.
+// Returns for each pixel 1 if the truth is known and the right view sees the pixel as well, else 0: by the
+// right view's truth, or, if that is null, by the left view's truth.
 std::vector<std::uint8_t> find_nonoccluded(const DisparityMap& truth, const DisparityMap* right_truth);
 
 struct EdgeCounts {
@@ -25,7 +25,7 @@ struct Roughness {
     double rms_px = 0;
     long long windows = 0;
 };
-// Windows start at every step_px-th column and row.
+// Measures the roughness on windows that start at every step_px-th column and row.
 Roughness measure_roughness(const DisparityMap& map, const DisparityMap& truth, int step_px);
 
 }  // namespace hexrelief::evaluation

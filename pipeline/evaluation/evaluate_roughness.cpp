@@ -9,13 +9,15 @@ namespace hexrelief::evaluation {
 namespace {
 
 constexpr int kReach = 4, kSide = 2 * kReach + 1, kPixels = kSide * kSide;
-constexpr double kSquares = kSide * 60;  // of the columns, -4..4, over a window; 60 = 2 (1 + 4 + 9 + 16)
+// Sum of the squares of the columns, -4..4, over a window; 60 = 2 (1 + 4 + 9 + 16)
+constexpr double kSquares = kSide * 60;
 
-// The truth counts as a slanted plane where it leaves its plane by less than these and slants by these, in px
-// of disparity a px: maps of whole pixels stay within half a step of a plane.
+// The truth counts as a slanted plane if it deviates from its plane by less than these limits, and
+// has a slope within these limits, in px of disparity per px: maps of whole pixels stay within half a
+// step of a plane.
 constexpr double kLargestDeviation_px = 0.9, kLargestRms_px = 0.32;
 constexpr double kLeastSlope = 0.03, kLargestSlope = 2;
-// An estimate with a larger range has a discontinuity in it.
+// An estimate with a larger range contains a discontinuity.
 constexpr float kLargestRange_px = 20;
 constexpr double kLargestCounted_px = 2;
 
@@ -26,7 +28,7 @@ struct Plane {
     std::array<double, kPixels> deviations;
 };
 
-// The window whose top left pixel is given; nothing where a pixel of it is unknown.
+// Returns the window with this top left pixel; nothing if one of its pixels is unknown.
 std::optional<Window> window_at(const DisparityMap& map, int left, int top) {
     Window window;
     for (int i = 0; i < kPixels; ++i) {

@@ -41,8 +41,8 @@ void await_signals(const sigset_t& awaited) {
 
 void guard_standard_streams() {
     for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-        // The lowest free number is the one that is closed. A file that is open for the other direction alone
-        // fails as a closed one does.
+        // The lowest free number is that of the closed stream. A file that is open only in the other
+        // direction fails as a closed one does.
         if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF)
             static_cast<void>(open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY));
     }
@@ -55,7 +55,8 @@ void install_interrupt_handling() {
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction action = {};
         sigaction(number, nullptr, &action);
-        if (action.sa_handler != SIG_IGN) sigaddset(&awaited, number);  // nohup, a shell's background job
+        // Ignored by nohup or in a shell's background job.
+        if (action.sa_handler != SIG_IGN) sigaddset(&awaited, number);
     }
     pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
     std::signal(SIGPIPE, SIG_IGN);

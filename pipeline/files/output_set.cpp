@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Folders made by this process and not yet kept, and how many sets need each.
+// Folders made by this process and not yet kept, and how many sets need each of them.
 std::mutex folders_mutex;
 std::map<fs::path, int> fresh_folders;
 
@@ -60,7 +60,7 @@ bool FileIdentity::operator==(const FileIdentity& other) const {
 FileIdentity identify(const fs::path& path) {
     std::error_code code;
     fs::path target = fs::absolute(path, code);
-    // A link whose target is still missing: that one will be made.
+    // A link whose target does not exist yet: the target will be made.
     for (int links = 0; links < 40 && fs::is_symlink(target, code) && !fs::exists(target, code); ++links)
         target = target.parent_path() / fs::read_symlink(target, code);
     FileIdentity identity{fs::weakly_canonical(target, code), 0, 0};
@@ -134,7 +134,7 @@ void roll_back_outputs() {
     remove_pending_files();
     const std::lock_guard lock(folders_mutex);
     std::error_code ignored;
-    // Those inside of others come after them.
+    // In reverse order, so that folders inside others are removed first.
     for (auto folder = fresh_folders.rbegin(); folder != fresh_folders.rend(); ++folder)
         fs::remove(folder->first, ignored);
     fresh_folders.clear();

@@ -1,4 +1,4 @@
-// SHA-256 of files and of what is written to them.
+// SHA-256 of files and of data in memory.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace hexrelief {
 
-// 64 hexadecimal digits.
+// Returns 64 hexadecimal digits.
 std::string sha256_of(const void* data, std::size_t bytes);
-// Throws Error(input) where the file cannot be read.
+// Returns 64 hexadecimal digits. Throws Error(input) if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace hexrelief

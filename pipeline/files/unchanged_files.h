@@ -1,4 +1,4 @@
-// Whether another process wrote to a run's inputs while they were read.
+// Detects that another process wrote to a run's inputs while they were read.
 #pragma once
 
 #include <array>
@@ -9,12 +9,12 @@
 
 namespace hexrelief {
 
-// Remembers which files are at these names, how long they are and when they were changed. Those that are
-// missing are left to their readers. The clock may be set meanwhile: times are only compared for equality.
+// Remembers the identity, size and modification time of the files with these names. Missing files are left to
+// their readers. The clock may be set meanwhile, so times are only compared for equality.
 class UnchangedFiles {
   public:
     explicit UnchangedFiles(const std::vector<std::filesystem::path>& paths);
-    // Throws Error(input) where one has changed since.
+    // Throws Error(input) if one has changed since.
     void check() const;
 
   private:

@@ -32,7 +32,7 @@ std::string contents_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// An object, or nothing.
+// Parses a JSON object; returns nothing if the text is not one.
 std::optional<Json> parsed(std::string_view text) {
     Json json = Json::parse(text, nullptr, false);
     if (!json.is_object()) return std::nullopt;
@@ -45,7 +45,7 @@ double page_figure(const Json& facts, const char* name) {
     return kUnknown;
 }
 
-// Nothing where the file is no page of a relief.
+// Reads a page; returns nothing if it is not the page of a relief.
 std::optional<FoundResult> read_page(const fs::path& path) {
     static constexpr std::string_view kBefore = R"(id="facts">)";
     const std::string page = contents_of(path);
@@ -67,9 +67,9 @@ std::optional<FoundResult> read_page(const fs::path& path) {
     return result;
 }
 
-// A file that a report names: beside the report, where all of them were moved, or as it was named, seen from
-// here or, as the run's folder is not known, from one of the folders above the report. Empty where it is
-// neither.
+// Returns the file that a report names: beside the report, if all were moved together, or as it was named,
+// relative to the current folder or, because the run's folder is unknown, to one of the folders above the
+// report. Empty if there is none.
 fs::path existing(const fs::path& named, const fs::path& report) {
     std::error_code none;
     const fs::path beside = report.parent_path() / named.filename();
@@ -81,7 +81,7 @@ fs::path existing(const fs::path& named, const fs::path& report) {
     return {};
 }
 
-// The page that a report names, else its first mesh.
+// Returns the page that a report names, else its first mesh.
 fs::path result_file(const Json& report, const fs::path& path) {
     fs::path first;
     for (const Json& output : report.value("outputs", Json::array())) {
@@ -94,8 +94,8 @@ fs::path result_file(const Json& report, const fs::path& path) {
     return first;
 }
 
-// The relief as --save-stages draws it, in the report's folder or in its folder stages. Of which report it is
-// is not known where several are there.
+// Returns the relief drawn by --save-stages, in the report's folder or in its folder `stages`. With several
+// reports it is unknown to which of them it belongs.
 std::string stage_picture(const fs::path& report) {
     std::error_code none;
     for (const char* name : {"stages/relief.png", "relief.png"}) {
@@ -103,13 +103,13 @@ std::string stage_picture(const fs::path& report) {
         if (!fs::is_regular_file(file, none)) continue;
         try {
             return small_picture(read_image(file));
-        } catch (const Error&) {  // some other file of that name
+        } catch (const Error&) {  // another file of that name
         }
     }
     return {};
 }
 
-// Nothing where the file is no report, or its meshes are gone. Without a picture.
+// Reads a report; returns nothing if it is not one, or its meshes are gone. The result has no picture.
 std::optional<FoundResult> read_report(const fs::path& path) {
     const auto report = parsed(contents_of(path));
     if (!report || !report->contains("hexrelief") || !report->contains("surface") ||
@@ -137,7 +137,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
     return files;
 }
 
-// Nothing where its JSON is of another kind than what this program writes.
+// Returns nothing if the file's JSON is of another kind than this program writes.
 template <typename Read>
 std::optional<FoundResult> read_known(const Read& read, const fs::path& file) {
     try {

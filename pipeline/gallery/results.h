@@ -1,4 +1,4 @@
-// The results that a folder holds.
+// Finds the results in a folder.
 #pragma once
 
 #include <filesystem>
@@ -7,19 +7,19 @@
 
 namespace hexrelief {
 
-// NaN where it is not known.
+// The figures of a result; NaN = unknown.
 struct ResultFigures {
     double vertices, triangles, bytes, percent_cost, error_px, seconds;
 };
 
 struct FoundResult {
-    std::filesystem::path file;  // to be opened: a page, or else the mesh that a report names
-    std::string picture;         // a data: address; empty = none
+    std::filesystem::path file;  // the file to open: a page, or else the mesh that a report names
+    std::string picture;         // a data: URL; may be empty
     ResultFigures figures;
 };
 
-// In the order of their files' names. Files that are no pages and no reports are passed over, and so are
-// folders that cannot be read.
+// Returns the results in the order of their files' names. Files that are neither pages nor reports are
+// skipped, and so are folders that cannot be read.
 std::vector<FoundResult> find_results(const std::filesystem::path& folder);
 
 }  // namespace hexrelief

@@ -17,7 +17,7 @@ struct MatchedLevels {
     Levels left, right;
 };
 
-// Of a channel, or the luminance.
+// Instead of a channel: the luminance.
 constexpr int kGrey = -1;
 std::uint8_t level_at(const Image& image, std::size_t pixel, int channel) {
     const std::uint8_t* at = &image.pixels[pixel * image.channels];
@@ -41,7 +41,7 @@ MatchedLevels levels_of(const StereoPair& pair, const MatchedMap& map, int min_p
     return levels;
 }
 
-// Of each eighth, darkest first.
+// Returns the mean of each eighth of the sorted levels, darkest first.
 std::array<double, kParts> means_of(Levels& levels) {
     std::sort(levels.begin(), levels.end());
     std::array<double, kParts> means{};
@@ -53,7 +53,8 @@ std::array<double, kParts> means_of(Levels& levels) {
     return means;
 }
 
-// Darker than the darkest eighth it is a line through black, lighter than the lightest a shift.
+// Maps a level of the right picture. Below the mean of the darkest eighth the curve is a line through black,
+// above that of the lightest eighth a shift.
 double level_on_left(double level, const std::array<double, kParts>& left,
                      const std::array<double, kParts>& right) {
     if (level <= right.front()) return right.front() > 0 ? level * left.front() / right.front() : level;

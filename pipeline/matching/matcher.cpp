@@ -32,7 +32,8 @@ MatchingConfig at_half_size(MatchingConfig config) {
     return config;
 }
 
-// Coarse to fine: first the pair at half its size, as often as it takes for all of the range to be searched.
+// Matches coarse to fine: halves the pair until its range is searched completely, then matches at each larger
+// size in windows around the result.
 MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
     if (is_searched_wholly(config.range)) return match_in_windows(pair, config, {}, pool);
     const MatchedViews half =

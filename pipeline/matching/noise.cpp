@@ -12,10 +12,10 @@ namespace hexrelief {
 namespace {
 
 constexpr int kBlock_px = 16;
-constexpr int kDarkest = 5, kLightest = 250;  // beyond them noise is cut off
+constexpr int kDarkest = 5, kLightest = 250;  // beyond these levels noise is cut off
 
-// The mean of the absolute second differences of a block's pixels along both axes, which slopes do not
-// change; below 0 where a tenth of the levels are next to black or white.
+// Returns the mean absolute second difference of a block's pixels along both axes, which slopes do not
+// affect; negative if a tenth of the levels or more are next to black or white.
 double roughness(const Image& image, int x0, int y0) {
     const int channels = image.channels, samples = kBlock_px * kBlock_px * channels;
     int sum = 0, cut = 0;
@@ -33,10 +33,11 @@ double roughness(const Image& image, int x0, int y0) {
 }
 
 constexpr int kRadius_px = 2;
-// 16 exp(-r^2 / (2 * 1.5^2)), by the squared distance.
+// 16 exp(-r^2 / (2 * 1.5^2)), indexed by the squared distance.
 constexpr int kNearness[2 * kRadius_px * kRadius_px + 1] = {16, 13, 10, 0, 7, 5, 0, 0, 3};
 
-// Means of the pixels around, with the more weight the nearer they are and the more alike in colour.
+// Replaces each pixel by the weighted mean of the pixels around it; weights grow with nearness
+// and similarity of colour.
 HEXRELIEF_SMALL_VECTORS void denoise_row(const ColorView& colors, int y, int other_color,
                                          std::uint8_t* __restrict out) {
     constexpr int kLanes = 32;
@@ -60,7 +61,7 @@ HEXRELIEF_SMALL_VECTORS void denoise_row(const ColorView& colors, int y, int oth
                 }
                 for (int k = 0; k < kLanes; ++k) weights[k] += static_cast<std::uint32_t>(step[k]);
             }
-        // Whole numbers below 2^24: the quotient is the same on every processor.
+        // The numbers are integers below 2^24: the quotient is the same on every processor.
         for (int c = 0; c < channels; ++c)
             for (int k = 0; k < std::min(kLanes, width - x0); ++k)
                 out[(x0 + k) * channels + c] = static_cast<std::uint8_t>(
@@ -83,7 +84,7 @@ double find_noise(const Image& image) {
 }
 
 void denoise(Image& image, double noise, int threads) {
-    constexpr double kLeastNoise = 4, kAlike = 5;  // the latter in standard deviations
+    constexpr double kLeastNoise = 4, kAlike = 5;  // kAlike in standard deviations
     constexpr int kMostOther = 160;                // keeps sums below 2^24
     if (noise < kLeastNoise) return;
     const int other_color = std::min(kMostOther, static_cast<int>(std::lround(kAlike * noise)));

@@ -32,7 +32,7 @@ void blend_pixel(Image& picture, int x, int y, Rgb colour, float opacity) {
 }
 
 void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, float opacity) {
-    const float reach = 0.5f * width_px + 0.5f;  // half the line and half a pixel of falling coverage
+    const float reach = 0.5f * width_px + 0.5f;  // half the line, and half a pixel of decreasing coverage
     const int x0 = std::max(0, static_cast<int>(std::floor(std::min(a.x, b.x) - reach)));
     const int x1 = std::min(picture.width - 1, static_cast<int>(std::floor(std::max(a.x, b.x) + reach)));
     const int y0 = std::max(0, static_cast<int>(std::floor(std::min(a.y, b.y) - reach)));

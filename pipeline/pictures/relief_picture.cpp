@@ -23,7 +23,7 @@ Vec3f turn(Vec3f v) {
     return {yawed.x, cp * yawed.y - sp * yawed.z, sp * yawed.y + cp * yawed.z};
 }
 
-// A vertex on the canvas: position in samples, 1/depth, light, texture position over depth.
+// A vertex on the canvas: position in samples, 1/depth, light, texture position divided by depth.
 struct Corner {
     float x = 0, y = 0, inverse_depth = 0, light = 0, u = 0, v = 0;
 };
@@ -90,7 +90,7 @@ float median_depth(const SurfaceMesh& mesh) {
 
 Image render_relief(const SurfaceMesh& mesh, const Image* texture) {
     if (mesh.empty()) return blank_picture(kLongSide_px, kLongSide_px * 3 / 4, kBackdrop);
-    // The camera turns about the point at the median depth on its axis, and stands back a little.
+    // The camera turns about the point at the median depth on its axis, and steps back a little.
     const float pivot = median_depth(mesh);
     std::vector<Corner> corners(mesh.positions.size());
     float left = std::numeric_limits<float>::max(), top = left, right = -left, bottom = -left;

@@ -1,4 +1,4 @@
-// A shaded view of the surface from the side.
+// Draws a shaded view of the surface from the side.
 #pragma once
 
 #include "pipeline/data/image.h"
@@ -6,8 +6,8 @@
 
 namespace hexrelief {
 
-// About 1200 px wide (portrait shapes: 1200 px high), seen from 20 degrees to the side and a little above,
-// textured where texture is not null. A small z-buffer rasteriser, 2 x 2 samples a pixel.
+// Returns a picture of about 1200 px on its longer side, seen from 20 degrees to the side and a little above;
+// textured if `texture` is not null. Drawn by a small z-buffer rasteriser with 2 x 2 samples per pixel.
 Image render_relief(const SurfaceMesh& mesh, const Image* texture);
 
 }  // namespace hexrelief

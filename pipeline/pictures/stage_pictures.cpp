@@ -15,14 +15,14 @@ namespace hexrelief {
 namespace {
 
 constexpr int kSamples = 10000;
-constexpr int kSmallSide_px = 900;  // pictures less wide than this are drawn twice as large
+constexpr int kSmallSide_px = 900;  // narrower pictures are drawn twice as large
 
 int scale_of(int width) {
     return width < kSmallSide_px ? 2 : 1;
 }
 
-// Lightness rises evenly along the anchors; the hue goes from blue over green to yellow, which the
-// colour-blind tell apart.
+// Returns a colour of the map. Lightness rises evenly along the anchors; the hue goes from blue over green to
+// yellow, which the colour-blind can distinguish.
 Rgb heat_colour(float share) {
     static constexpr float anchors[7][3] = {{24, 18, 77},   {33, 62, 128},  {25, 104, 140}, {26, 145, 136},
                                             {72, 182, 107}, {157, 212, 66}, {250, 230, 70}};
@@ -35,7 +35,7 @@ Rgb heat_colour(float share) {
     return colour;
 }
 
-// Counter-based: draw number `draw` of sample `index`, uniform in [0, 1).
+// Returns a number uniform in [0, 1) that depends only on its arguments: draw `draw` of sample `index`.
 double uniform(std::uint64_t seed, std::uint64_t index, std::uint64_t draw) {
     std::uint64_t x =
         seed * 0x9e3779b97f4a7c15ull + index * 0xd1b54a32d192ed03ull + draw * 0x8cb92ba72f3d8dd7ull;
@@ -109,7 +109,7 @@ Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop) {
     const int scale = scale_of(backdrop.width);
     Image picture = enlarge_to_rgb(backdrop, scale);
     for (std::uint8_t& sample : picture.pixels)
-        sample = static_cast<std::uint8_t>(sample * 7 / 10);  // lines stand out
+        sample = static_cast<std::uint8_t>(sample * 7 / 10);  // darkened, so that the lines stand out
     const auto edge = [&](int c0, int r0, int c1, int r1) {
         if (c1 < 0 || c1 >= mesh.columns || r1 >= mesh.rows) return;
         const Vec2f a = mesh.at(c0, r0), b = mesh.at(c1, r1);
@@ -117,7 +117,7 @@ Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop) {
         draw_segment(picture, {a.x * s, a.y * s}, {b.x * s, b.y * s}, {255, 214, 64}, 1.0f, 0.85f);
     };
     for (int row = 0; row < mesh.rows; ++row) {
-        const int shift = row & 1;  // odd rows lie half a spacing to the right
+        const int shift = row & 1;  // odd rows are half a spacing to the right
         for (int column = 0; column < mesh.columns; ++column) {
             edge(column, row, column + 1, row);
             edge(column, row, column - 1 + shift, row + 1);

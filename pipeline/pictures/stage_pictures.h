@@ -1,4 +1,4 @@
-// What --save-stages writes: each stage's result as data and as a picture.
+// The files of --save-stages: each stage's result as data and as a picture.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace hexrelief {
 
-// left may be null; the rest must be set; map, density and left have one size.
+// The results to draw. `left` may be null, the others must be set; map, density and left have one size.
 struct StageResults {
     const DisparityMap* map = nullptr;
     const DensityMap* density = nullptr;
@@ -25,24 +25,24 @@ struct StageResults {
     int threads = 1;
 };
 
-// disparity.pfm disparity.png density.pfm density.png samples.png mesh2d.obj mesh2d.png weights.png
-// relief.png
+// Returns the names disparity.pfm disparity.png density.pfm density.png samples.png
+// mesh2d.obj mesh2d.png weights.png relief.png.
 const std::vector<std::filesystem::path>& stage_file_names();
 
-// The bytes of one of these files. Throws Error(output).
+// Returns the bytes of the file of this name. Throws Error(output).
 std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const std::filesystem::path& name);
 
-// Disparities by a perceptually ordered colour map from the least known (dark blue) to the largest (yellow);
-// unknown black.
+// Draws disparities by a perceptually ordered colour map from the least known one (dark blue) to the largest
+// (yellow); unknown pixels are black.
 Image disparity_picture(const DisparityMap& map);
-// Grey, gamma 1/2.2, the largest density white.
+// Draws the density in grey with gamma 1/2.2; the largest density is white.
 Image density_picture(const DensityMap& density);
-// Points drawn with the density's probability, as the paper's roulette wheel does. Empty where the density is
-// 0 everywhere.
+// Draws `count` points with the density's probability, as the paper's roulette wheel does. Returns none if
+// the density is 0 everywhere.
 std::vector<Vec2f> sample_points(const DensityMap& density, int count, std::uint64_t seed);
-// All lattice edges over the backdrop (1 or 3 channels); small backdrops are drawn twice as large.
+// Draws all lattice edges over the backdrop (1 or 3 channels); small backdrops are drawn twice as large.
 Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop);
-// `v x y 0` for all lattice vertices, row-major, then the lattice's triangles.
+// Returns an OBJ file: `v x y 0` for all lattice vertices, row-major, then the lattice's triangles.
 std::string mesh_obj(const HexMesh2D& mesh);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// How the honeycomb cells share the density: a histogram.
+// A histogram of the honeycomb cells' shares of the density.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,13 @@
 
 namespace hexrelief {
 
-// Shares of the weights (>= 0) in bins of W_k / mean, each 0.05 wide: bin i is centred at 0.05 i, the last
-// one (2) holds all that is larger. Empty where there is no weight or all are 0.
+// Returns the shares of the weights (>= 0) in bins of W_k / mean, each 0.05 wide: bin i is centred at 0.05 i,
+// the last one (2) holds all larger ones. Empty if there is no weight or all are 0.
 std::vector<double> weight_shares(const std::vector<double>& weights);
 
-// The bins as bars from 0 (left) to 2 (right) times the mean; lines stand at 0.5, 1 (red) and 1.5. A bar's
-// height goes with the square root of its share, so that single cells show. 820 x 400 px.
+// Draws the bins as bars from 0 (left) to 2 (right) times the mean, with lines at 0.5, 1 (red) and
+// 1.5. A bar's height is proportional to the square root of its share, so that single cells are
+// visible. 820 x 400 px.
 Image weights_picture(const std::vector<double>& weights);
 
 }  // namespace hexrelief

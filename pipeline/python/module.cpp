@@ -1,5 +1,5 @@
-// hexrelief._core: what hexrelief/__init__.py stands on. Arrays come in as pointers and strides that Python
-// has checked.
+// The module hexrelief._core, on which hexrelief/__init__.py is built. Arrays come in as pointers and strides
+// that Python has checked.
 #include <hexrelief/hexrelief.h>
 
 #include <pybind11/numpy.h>
@@ -19,8 +19,8 @@ namespace {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
-// Python's own thread looks for Ctrl-C whenever the work tells how far it is. Called without the
-// interpreter's lock.
+// Python's own thread checks for Ctrl-C whenever the work reports its progress. Called
+// without the interpreter's lock.
 Options options_of(const std::string& config, const Settings& settings, const py::function& warn) {
     Options options{.config = config, .settings = settings};
     options.progress = [](const std::string&, double) {
@@ -34,7 +34,7 @@ Options options_of(const std::string& config, const Settings& settings, const py
     return options;
 }
 
-// Rows lie at any distance that is not negative, and are themselves without gaps.
+// Rows may be any non-negative distance apart; a row itself has no gaps.
 ImageView image_view(const std::optional<py::array>& array) {
     if (!array) return {};
     const int channels = array->ndim() == 3 ? static_cast<int>(array->shape(2)) : 1;
@@ -51,7 +51,7 @@ MapView map_view(const std::optional<py::array>& array) {
             static_cast<std::size_t>(array->strides(0))};
 }
 
-// An array of what `owner` holds; it keeps the owner alive, and cannot be written to.
+// Returns a read-only array of data that `owner` holds; the array keeps the owner alive.
 template <typename Value>
 py::array lent(const Value* values, std::vector<py::ssize_t> shape, const py::object& owner) {
     py::array_t<Value> array(std::move(shape), values, owner);
@@ -59,7 +59,7 @@ py::array lent(const Value* values, std::vector<py::ssize_t> shape, const py::ob
     return array;
 }
 
-// An array of what `holder` holds in a vector, with all of it kept alive.
+// Returns an array of a vector that `holder` holds; the array keeps the whole holder alive.
 template <typename Holder, typename Value>
 py::array owned(std::unique_ptr<Holder> holder, std::vector<Value> Holder::*member,
                 std::vector<py::ssize_t> shape) {
@@ -82,7 +82,7 @@ py::array compute_disparity_of(const py::array& left, const py::array& right, co
     return owned(std::move(found), &Disparities::values, {height, width});
 }
 
-// The arrays of a map, each None or an array, by their names in MapInput.
+// Makes a mesh from the arrays of a map, each None or an array, by their names in MapInput.
 Mesh mesh_of(const std::map<std::string, std::optional<py::array>>& arrays, const Camera& camera,
              const std::string& config, const Settings& settings, const py::function& warn) {
     const MapInput input{map_view(arrays.at("disparity")), map_view(arrays.at("depth")),
@@ -100,7 +100,7 @@ std::vector<std::string> save(const Mesh& mesh, const std::string& path, const S
     return mesh.save(path, options);
 }
 
-// Bytes of a device's memory, here.
+// Copies bytes from a device's memory to the host.
 py::array_t<std::uint8_t> from_device(std::uintptr_t address, std::size_t bytes) {
     py::array_t<std::uint8_t> here(static_cast<py::ssize_t>(bytes));
     std::uint8_t* const target = here.mutable_data();
@@ -124,7 +124,7 @@ const char* name_of(ErrorKind kind) {
 }
 
 void add_error(py::module_& module) {
-    // Kept for as long as the process lives: an exception may come at any time.
+    // Never released: an exception may come as long as the process lives.
     static const py::handle type = PyErr_NewException("hexrelief.Error", PyExc_RuntimeError, nullptr);
     module.attr("Error") = type;
     py::register_exception_translator([](std::exception_ptr thrown) {

@@ -19,7 +19,7 @@ bool is_space(std::uint8_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
-// "P5" alone could open any text; the letter after it must be white space or a comment.
+// The letters "P5" might begin any text, so a white space or a comment must follow.
 bool netpbm_kind(std::span<const std::uint8_t> head, std::string_view kinds) {
     return head.size() >= 3 && head[0] == 'P' &&
            kinds.find(static_cast<char>(head[1])) != std::string_view::npos &&
@@ -105,7 +105,8 @@ const Codec& require_codec(const std::filesystem::path& path, const char* wanted
 }
 
 SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimits& limits) {
-    // Room for metadata, and what four channels of doubles take, or three of floats in the largest raster.
+    // Room for metadata, and for four channels of doubles, or for three channels of floats
+    // in the largest raster.
     const auto pixels = static_cast<std::uintmax_t>(limits.max_pixels);
     constexpr std::uintmax_t most = static_cast<std::uintmax_t>(kMaxPixels) * 12;
     SourceFile source = load_file(path, std::min(pixels * 32, most) + (64u << 20));

@@ -6,14 +6,14 @@
 namespace hexrelief {
 namespace {
 
-// What archives and photographs hold is found through all of their bytes.
+// True for archives and photographs, whose contents can only be found by reading the whole file.
 bool needs_all_bytes(const codec::Codec& codec) {
     return codec.format == codec::Format::npz || codec.format == codec::Format::heic;
 }
 
 FileDescription describe_head(const codec::Codec& codec, const std::filesystem::path& path,
                               const std::string& key, const ReaderLimits& limits) {
-    // Metadata may come before the size: where it cannot be told from the first bytes, more are tried.
+    // Metadata may come before the size: if the first bytes do not contain the size, more are tried.
     constexpr std::size_t first = 1 << 16, most = 1 << 26;
     for (std::size_t count = first;; count *= 32) {
         codec::SourceFile source = codec::open_file(path, count);

@@ -41,7 +41,8 @@ std::vector<float> integers_to_px(const std::vector<Sample>& samples, double nod
 std::vector<float> floats_to_px(std::vector<float> samples, double nodata, double scale,
                                 const DisparityFileConfig& config) {
     const auto unknown = static_cast<float>(config.unknown), none = static_cast<float>(nodata);
-    const bool as_stored = scale == 1 && config.offset_px == 0;  // most maps; this loop is then all of it
+    // True for most maps; this loop is then all that is done.
+    const bool as_stored = scale == 1 && config.offset_px == 0;
     const float most =
         as_stored ? static_cast<float>(kLargestDisparity_px) : std::numeric_limits<float>::max();
     for (float& sample : samples) {

@@ -11,40 +11,40 @@
 
 namespace hexrelief {
 
-// No view is as wide. What is beyond, up or down, is not known.
+// No view is as wide as this. Disparities beyond it, positive or negative, are unknown.
 inline constexpr double kLargestDisparity_px = 1e6;
 
-// How the samples of a map file become pixels of disparity: d = raw / scale + offset. raw is the number in
-// the file: it is not scaled by a PGM's maxval, nor by the width of 1-2-4-bit PNG or TIFF samples (which are
-// read as 8-bit maps).
+// The conversion of a map file's samples to disparities in px: d = raw / scale + offset. `raw` is the number
+// in the file: it is scaled neither by a PGM's maxval nor by the width of 1-2-4-bit PNG or TIFF samples
+// (which are read as 8-bit maps).
 struct DisparityFileConfig {
-    // 0 = not given: an integer map of 8 bits is then an error that lists Middlebury's scales, one of 16 bits
-    // is read as KITTI (scale 256, 0 unknown), PFM and float TIFF are pixels already (scale 1).
+    // 0 = not given: an 8-bit integer map is then refused with a list of Middlebury's scales, a 16-bit one is
+    // read as KITTI (scale 256, 0 unknown), PFM and float TIFF are in pixels already (scale 1).
     double scale = 0;
     double offset_px = 0;
-    // raw value that means "not known", compared before scale and offset. NaN = the format's own, which is 0
-    // in integer maps; another value given replaces that 0, so 0 is then a disparity like any other. In float
-    // maps NaN, +-inf and 0 or less are unknown whatever is given here. Middlebury: 2001 venus has no unknown
-    // pixels, tsukuba 0 in a border, 2003 to 2006 have 0, 2014 (PFM) has +inf.
+    // Raw value that means "unknown", compared before scale and offset. NaN = the format's own, which is 0 in
+    // integer maps; a given value replaces that 0, so 0 is then an ordinary disparity. In float maps NaN,
+    // +-inf and values <= 0 are always unknown. Middlebury: 2001 venus has no unknown pixels, tsukuba 0 in a
+    // border; 2003 to 2006 have 0, 2014 (PFM) has +inf.
     double unknown = std::numeric_limits<double>::quiet_NaN();
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
-    // What errors advise to give: the options, and in brackets the keys, of those who call.
+    // The advice in errors: the caller's options, and their keys in brackets.
     std::string scale_option = "--disparity-scale (input.disparity.scale)";
     std::string unknown_option = "--unknown (input.disparity.unknown)";
 };
 
-// Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale is only the byte order; bottom row first),
+// Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale only gives the byte order; bottom row first),
 // float or integer TIFF (GDAL's nodata is unknown), NPY, NPZ and EXR, recognised by content. Throws
-// Error(input): missing, malformed, truncated, zero or too large, colour where channels differ, no known
-// pixel at all, no scale for an 8-bit map, floats that only make sense in the other byte order, or a format
-// that loses (JPEG) or has no room for (WebP) disparities. Throws Error(usage) for a scale that is negative
-// or not finite and an offset that is not finite.
+// Error(input) if the file is missing, malformed, truncated, of zero size or too large; if it has colours
+// whose channels differ, no known pixel, no scale for an 8-bit map, or floats that make sense only in the
+// other byte order; and for formats that lose disparities (JPEG) or cannot hold them (WebP). Throws
+// Error(usage) if the scale is negative or not finite, or the offset is not finite.
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config,
                                 const ReaderLimits& limits = {});
-// The same of samples of one channel that were read already; errors name `path`.
+// As read_disparity_map(), for samples of one channel that have been read already; errors name `path`.
 DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
                             const DisparityFileConfig& config);
-// The same of a part of a map, of which no pixel need be known.
+// As disparities_of(), for a part of a map, in which all pixels may be unknown.
 DisparityMap disparities_of_part(codec::Raster raster, const std::filesystem::path& path,
                                  const DisparityFileConfig& config);
 

@@ -7,7 +7,7 @@
 namespace hexrelief {
 namespace {
 
-// 0..max_value to 0..255, rounded; samples beyond the maxval that a PGM declares are white.
+// Scales 0..max_value to 0..255, rounded; samples beyond the maxval that a PGM declares are white.
 template <typename Sample>
 std::vector<std::uint8_t> to_bytes(const std::vector<Sample>& samples, unsigned max_value) {
     std::vector<std::uint8_t> bytes(samples.size());
@@ -26,7 +26,7 @@ Image read_image(const std::filesystem::path& path, const ReaderLimits& limits) 
     if (codec.format >= codec::Format::pfm)
         codec::refuse(path, std::string("an ") + codec.name +
                                 " file is a map, not an image; give PNG, JPEG, PPM/PGM, TIFF, WebP or HEIC");
-    // The file is a temporary here, so that its bytes are gone before the samples are converted.
+    // The file is a temporary here, so that its bytes are freed before the samples are converted.
     return image_of(codec.decode(codec::load_raster_file(path, limits)), path);
 }
 

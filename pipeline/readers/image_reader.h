@@ -1,4 +1,4 @@
-// Reads the left and right images.
+// Reads images.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,14 @@ namespace hexrelief {
 
 // Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP or HEIC image, recognised by its content, not its
 // name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
-// converted. Alpha is kept where some pixel's is below half. Grey gives 1 channel, colour 3. EXIF or TIFF
+// converted. Grey gives 1 channel, colour 3. Alpha is kept if it is below half at some pixel. EXIF or TIFF
 // orientation is ignored: calibrations and disparity maps belong to the pixels as stored. Colour profiles and
-// gamma are ignored: samples are taken as sRGB. Of several pages the first is read. Throws Error(input) where
-// the file is missing, malformed, truncated, has a zero side or more pixels than the limits allow; never
-// allocates more than what a valid header within them asks for.
+// gamma are ignored: samples are taken as sRGB. The first of several pages is read. Throws Error(input) if
+// the file is missing, malformed or truncated, has a zero side or more pixels than the limits allow; never
+// allocates more than a valid header within the limits requires.
 Image read_image(const std::filesystem::path& path, const ReaderLimits& limits = {});
-// The same of samples that were read already, be they a part; errors name `path`.
+// As read_image(), for samples of an image or of a part of it that have been read
+// already; errors name `path`.
 Image image_of(codec::Raster raster, const std::filesystem::path& path);
 
 }  // namespace hexrelief

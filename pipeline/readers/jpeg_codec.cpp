@@ -1,5 +1,5 @@
-// JPEG through libjpeg. As with PNG its errors leave by longjmp: every call that can fail runs in a step
-// whose frame holds nothing with a destructor, and memory is allocated between the steps.
+// Reads JPEG by libjpeg. As for PNG, its errors leave by longjmp: every call that can fail runs in a step, a
+// function whose frame holds nothing with a destructor, and memory is allocated between the steps.
 #include <cstdio>
 // libjpeg's headers need stdio first
 #include <jpeglib.h>
@@ -40,8 +40,8 @@ void on_error(j_common_ptr jpeg) {
     std::longjmp(owner(jpeg).escape, 1);
 }
 
-// libjpeg patches damaged data with grey and a warning; a matcher would take the patch for the scene.
-// Oddities of writers that leave the picture whole are let through.
+// libjpeg replaces damaged data by grey with a warning, and a matcher would take that for the scene, so
+// warnings are errors. Harmless oddities of writers are accepted.
 void on_message(j_common_ptr jpeg, int level) {
     if (level >= 0) return;
     switch (jpeg->err->msg_code) {
@@ -102,7 +102,7 @@ void open(JpegReader& reader) {
     check_size(reader.source, reader.jpeg.image_width, reader.jpeg.image_height);
 }
 
-// In place, four bytes to three. Adobe's files, and so nearly all, hold the inks inverted.
+// Converts in place, four bytes to three. Adobe's files, and so nearly all, hold the inks inverted.
 void cmyk_to_rgb(std::vector<std::uint8_t>& samples, bool inverted) {
     const std::size_t pixels = samples.size() / 4;
     const auto light = [inverted](std::uint8_t ink) { return inverted ? ink : 255 - ink; };
@@ -133,8 +133,8 @@ Raster decode_jpeg(const SourceFile& source) {
     jpeg.out_color_space = grey ? JCS_GRAYSCALE : inks ? JCS_CMYK : JCS_RGB;
     const int stored = grey ? 1 : inks ? 4 : 3;
     const unsigned long long pixels = static_cast<unsigned long long>(jpeg.image_width) * jpeg.image_height;
-    // Huffman codes spend at least a bit on a block of 64 pixels; eight times that leaves room for arithmetic
-    // coding.
+    // Huffman codes spend at least a bit on a block of 64 pixels; eight times that leaves
+    // room for arithmetic coding.
     check_length(source, pixels, 4096);
 
     std::vector<std::uint8_t> samples(pixels * stored);

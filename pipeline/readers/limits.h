@@ -1,4 +1,4 @@
-// What a picture or map may be as large as, whoever made it.
+// Limits on the size of pictures and maps.
 #pragma once
 
 namespace hexrelief {
@@ -7,7 +7,7 @@ inline constexpr long long kMaxPixels = 1LL << 29;  // 536 Mpx: 16384 x 16384 tw
 
 struct ReaderLimits {
     long long max_pixels = kMaxPixels;  // 1 .. kMaxPixels
-    // What errors name: the key, or the option, of those who call.
+    // The key, or the option of the caller, that errors name.
     const char* max_pixels_option = "limits.max_pixels";
 };
 

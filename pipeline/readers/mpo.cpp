@@ -11,7 +11,7 @@ namespace {
     refuse(source.path, std::string("malformed MPO index: ") + what + "; export the two pictures as files");
 }
 
-// The index is a TIFF directory. Every number is read through here, and none from beyond its segment.
+// The index, a TIFF directory. All numbers are read by number(), which reads none from outside its segment.
 class Index {
   public:
     Index(const SourceFile& source, std::size_t begin, std::size_t end)

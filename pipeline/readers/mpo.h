@@ -10,9 +10,9 @@
 
 namespace hexrelief::codec {
 
-// Where the index (CIPA DC-007) has a file's second picture: its first byte and the number of bytes, which
-// lie inside of the file. nullopt where the file is no JPEG or has no index. Throws Error(input) where the
-// index has no second picture, or is malformed.
+// Returns the first byte and the number of bytes of a file's second picture, by its index (CIPA DC-007); both
+// lie inside the file. Returns nullopt if the file is not a JPEG or has no index. Throws Error(input) if the
+// index is malformed or lists no second picture.
 std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const SourceFile& source);
 
 }  // namespace hexrelief::codec

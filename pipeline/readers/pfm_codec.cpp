@@ -1,5 +1,5 @@
-// Portable float map. The header's scale is read for its sign alone, negative meaning little endian:
-// Middlebury writes 1/255 there, and a reader that multiplies by it is 255 times off.
+// Reads portable float maps. Only the sign of the header's scale is used, negative meaning little endian:
+// Middlebury writes 1/255 there, and a reader that multiplies by it is wrong by a factor of 255.
 #include <bit>
 #include <cstring>
 
@@ -10,7 +10,7 @@
 namespace hexrelief::codec {
 namespace {
 
-// More than a final line end behind the last sample means that header and samples do not belong together.
+// Refuses more than a final line end after the last sample: header and samples then do not belong together.
 void check_end(const SourceFile& source, std::size_t end) {
     for (std::size_t i = end; i < source.bytes.size(); ++i) {
         if (i - end >= 2 || (source.bytes[i] != '\n' && source.bytes[i] != '\r')) {

@@ -1,5 +1,5 @@
-// PNG through libpng. Its errors leave by longjmp, so every call that can fail runs in a step: a plain
-// function whose frame holds nothing with a destructor. Memory is allocated between the steps.
+// Reads PNG by libpng. Its errors leave by longjmp, so every call that can fail runs in a step: a function
+// whose frame holds nothing with a destructor. Memory is allocated between the steps.
 #include <png.h>
 
 #include <bit>
@@ -48,8 +48,8 @@ void header_step(PngReader& reader) {
     png_read_info(reader.png, reader.info);
 }
 
-// A channel, or the transparencies of a palette's colours; one transparent colour of a picture without a
-// palette is not looked at.
+// True if there is an alpha channel, or a palette with transparent colours. A single transparent colour of a
+// picture without a palette is ignored.
 bool has_alpha(const PngReader& reader) {
     const int kind = png_get_color_type(reader.png, reader.info);
     return (kind & PNG_COLOR_MASK_ALPHA) != 0 ||
@@ -127,7 +127,7 @@ Raster decode_png(const SourceFile& source) {
     const bool with_alpha = has_alpha(reader);
     raster.channels = (kind & PNG_COLOR_MASK_COLOR ? 3 : 1) + with_alpha;
     raster.max_value = (1u << bits) - 1;
-    // Deflate packs at best 1032 bytes into one.
+    // Deflate compresses at best 1032 bytes into one.
     check_length(source,
                  png_get_rowbytes(reader.png, reader.info) * static_cast<unsigned long long>(raster.height),
                  1032);

@@ -1,4 +1,4 @@
-// Binary PGM (P5) and PPM (P6), one or two bytes a sample, big endian.
+// Reads binary PGM (P5) and PPM (P6), one or two bytes per sample, big endian.
 #include <algorithm>
 
 #include "pipeline/readers/codecs.h"

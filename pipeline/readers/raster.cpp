@@ -9,7 +9,7 @@
 namespace hexrelief::codec {
 namespace {
 
-// Grey that some tool wrote as colour: three equal channels become one, in place.
+// Reduces grey that some tool wrote as colour: three equal channels become one, in place.
 template <typename Sample>
 void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) {
     const std::size_t pixels = samples.size() / 3;
@@ -21,13 +21,13 @@ void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) 
     samples.resize(pixels);
 }
 
-// Disparities and depths lie between a millionth and a million; floats read in the wrong byte order hardly
-// ever do.
+// True for plausible disparities and depths, between a millionth and a million; floats read in the wrong byte
+// order hardly ever are.
 bool plausible(float value) {
     return std::abs(value) >= 1e-6f && std::abs(value) <= 1e6f;
 }
 
-// Moves the last of `channels` samples of each pixel out, as a byte.
+// Removes the last of `channels` samples of each pixel and returns them as bytes.
 template <typename Sample>
 std::vector<std::uint8_t> take_last(std::vector<Sample>& samples, std::size_t channels) {
     std::vector<std::uint8_t> last(samples.size() / channels);
@@ -58,8 +58,8 @@ void split_alpha(Raster& raster) {
 bool in_other_order(const std::vector<float>& samples) {
     std::size_t judged = 0, as_read = 0, swapped = 0;
     for (float sample : samples) {
-        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
-        // as well.
+        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which
+        // is ignored as well.
         if (sample == 0 || std::isinf(sample) || std::isinf(in_other_byte_order(sample))) continue;
         ++judged;
         as_read += plausible(sample);

@@ -1,4 +1,4 @@
-// Decoded samples before anyone has decided whether they are a picture or a disparity map.
+// Decoded samples, which may be a picture or a disparity map.
 #pragma once
 
 #include <bit>
@@ -12,7 +12,7 @@
 
 namespace hexrelief::codec {
 
-// The float whose bytes are those of `value` in reverse.
+// Returns the float whose bytes are those of `value` in reverse.
 inline float in_other_byte_order(float value) {
     const auto v = std::bit_cast<std::uint32_t>(value);
     return std::bit_cast<float>(v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24);
@@ -20,12 +20,13 @@ inline float in_other_byte_order(float value) {
 
 inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
 
-// What a format itself says of a depth map's samples.
+// A format's own statement about a depth map's samples.
 struct StatedDepth {
-    enum class Kind { nothing, depth, inverse_depth, relative_inverse };  // the middle two are of metres
+    // depth: metres; inverse_depth: 1 / metres.
+    enum class Kind { nothing, depth, inverse_depth, relative_inverse };
     Kind kind = Kind::nothing;
-    double step = 0;        // between neighbouring samples where they were made floats
-    std::string told = {};  // where from
+    double step = 0;        // between adjacent samples, if these were converted to floats
+    std::string told = {};  // the source of this information
 };
 
 struct PixelWindow {
@@ -33,21 +34,22 @@ struct PixelWindow {
 };
 
 // Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
-// neither the 1-2-4-bit ones nor those of a PGM with a maxval of its own are stretched, because a map means
-// the number itself.
+// neither 1-2-4-bit samples nor those of a PGM with its own maxval are stretched, because the samples of a
+// map mean the numbers themselves.
 struct Raster {
     int width = 0;
     int height = 0;
     int channels = 1;
-    unsigned max_value = 255;  // what full white is in integer samples, 1..65535; unused for float
-    // Sample that the file itself says means "not known"; NaN = it says none.
+    unsigned max_value = 255;  // value of full white in integer samples, 1..65535; unused for floats
+    // Sample value that the file itself declares to mean "unknown"; NaN = none.
     double nodata = kNoData;
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
-    std::vector<std::uint8_t> alpha = {};  // 0..255 of each pixel; empty = all are opaque
+    std::vector<std::uint8_t> alpha = {};  // 0..255 per pixel; empty = all are opaque
     StatedDepth stated = {};
 };
 
-// The last of the raster's 2 or 4 channels, of 8 or 16 bits, becomes its alpha, where a pixel is transparent.
+// Moves the last of the raster's 2 or 4 channels, of 8 or 16 bits, to its alpha, which stays empty if
+// no pixel is transparent.
 void split_alpha(Raster& raster);
 
 }  // namespace hexrelief::codec

@@ -19,7 +19,8 @@ std::string system_reason(int code) {
     return std::generic_category().message(code);
 }
 
-// A folder opens like a file on Linux and a pipe blocks, so the kind is asked first.
+// Opens a regular file. The kind is checked first, because on Linux a folder can be opened like a file,
+// and a pipe blocks.
 FileHandle open_regular(const std::filesystem::path& path) {
     std::error_code failure;
     const auto status = std::filesystem::status(path, failure);

@@ -1,4 +1,4 @@
-// A file's bytes, and the one way in which a reader refuses them.
+// The bytes of a file, and the one way in which readers refuse it.
 #pragma once
 
 #include <cstdint>
@@ -14,39 +14,39 @@ namespace hexrelief::codec {
 
 struct SourceFile {
     std::filesystem::path path;
-    std::vector<std::uint8_t> bytes;  // all; or the first of them, where `file` is open
-    std::string key = {};  // which array or channel is wanted where a format holds several; empty = not said
-    bool is_map = false;   // of a format that holds a picture and its depths, these are wanted
+    std::vector<std::uint8_t> bytes;  // all bytes, or only the first ones if `file` is open
+    std::string key = {};  // wanted array or channel, if a format can hold several; empty = not given
+    bool is_map = false;   // wanted are depths, if a format can hold both a picture and its depths
     ReaderLimits limits = {};
-    std::shared_ptr<std::FILE> file = {};       // what is behind the bytes
-    std::uint64_t file_size = 0;                // of an open file
-    const char* several = "name one by --key";  // what to do where none is named
+    std::shared_ptr<std::FILE> file = {};       // gives access to further bytes
+    std::uint64_t file_size = 0;                // size of an open file
+    const char* several = "name one by --key";  // advice if there are several and none is named
 
     std::uint64_t size() const { return file ? file_size : bytes.size(); }
-    // Copies what there is of `count` bytes at `offset` in the file, and returns how many those are.
+    // Copies up to `count` bytes at `offset` of the file, and returns how many there were.
     std::size_t read_at(std::uint64_t offset, void* to, std::size_t count) const;
 };
 
-// The first at most `count` bytes. Throws Error(input) where path is missing, no regular file, or not
-// readable.
+// Loads at most the first `count` bytes. Throws Error(input) if the file is missing, not a regular
+// file, or not readable.
 SourceFile load_head(const std::filesystem::path& path, std::size_t count);
 
-// The same with the file open behind them, where it has more.
+// As load_head(), but keeps the file open if it has more bytes.
 SourceFile open_file(const std::filesystem::path& path, std::size_t count);
 
-// The whole file. Throws as load_head, and where the file is larger than `max_bytes` (nothing is allocated
-// then).
+// Loads the whole file. Throws what load_head() throws, and Error(input) if the file is larger than
+// `max_bytes`, in which case nothing is allocated.
 SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes);
 
 // Throws Error(input): "cannot read 'PATH': REASON".
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason);
 
-// Refuses a zero side and more pixels than the source's limits allow.
+// Refuses a zero side, and more pixels than the source's limits allow.
 void check_size(const SourceFile& source, unsigned long long width, unsigned long long height);
 
-// Refuses a file too short for what its header promises, before anything is allocated for it: a format that
-// packs at best `ratio` bytes of samples into one byte of file cannot hold `sample_bytes` in fewer bytes than
-// that.
+// Refuses a file that is too short for its header, before anything is allocated: a format that packs at
+// best `ratio` bytes of samples into one byte of the file cannot hold `sample_bytes` in fewer bytes
+// than sample_bytes / ratio.
 void check_length(const SourceFile& source, unsigned long long sample_bytes, unsigned ratio);
 
 }  // namespace hexrelief::codec

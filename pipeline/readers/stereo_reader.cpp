@@ -16,7 +16,7 @@ std::string size_text(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
-// The picture at twice its width or height, linear between the centres of its pixels.
+// Returns the picture at twice its width or height, interpolated linearly between the centres of its pixels.
 Image stretched(const Image& image, bool in_x) {
     Image out{
         in_x ? 2 * image.width : image.width, in_x ? image.height : 2 * image.height, image.channels, {}};

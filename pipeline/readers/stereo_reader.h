@@ -8,17 +8,18 @@
 
 namespace hexrelief {
 
-// Side by side or one above the other; in the half forms each was squeezed to half of its width or height,
-// and is stretched again.
+// The layout of both pictures in a file: side by side or one above the other. In the half forms each picture
+// was squeezed to half of its width or height, and is stretched again.
 enum class StereoLayout { automatic, side_by_side, half_side_by_side, top_bottom, half_top_bottom, mpo };
 
 struct StereoFileConfig {
-    StereoLayout layout = StereoLayout::automatic;  // automatic: MPO, where the file is one
+    StereoLayout layout = StereoLayout::automatic;  // automatic: MPO, if the file is one
     bool right_first = false;                       // the right view is on the left, or above: cross-eyed
 };
 
-// In MPO files the left view comes first. Throws Error(input) as read_image() does, and where the layout is
-// not said and the file is no MPO, the file cannot be halved, or an MPO's pictures differ in size.
+// Reads a pair. In MPO files the left view comes first. Throws Error(input) as read_image() does, and if
+// the layout is automatic and the file is not an MPO, if the file cannot be halved, or if an MPO's
+// pictures differ in size.
 StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                             const ReaderLimits& limits = {});
 

@@ -51,7 +51,7 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 std::string excerpt(std::string_view text) {
-    std::string shown = printable(text, 40);  // not one sum: GCC 12 warns of an overlap there that is none
+    std::string shown = printable(text, 40);  // not one sum: GCC 12 falsely warns of an overlap there
     shown.insert(shown.begin(), '\'');
     return shown += '\'';
 }

@@ -1,4 +1,4 @@
-// Numbers and words out of text that people and tools write; independent of the locale.
+// Parses numbers and words from text that people and tools write; independent of the locale.
 #pragma once
 
 #include <optional>
@@ -10,19 +10,19 @@ namespace hexrelief::codec {
 
 std::string_view trim(std::string_view text);
 
-// Words between white space, commas counting as white space.
+// Returns the words between white space; commas count as white space.
 std::vector<std::string_view> words(std::string_view text);
 
-// Lines without their ends (LF, CRLF or CR).
+// Returns the lines without their ends (LF, CRLF or CR).
 std::vector<std::string_view> lines(std::string_view text);
 
-// The whole of text as a finite number; nullopt otherwise ("nan", "inf", trailing letters, nothing).
+// Returns the whole text as a finite number; nullopt otherwise ("nan", "inf", trailing letters, nothing).
 std::optional<double> parse_number(std::string_view text);
 
-// text for an error message: printable, at most 40 characters, in quotes.
+// Returns text for an error message: printable, at most 40 characters, in quotes.
 std::string excerpt(std::string_view text);
 
-// The same without quotes, at most `longest` characters.
+// Returns printable text without quotes, at most `longest` characters and "..." if it was longer.
 std::string printable(std::string_view text, std::size_t longest);
 
 }  // namespace hexrelief::codec

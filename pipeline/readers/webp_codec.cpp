@@ -1,4 +1,4 @@
-// WebP, lossy and lossless, through libwebp.
+// Reads WebP, lossy and lossless, by libwebp.
 #include <webp/decode.h>
 
 #include "pipeline/readers/codecs.h"
@@ -26,8 +26,8 @@ Raster decode_webp(const SourceFile& source) {
     const WebPBitstreamFeatures features = read_features(source);
     if (features.has_animation) refuse(source.path, "an animated WebP is no single image; export one frame");
     const int channels = features.has_alpha ? 4 : 3;
-    // Even a picture of one colour spends a hundredth of a bit on each block of 256 pixels, if it is lossy;
-    // a lossless one may spend none, but those of that size are not what anybody photographed.
+    // Even a picture of one colour needs a hundredth of a bit per block of 256 pixels if it is lossy; a
+    // lossless one may need none, but nobody photographs pictures of that size and kind.
     check_length(source, static_cast<unsigned long long>(features.width) * features.height, 1 << 16);
     const std::size_t stride = static_cast<std::size_t>(features.width) * channels;
     std::vector<std::uint8_t> samples(stride * features.height);

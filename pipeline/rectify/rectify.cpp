@@ -19,7 +19,7 @@ namespace {
 class OpenCvThreads {
   public:
     explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
-        // Of more than the machine has, OpenCV's thread library warns on the standard error.
+        // OpenCV's thread library prints a warning if there are more threads than the machine has CPUs.
         cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
     }
     ~OpenCvThreads() { cv::setNumThreads(before_); }
@@ -80,7 +80,7 @@ Calibration calibration_of(const cv::Mat& left, const cv::Mat& right, cv::Size s
     return camera;
 }
 
-// Where in the picture as taken each pixel of the rectified one is.
+// The position in the picture as taken of each pixel of the rectified one.
 struct Positions {
     cv::Mat x, y;
 };
@@ -142,7 +142,7 @@ RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibrati
         refuse("OpenCV finds no view of both cameras; check K1, D1, K2, D2, R and T");
     } catch (const Error&) {
         throw;
-    } catch (const std::runtime_error&) {  // the system gives OpenCV no thread: the caller's does all
+    } catch (const std::runtime_error&) {  // the system gives OpenCV no thread: do all in the caller's
         if (threads == 1) throw;
         return rectify(pair, calibration, 1);
     }

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kHalf = 1u << 16;
 
-// How many of the map's disparities that are known, above 0 and `counted` fall into each of 2^16 bins.
+// Counts, in 2^16 bins, the map's disparities that are known, above 0 and accepted by `counted`.
 template <typename Counted, typename Bin>
 std::vector<long long> histogram(const MapInStrips& map, const Counted& counted, const Bin& bin) {
     std::vector<std::vector<long long>> parts(static_cast<std::size_t>(map.strips));
@@ -39,10 +39,11 @@ std::vector<long long> histogram(const MapInStrips& map, const Counted& counted,
     return std::move(parts[0]);
 }
 
-// The smallest disparity above 0 that at least `percentile` % of these do not exceed; 0 without any.
+// Returns the smallest disparity above 0 that at least `percentile` % of the disparities above 0 do not
+// exceed; 0 if there is none.
 float percentile_above_zero(const MapInStrips& map, double percentile) {
-    // Positive floats are in the order of their bits, so the upper half of these is found first, then the
-    // lower: several times as fast as std::nth_element.
+    // Positive floats are in the order of their bits, so the upper half of the bits is found first, then the
+    // lower half: several times as fast as std::nth_element.
     const auto upper = histogram(
         map, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; });
     const long long count = std::accumulate(upper.begin(), upper.end(), 0LL);
@@ -61,8 +62,8 @@ float percentile_above_zero(const MapInStrips& map, double percentile) {
     return std::bit_cast<float>(high * kHalf + bin_of_rank(lower));
 }
 
-// Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two
-// classes.
+// Otsu's threshold on 256 bins of the known disparities: the split that maximises the variance
+// between the two classes.
 double otsu_threshold(const MapInStrips& map, float largest) {
     constexpr int kBins = 256;
     std::vector<std::array<long long, kBins>> parts(static_cast<std::size_t>(map.strips));
@@ -95,38 +96,38 @@ double otsu_threshold(const MapInStrips& map, float largest) {
             best = between;
             first = last = i;
         } else if (histogram[i] == 0 && last == i - 1) {
-            last = i;  // an empty bin changes nothing: split in the middle of the gap, not at its edge
+            last = i;  // an empty bin changes nothing: split in the middle of a gap, not at its edge
         }
     }
-    if (best < 0) return 0;  // one value only: nothing tells background from foreground
+    if (best < 0) return 0;  // one value only: nothing separates background from foreground
     return (0.5 * (first + last) + 1) / to_bin;
 }
 
-// The border between what is below a threshold and what is not, in pairs of neighbours in a row or a column.
-// Unknown pixels are looked across: a hole neither connects nor parts.
+// The border between the pixels below a threshold and the others, counted in pairs of neighbours in a row or
+// a column. Unknown pixels between two known ones are skipped: a hole neither connects nor separates.
 struct Border {
     float threshold;
-    long long length = 0;         // pairs
+    long long length = 0;         // pairs of neighbours on the border
     long long discontinuous = 0;  // pairs at a depth discontinuity
 
     void add(float a, float b, int distance_px) {
         if ((a < threshold) == (b < threshold)) return;
         const float nearer = std::max(a, b), farther = std::min(a, b);
         ++length;
-        // What is behind is at least twice as far away, by more than noise and rounding, and by more than a
-        // steep plane climbs over this distance. Left of a near object as many pixels are hidden as the
-        // disparity steps by, so half a pixel of disparity for each is on the safe side.
+        // The farther surface is at least twice as far away. The difference also exceeds noise and rounding,
+        // and what a steep plane rises by over this distance. Left of a near object as many pixels are hidden
+        // as the disparity steps by, so half a pixel of disparity for each is on the safe side.
         const float least = std::max({1.0f, 0.5f * nearer, 0.5f * static_cast<float>(distance_px)});
         discontinuous += nearer - farther >= least;
     }
 };
 
-// The known pixel of a row or a column that was seen last.
+// The last known pixel of a row or a column.
 struct Seen {
     int at = -1;  // x or y; -1: none so far
     float disparity = 0;
 
-    // The next one, `at` its place.
+    // Adds the border between this pixel and the next known one, at position `next`, which takes its place.
     void pass(Border& border, int next, float d) {
         if (at >= 0) border.add(disparity, d, next - at);
         at = next;
@@ -137,8 +138,8 @@ struct Seen {
 Border border_at(const MapInStrips& map, float threshold) {
     struct Strip {
         Border border;
-        std::vector<Seen> above;                       // of each column
-        std::vector<std::pair<Seen, Seen>> ends = {};  // of each row, its first known pixel and its last
+        std::vector<Seen> above;                       // last known pixel of each column
+        std::vector<std::pair<Seen, Seen>> ends = {};  // first and last known pixel of each row
     };
     std::vector<Strip> strips(static_cast<std::size_t>(map.strips), {{threshold}, {}});
     map.read([&](int k, const MapWindow& window) {
@@ -176,7 +177,7 @@ Border border_at(const MapInStrips& map, float threshold) {
     return whole;
 }
 
-// `candidate` where what is below it is apart from the rest, else 0.
+// Returns `candidate` if the disparities below it are separated from the rest, else 0.
 float separating_threshold(const MapInStrips& map, float candidate) {
     constexpr double kLeastDiscontinuousShare = 0.8;
     const Border border = border_at(map, candidate);
@@ -199,7 +200,8 @@ double background_threshold(const MapInStrips& map, const DensityConfig& config,
     return 0;
 }
 
-// pow() of the C library differs between its versions in the last bit; whole exponents need only products.
+// A power of which whole exponents need only products: the C library's pow() differs between its versions
+// in the last bit.
 double power(double base, double exponent) {
     const int whole = static_cast<int>(exponent);
     if (whole != exponent) return std::pow(base, exponent);
@@ -225,8 +227,8 @@ void check(const DensityConfig& config) {
     }
 }
 
-// (1 - share) of the density's sum, `share` of the detail's, the largest value 1 again. Without any detail
-// the density stays.
+// Mixes densities: (1 - share) of the sum is the density's, `share` the detail's; the largest value becomes
+// 1. The density does not change if there is no detail.
 void mix(std::vector<float>& density, const std::vector<float>& detail, double share) {
     double cube_sum = 0, detail_sum = 0;
     for (std::size_t i = 0; i < density.size(); ++i) cube_sum += density[i], detail_sum += detail[i];
@@ -245,7 +247,7 @@ DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& con
     check(config);
     DensityScale found;
     found.scale_px = percentile_above_zero(map, config.scale_percentile);
-    // Compared as the float that is handed on, so that every later stage draws the same line.
+    // Rounded to the float that is handed on, so that every later stage draws the same line.
     if (found.scale_px > 0)
         found.background_px = static_cast<float>(background_threshold(map, config, found.scale_px));
     return found;

@@ -1,4 +1,5 @@
-// Stage: disparity map -> density map (paper, section 3: background removed, contrast raised by the cube).
+// Stage: from a disparity map to a density map (paper, section 3: background removed, contrast
+// raised by the cube).
 #pragma once
 
 #include <functional>
@@ -11,57 +12,67 @@ namespace hexrelief {
 enum class BackgroundMethod { automatic, none, fraction, threshold_px, otsu };
 
 struct DensityConfig {
-    double exponent = 3;  // 0..8; the paper's cube
-    // The scale of disparities is this percentile of the known ones above 0, which a few wrong pixels do not
-    // move; 0..100. The paper's is 100, the largest.
+    double exponent = 3;  // 0..8; the paper cubes
+    // The scale of disparities is this percentile of the known disparities above 0, so that a few wrong
+    // pixels do not move it; 0..100. The paper uses 100, the largest disparity.
     double scale_percentile = 99.8;
     BackgroundMethod background_method = BackgroundMethod::automatic;
     double background_fraction = 0.25;   // for automatic and fraction: share of the scale; 0..1
-    double background_threshold_px = 0;  // for threshold_px
-    double floor = 0.05;                 // least density of a known pixel, share of the largest; 0..1
-    // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0..0.99, 0 = the
-    // paper's cube alone.
+    double background_threshold_px = 0;  // used by threshold_px
+    // Density of known pixels is at least this share of the largest; 0..1.
+    double floor = 0.05;
+    // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0..0.99, 0 =
+    // none, as in the paper.
     double detail = 0;
 };
 
-// density = (min(d, scale) / scale)^exponent where d is known, above 0 and not below the background
-// threshold; at least `floor` where d is known, background as well, which spends less of the mesh on the
-// foreground and keeps it regular; 0 where d is unknown. Values in [0, 1]. Without any known disparity above
-// 0 all are 0.
+// Returns a density in [0, 1] per pixel:
+// - foreground (d known, above 0 and not below the background threshold): (min(d, scale) /
+//   scale)^exponent, at least `floor`;
+// - other known pixels, the background: `floor`, which spends less of the mesh on the foreground
+//   and keeps it regular;
+// - unknown pixels: 0.
 //
-// BackgroundMethod::automatic removes what is below `background_fraction` of the scale, but only if it is
-// apart from the rest: along at least 80 % of the border between the two, disparities at least halve from one
-// pixel to the next. Otherwise it removes nothing, because a threshold would cut through surfaces.
+// All densities are 0 if no disparity is known and above 0.
+//
+// BackgroundMethod::automatic removes disparities below `background_fraction` of the scale, but only if they
+// are separated from the rest: along at least 80 % of the border between the two, disparities at least halve
+// from one pixel to the next. Otherwise nothing is removed, because a threshold would cut through surfaces.
+//
+// Throws Error(usage) if a parameter is out of range.
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads = 1);
 
-// What the density of a pixel depends on besides its own disparity.
+// The properties of the whole map that a pixel's density depends on besides its own disparity.
 struct DensityScale {
     float scale_px = 0;  // 0: no disparity is known and above 0
     float background_px = 0;
 };
 
-// A window of a map, of disparities in px.
+// A window of a disparity map, in px.
 struct MapWindow {
     int x = 0, y = 0, width = 0, height = 0;
-    const float* values = nullptr;  // of the first row
-    std::size_t stride = 0;         // from row to row
+    const float* values = nullptr;  // first row of the window
+    std::size_t stride = 0;         // distance between rows, in values
 
     const float* row(int k) const { return values + k * stride; }
 };
 
-// A map in strips of whole columns, from left to right, together as wide as the map.
+// A disparity map read in vertical strips, numbered from left to right, which together are as
+// wide as the map.
 struct MapInStrips {
     int strips = 1;
-    // Calls take(strip, window) for windows of a strip that together are the strip, from the top: those of
-    // one strip one after another, of several at once. Each call begins anew.
+    // Reads the map: calls take(strip, window) for windows that cover each strip from top to bottom. The
+    // windows of one strip come one after another; different strips may come at the same time, from several
+    // threads. Each call of read() starts again.
     std::function<void(const std::function<void(int strip, const MapWindow& window)>& take)> read;
 };
 
-// That of a map, which is read up to three times. Throws what reading throws.
+// Returns the scale and background threshold of a map, which is read up to three times. Throws Error(usage)
+// if a parameter is out of range, and whatever reading throws.
 DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& config);
 
-// The density of a part of the map, as compute_density() gives it there. config.detail is left out, which
-// depends on the whole map.
+// Returns the densities of a part of the map, equal to those that compute_density() gives it for
+// config.detail = 0. config.detail is ignored, because it depends on the whole map.
 DensityMap density_at_scale(const DisparityMap& part, const DensityScale& scale, const DensityConfig& config,
                             int threads = 1);
 

@@ -8,17 +8,18 @@
 namespace hexrelief {
 namespace {
 
-// Measured on Middlebury's maps by the error in both views at equal bytes: 450 cells and a reach of 3 do as
-// well and take four times as long. Weighting near surfaces once more (the paper's cube does that already) is
-// 5 % worse; no blur, or twice as much, is 1 % worse.
-constexpr double kCells = 225;   // along the image's longer side, at most: larger images are put into blocks
-constexpr int kReach = 2;        // of the window, in cells
+// These values were chosen on Middlebury's maps by the error in both views at equal bytes. 450 cells and a
+// reach of 3 do as well and take four times as long. Weighting near surfaces once more (the paper's cube does
+// that already) is 5 % worse; no blur, or twice as much, is 1 % worse.
+constexpr double kCells = 225;   // most cells along the longer side; larger images get cells of several px
+constexpr int kReach = 2;        // of the window for a plane, in cells
 constexpr int kBlur = 1;         // of the result, in cells
 constexpr double kBound_px = 1;  // larger residuals count as this: more density does not help at a step
-constexpr double kUnseen_px = 0.02;  // smaller residuals are not seen, and a float's rounding is below it
-constexpr double kNoise = 0.03;      // this share of the windows is taken to have noise alone as residual
+constexpr double kUnseen_px = 0.02;  // smaller residuals are ignored; a float's rounding is below this
+// This share of the windows is assumed to have noise as their only residual.
+constexpr double kNoise = 0.03;
 
-// Sums over the foreground's pixels of a block or window, coordinates in cells.
+// Sums over the foreground pixels of a block or window; coordinates in cells.
 struct Moments {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0, dd = 0;
 
@@ -30,7 +31,7 @@ struct Moments {
         n += o.n, x += o.x, y += o.y, xx += o.xx, xy += o.xy, yy += o.yy;
         d += o.d, xd += o.xd, yd += o.yd, dd += o.dd;
     }
-    // Mean square residual of the best plane; 0 for fewer than three pixels or pixels on a line.
+    // Returns the mean square residual of the best plane; 0 for fewer than three pixels or collinear ones.
     double left_over() const {
         if (n < 3) return 0;
         const double mx = x / n, my = y / n, md = d / n;
@@ -44,7 +45,7 @@ struct Moments {
 };
 
 struct Cells {
-    int side;  // px
+    int side;  // of a cell, px
     int columns, rows;
 
     Cells(int width, int height)
@@ -55,7 +56,7 @@ struct Cells {
     std::size_t at(int column, int row) const { return static_cast<std::size_t>(row) * columns + column; }
 };
 
-// Every value becomes the sum over those within `reach` cells, along rows and then along columns.
+// Replaces each value by the sum over all cells within `reach`, along rows and then along columns.
 template <typename T>
 std::vector<T> window_sums(const std::vector<T>& values, const Cells& cells, int reach) {
     std::vector<T> along(values.size()), sums(values.size());
@@ -70,7 +71,8 @@ std::vector<T> window_sums(const std::vector<T>& values, const Cells& cells, int
     return sums;
 }
 
-// Mean square residuals of a plane around each cell, less the noise: what nearly every window has.
+// Returns the mean square residual of a plane around each cell, less the noise, which is the residual that
+// nearly all windows exceed.
 std::vector<double> left_overs(const std::vector<Moments>& blocks, const Cells& cells) {
     const std::vector<Moments> windows = window_sums(blocks, cells, kReach);
     std::vector<double> squares(blocks.size()), known;
@@ -100,7 +102,7 @@ std::vector<float> detail_density(const DisparityMap& map, float background_px) 
         }
     std::vector<double> wanted = left_overs(blocks, cells);
     for (double& square : wanted) square = std::cbrt(std::min(square, kBound_px * kBound_px));
-    // Blurred, so that the mesh passes from coarse to fine gradually.
+    // Blurred, so that the mesh passes gradually from coarse to fine.
     std::vector<double> ones(wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         ones[i] = blocks[i].n > 0;

@@ -1,4 +1,4 @@
-// Where a surface is not flat: what linear triangles cannot show.
+// The density that curved surfaces need, because linear triangles cannot represent them.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace hexrelief {
 
-// The density that a mesh of linear triangles wants on the foreground (>= background_px, above 0), row-major,
-// 0..1; 0 elsewhere. A cell of area A over a surface of curvature c is wrong by about c A, so cells that
-// share the squared error c^2 A^2 evenly are as dense as c^(2/3). The curvature is
-// taken from the residual of a plane that is fitted to a window of some pixels, less the map's own noise and
-// up to a bound, which depth discontinuities reach. All 0 where the map consists of planes.
+// Returns the density that a mesh of linear triangles needs on the foreground (disparities >= background_px
+// and above 0), row-major, 0..1; 0 elsewhere. A cell of area A over a surface of curvature c has an error of
+// about c A, so the cells share the squared error c^2 A^2 evenly if their density is c^(2/3). The curvature
+// is the residual of a plane fitted to a window of some pixels, less the map's own noise, and capped; depth
+// discontinuities reach the cap. All values are 0 if the map consists of planes.
 std::vector<float> detail_density(const DisparityMap& map, float background_px);
 
 }  // namespace hexrelief

@@ -7,8 +7,9 @@
 namespace hexrelief {
 namespace {
 
-constexpr double kNearestShare = 0.002;  // of the known pixels; density.scale_percentile's counterpart
-constexpr double kBaseline = 0.125;      // of the nearest distance
+// Share of the known pixels nearer than the nearest distance; the counterpart of density.scale_percentile.
+constexpr double kNearestShare = 0.002;
+constexpr double kBaseline = 0.125;  // share of the nearest distance
 constexpr double kLargestStep_px = 0.5;
 
 double nearest_distance(const DepthMap& map) {
@@ -43,7 +44,7 @@ double baseline_for(const DepthMap& map, double focal_px) {
     const double nearest = nearest_distance(map);
     const double usual = kBaseline * nearest;
     if (!(map.step > 0) || !(nearest > 0)) return usual;
-    const double step_per_m = map.is_inverse ? map.step : map.step / (nearest * nearest);  // of 1 / depth
+    const double step_per_m = map.is_inverse ? map.step : map.step / (nearest * nearest);  // as 1 / depth
     return std::min(usual, kLargestStep_px / (focal_px * step_per_m));
 }
 

@@ -49,7 +49,7 @@ void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
           "wls filters StereoSGBM's disparities; set disparity.method to sgbm, or disparity.wls to false");
     usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
           "speckle_range_px must be between 0 and 1920");
-    // A range is rounded up, be it the configuration's, the calibration's or one that was chosen.
+    // Ranges are rounded up, whether they come from the configuration, the calibration or the pair.
     usage(config.num_disparities_px <= round_up_range(left.width),
           "num_disparities_px " + std::to_string(config.num_disparities_px) + " is wider than the image (" +
               std::to_string(left.width) + ")");
@@ -104,7 +104,7 @@ Disparities16 above_least(const RawDisparities& raw, int min_px) {
     return map;
 }
 
-// The checked views are refined as the own matcher's are.
+// Refines the checked views as match_pair() refines its own.
 MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
     const RawViews views = match_views_sgbm(pair, config, threads);
     return refine_views(
@@ -161,7 +161,7 @@ PixelRect middle_of(int width, int height) {
 PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middle, Image right_middle) {
     PairCorrection correction{find_light(coarse.small.pair, coarse.map, coarse.min_px),
                               find_noise(left_middle)};
-    constexpr int kOneThread = 1;  // it is small
+    constexpr int kOneThread = 1;  // the image is small
     relight(right_middle, correction.light, kOneThread);
     correction.right_noise = find_noise(right_middle);
     return correction;

@@ -1,4 +1,4 @@
-// Stage: rectified pair -> disparity map.
+// Stage: from a rectified pair to a disparity map.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace hexrelief {
 
-// sgm: pipeline/matching; sgbm: OpenCV's StereoSGBM.
+// sgm is the matcher in pipeline/matching, sgbm is OpenCV's StereoSGBM.
 enum class DisparityMethod { sgm, sgbm };
 enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
 enum class DisparityFill { none, planes };
@@ -20,82 +20,88 @@ enum class Dequantization { automatic, none };
 struct DisparityConfig {
     DisparityMethod method = DisparityMethod::sgm;
     int min_disparity_px = 0;
-    // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair (by run: the
-    // calibration's ndisp, where it says one).
+    // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair (the command `run` takes
+    // the calibration's ndisp instead if that is known).
     int num_disparities_px = 0;
-    // Penalty of a disparity step of 1 px, 0..16000; 0 = 45, with sgbm 16 * channels * block_size^2.
+    // Penalty of a disparity step of 1 px, 0..16000; 0 = 45, or with sgbm 16 * channels * block_size^2.
     int p1 = 0;
-    // Of larger steps, > p1; 0 = 330, with sgbm 64 * channels * block_size^2, at most 16000.
+    // Penalty of larger steps, > p1; 0 = 330, or with sgbm 64 * channels * block_size^2, at most 16000.
     int p2 = 0;
-    int speckle_window_px = 100;  // patches of at most as many pixels are removed; 0 = off
+    int speckle_window_px = 100;  // speckles of at most this many pixels are removed; 0 = off
+    // Largest difference of neighbouring disparities within a speckle, 0..1920.
     int speckle_range_px = 2;
-    // Patches of matches of a smaller disparity are removed up to four times that size; NaN =
+    // Speckles with disparities below this are removed up to four times that size; NaN =
     // farthest_disparity_px() of the pair.
     double farthest_px = std::numeric_limits<double>::quiet_NaN();
-    // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.5625, with sgbm 1.
+    // Largest allowed difference between the two views' disparities; < 0 = off; NaN = 0.5625, or with sgbm 1.
     double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
-    // Pixels without a match: unknown, or on the planes of those around them.
+    // Pixels without a match stay unknown, or get disparities on the planes of the matches around them.
     DisparityFill fill = DisparityFill::planes;
-    // Of a supplied map (pipeline/dequantize).
+    // For supplied maps only (pipeline/dequantize).
     Dequantization dequantize = Dequantization::automatic;
 
-    // StereoSGBM's own.
-    bool color = false;                // match all channels; grey is faster and, measured, better
+    // Parameters of StereoSGBM only.
+    bool color = false;                // match all channels; grey is faster and was measured to be better
     int block_size_px = 3;             // odd, 1..21
     int pre_filter_cap = 31;           // 1..127; below 15 counts as 15
-    int uniqueness_ratio_percent = 5;  // 0..100
-    // hh and hh4 keep width * range * height * 4 bytes, the others a few rows.
+    int uniqueness_ratio_percent = 5;  // 0..99
+    // hh and hh4 need width * range * height * 4 bytes of memory, the other modes a few rows.
     SgbmMode mode = SgbmMode::sgbm_3way;
-    // Edge-preserving weighted least squares filter (OpenCV ximgproc) in place of the refinement.
+    // Use OpenCV's edge-preserving weighted least squares filter (ximgproc) instead of the refinement.
     bool wls = false;
     double wls_lambda = 8000;
     double wls_sigma = 1.5;
 };
 
-// The matcher that sgm calls: the CPU's, or the same on a device.
+// The matcher used by the method sgm: on the CPU, or its equal on a device.
 using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
 
-// What is done to the pictures before they are matched.
+// The corrections that a pair's images get before they are matched.
 struct PairCorrection {
-    LightCurves light;                       // of the right one, which gets the left one's
-    double left_noise = 0, right_noise = 0;  // as find_noise() has it, of the right one in its new light
+    LightCurves light;  // maps the right image's light to the left image's
+    // Noise by find_noise(); the right one's after its light is corrected.
+    double left_noise = 0, right_noise = 0;
 };
 
-// By the pair's coarse match, and the pictures' middles.
+// Finds the correction from the pair's coarse match and the middle parts of both images.
 PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middle, Image right_middle);
-// The middle that tells a picture's noise: at most 1024x1024 px.
+// Returns the middle part of an image that find_noise() is applied to: at most 1024x1024 px.
 PixelRect middle_of(int width, int height);
 
-// The configuration with the range that compute_disparity() searches, and what both views of the pair agree
-// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities, and
-// they say what farthest_px is where that is NaN.
+// A pair's search range and corrections. In `config`, num_disparities_px and farthest_px are set: the
+// former, if it was 0, to a range that holds all disparities of the coarse match; the latter, if it was NaN,
+// from the coarse match.
 struct RangedPair {
     DisparityConfig config;
     SmallMatch coarse;
     PairCorrection correction;
 };
 
-// Throws as compute_disparity(), but not for large images. Looks at their sizes alone, not at pixels.
+// Throws what compute_disparity() throws, except for images that are too large. Looks at the images' sizes,
+// not at their pixels.
 void check_matchable(const StereoPair& pair, const DisparityConfig& config);
 
-// Throws as compute_disparity().
+// Matches the pair coarsely and returns its range and corrections. Throws what compute_disparity() throws.
 RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads);
-// The configuration alone, which takes no match where the range is given.
+// Returns find_range().config if num_disparities_px is 0; else rounds num_disparities_px
+// up and matches nothing.
 DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads);
 
-// Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a
-// point without a depth, where the range begins at 0 or above. The same bytes for any number of threads.
-// Throws Error(input) where the images differ in size, have fewer than 16 columns or more than
-// kLargestPairSide_px; Error(usage) for a
-// parameter out of range, or a range wider than the image.
+// Returns the disparities of the left view in px (multiples of 1/16 px), and their origins. A disparity is
+// never 0, which would be a point without a depth, if the range begins at 0 or above. The result is the
+// same for any number of threads. Throws Error(input) if the images differ in size, have fewer than 16
+// columns or more than kLargestPairSide_px on a side; Error(usage) if a parameter is out of range or the
+// range is wider than the image.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);
-// Its last two parts alone: the pair in the left picture's light and with less noise, and such a pair matched
-// in the configuration's range; no match is far where farthest_px is NaN.
+// The second part of compute_disparity(): returns the pair with the right image in the left one's light and
+// with less noise in both.
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
+// The last part of compute_disparity(): matches a corrected pair in the configuration's range. No match
+// counts as far if farthest_px is NaN.
 DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& config, const PairMatcher& match,
                             int threads);
-// The same on the CPU.
+// As compute_disparity() above, with the matcher of the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
 }  // namespace hexrelief

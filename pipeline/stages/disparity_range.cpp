@@ -15,16 +15,19 @@ namespace hexrelief {
 namespace {
 
 constexpr int kCoarseColumns = 160, kFineColumns = 320;
-constexpr int kCoarseSpeckle = 12, kFineSpeckle = 40;  // pixels
-constexpr double kFineReach = 1.6;                     // of the largest disparity that the coarse match finds
-constexpr double kLeastShare = 0.001;  // of the matched pixels have the largest disparity, or a larger one
+constexpr int kCoarseSpeckle = 12, kFineSpeckle = 40;  // largest speckles, in pixels
+// The larger match searches up to this many times the largest disparity of the coarse match.
+constexpr double kFineReach = 1.6;
+// The largest disparity is one that more than this share of the matched pixels reach; the least one,
+// correspondingly, one that more than this share do not exceed.
+constexpr double kLeastShare = 0.001;
 constexpr std::size_t kLeastPixels = 8;
-// Of the largest disparity, and of the least one, and so many pixels of the small pair beside.
+// The margins: a share of the largest or least disparity, plus this many pixels of the small pair.
 constexpr double kMargin = 0.06, kNearMargin_px = 1.5, kFarMargin_px = 3;
 
 Image reduced(const Image& image, const cv::Size& size) {
     const cv::Mat full(image.height, image.width, CV_8UC(image.channels),
-                       const_cast<std::uint8_t*>(image.pixels.data()));  // which nothing here writes to
+                       const_cast<std::uint8_t*>(image.pixels.data()));  // nothing here writes to it
     Image result{size.width, size.height, image.channels, {}};
     result.pixels.resize(static_cast<std::size_t>(size.area()) * image.channels);
     cv::Mat small(size, full.type(), result.pixels.data());
@@ -46,12 +49,12 @@ SmallMatch match_small(ReducedPair small, const DisparityRange& range, int speck
     return {std::move(small), range.min_px, std::move(map)};
 }
 
-// The least and the largest disparity that more than a few pixels have, in px of the full pair. None where
-// next to nothing matches.
+// The least and the largest disparity that more than a few pixels have, in px of the full pair.
 struct Extremes {
     double least_px, largest_px;
 };
 std::optional<Extremes> extremes_of(const SmallMatch& match) {
+    // Returns nothing if next to nothing matches.
     std::vector<std::int16_t> known;
     for (const std::int16_t d : match.map.disparities)
         if (d != kUnknown16) known.push_back(d);

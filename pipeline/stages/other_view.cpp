@@ -9,14 +9,14 @@
 namespace hexrelief {
 namespace {
 
-constexpr double kJoined_px = 1;  // neighbours whose disparities differ by more are two surfaces
+constexpr double kJoined_px = 1;  // neighbours whose disparities differ by more belong to two surfaces
 constexpr int kLeastGap_px = 2;   // narrower gaps come from rounding
 
 bool known(float d) {
     return DisparityMap::known(d) && d > 0;
 }
 
-// The right view of one row: the nearest carried disparity, 0 where nothing arrives.
+// Warps one row to the right view: `seen` gets the nearest disparity at each pixel, 0 where nothing arrives.
 void carry_over(const float* left, int width, std::vector<float>& seen) {
     std::fill(seen.begin(), seen.end(), 0.0f);
     const auto put = [&](long column, double d) {
@@ -34,7 +34,8 @@ void carry_over(const float* left, int width, std::vector<float>& seen) {
     }
 }
 
-// first .. last: the gap's pixels in the right view, its silhouettes beside them.
+// True if the left map knows all pixels between the two silhouettes that bound the gap first .. last
+// of the right view.
 bool known_between_silhouettes(const float* left, int width, const std::vector<float>& seen, int first,
                                int last) {
     const long from = std::max(0L, std::lround(first - 1 + static_cast<double>(seen[first - 1])));

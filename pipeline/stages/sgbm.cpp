@@ -14,15 +14,15 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kStep = 16;  // SGBM takes multiples of this
+constexpr int kStep = 16;  // StereoSGBM needs multiples of this
 
 struct Range {
     int min_px = 0;
     int count_px = 0;
 };
 
-// OpenCV's number of threads is global: set for the stage, put back after it. More than there are CPUs would
-// only make TBB print a warning. Results do not depend on it: SGBM's stripes are four, whatever the threads.
+// Sets OpenCV's number of threads, which is global, and restores it afterwards. More threads than there are
+// CPUs would only make TBB print a warning. Results do not depend on it: SGBM always has four stripes.
 class OpenCvThreads {
   public:
     explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
@@ -62,9 +62,9 @@ int matcher_mode(SgbmMode mode) {
     return cv::StereoSGBM::MODE_SGBM_3WAY;
 }
 
-// Disparities of `base`, matched against `other`. SGBM gives nothing for columns whose search range leaves
-// the image (the left band, as wide as the range), so both images are widened there and the result is
-// cropped.
+// Returns the disparities of `base`, matched against `other`. SGBM gives nothing for columns whose
+// search range leaves the image (the left band, as wide as the range), so both images are widened there
+// and the result is cropped.
 cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range,
                    const DisparityConfig& config) {
     const int left = std::max(0, range.min_px + range.count_px), right = std::max(0, -range.min_px);
@@ -74,8 +74,8 @@ cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range
     const int area = base.channels() * config.block_size_px * config.block_size_px;
     const int p2 = config.p2 > 0 ? config.p2 : std::min(64 * area, kLargestPenalty);
     const int p1 = config.p1 > 0 ? config.p1 : std::min(16 * area, kLargestPenalty / 4);
-    // The built-in left-right check is switched off by a limit that no difference reaches (0 and less mean
-    // 1): it guesses the right view from the left one's costs. Speckles are removed after the real check.
+    // The built-in left-right check guesses the right view from the left one's costs, so it is switched off
+    // by a limit that no difference reaches (0 and less mean 1). Speckles are removed after the real check.
     const auto matcher = cv::StereoSGBM::create(
         range.min_px, range.count_px, config.block_size_px, p1, p2, 1 << 14, config.pre_filter_cap,
         config.uniqueness_ratio_percent, 0, 0, matcher_mode(config.mode));
@@ -95,7 +95,7 @@ RawDisparities match_left(const cv::Mat& left, const cv::Mat& right, const Range
     return to_raw(match_view(left, right, range, config));
 }
 
-// The right view is matched as the left one of the mirrored pair.
+// Matches the right view as the left view of the mirrored pair.
 RawDisparities match_right(const cv::Mat& left, const cv::Mat& right, const Range& range,
                            const DisparityConfig& config) {
     cv::Mat mirrored_left, mirrored_right, result;
@@ -105,8 +105,8 @@ RawDisparities match_right(const cv::Mat& left, const cv::Mat& right, const Rang
     return to_raw(result);
 }
 
-// What OpenCV throws, as an error of this program. Where the system gives its threads' library no thread, the
-// caller's does all.
+// Calls work(), turning OpenCV's exceptions into errors of this program. If the system gives OpenCV's thread
+// library no thread, work() is called again with one thread.
 template <typename Work>
 auto with_opencv(int threads, const Work& work) -> decltype(work()) {
     try {
@@ -168,8 +168,8 @@ void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image&
                        0};
     filter_wls(request);
     for (std::size_t i = 0; i < filtered.size(); ++i) {
-        // Regions that are nowhere near a trusted pixel come back empty: what the check let through stays as
-        // it was.
+        // The filter returns nothing for regions far from every trusted pixel: these
+        // keep their checked values.
         if (filtered[i] == kUnmatched) continue;
         if (config.fill != DisparityFill::none || checked.values[i] != kUnmatched)
             checked.values[i] = filtered[i];

@@ -1,4 +1,4 @@
-// OpenCV's StereoSGBM on both views.
+// Matches both views by OpenCV's StereoSGBM.
 #pragma once
 
 #include "pipeline/stages/disparity.h"
@@ -10,19 +10,21 @@ struct RawViews {
     RawDisparities left, right;
 };
 
-// Both views over the range that `config` names (num_disparities_px > 0), unchecked. The left band, whose
-// matches lie outside the right image's search range, is not lost: both images are padded and the result
-// cropped. The same bytes for any number of threads. Throws Error(usage) where memory is too small.
+// Matches both views over the configuration's range (num_disparities_px > 0), without checking them against
+// each other. The left band, whose matches lie outside the right image's search range, is not lost: both
+// images are padded and the result is cropped. The result is the same for any number of threads. Throws
+// Error(usage) if there is too little memory.
 RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads);
 
-// The checked left view smoothed along the left image's edges. The filter closes every hole; they are opened
-// again unless filling is asked for.
+// Smooths the checked left view along the left image's edges. The filter fills every hole; holes are opened
+// again if config.fill is none.
 void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,
                 const DisparityConfig& config);
 
-// A multiple of 16, which StereoSGBM needs.
+// Rounds up to a multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
-inline constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
-inline constexpr int kLargestRange_px = 1920;  // 16 bits hold 1/16 px, on planes that go beyond the range
+inline constexpr int kLargestPenalty = 16000;  // because sums of costs have 16 bits
+// Because 1/16 px, on planes that go beyond the range, must fit into 16 bits.
+inline constexpr int kLargestRange_px = 1920;
 
 }  // namespace hexrelief

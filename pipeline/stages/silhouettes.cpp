@@ -14,32 +14,35 @@ namespace {
 constexpr double kMostMove_px = 0.75;
 constexpr double kSteps_px[] = {0.5, 0.25};
 constexpr double kSlack_px = 0.5, kErrorCap_px = 10;
-constexpr double kLeastArea = 0.3;      // of a triangle, as a share of what it was
-constexpr double kSteepest = 1;         // px of disparity a pixel that a vertex is moved along
-constexpr double kLeastCost_px2 = 0.5;  // of the pixels around a vertex: below there is nothing to gain
-constexpr double kLeastGain = 0.01;     // of that cost
+constexpr double kLeastArea = 0.3;  // least area of a triangle after a move, as a share of its first area
+// Px of disparity per pixel; on steeper planes a moved vertex keeps its disparity.
+constexpr double kSteepest = 1;
+constexpr double kLeastCost_px2 = 0.5;  // vertices around which the cost is lower are left alone
+constexpr double kLeastGain = 0.01;     // least share of the cost that a move must save
 constexpr int kFlatReach_px = 2;
-constexpr double kFlatStep_px = 2;  // as flat_rmse_px takes it
+constexpr double kFlatStep_px = 2;  // a larger step within kFlatReach_px means that a pixel is not flat
 constexpr double kFront_px = 1;
-constexpr double kHidden = 3;  // times as much what is seen in front of it, for the other camera's sake
+// Weight of pixels that the mesh lies in front of, since it hides them from the other camera as well.
+constexpr double kHidden = 3;
 constexpr int kTile_px = 16;
-constexpr int kMargin_px = 2;  // what a vertex may move and slack, in whole pixels
+constexpr int kMargin_px = 2;  // a vertex's largest move plus the slack, in whole pixels
 
 double area2(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
 }
 
-// Pixels from (left, top) to before (right, bottom).
+// A rectangle of pixels: right and bottom are exclusive.
 struct Box {
     int left, top, right, bottom;
 };
 
 struct Pixel {
-    double covered = kNotCovered;  // the largest disparity of the triangles that hold its centre
-    double near = kNotCovered, distance2 = kSlack_px * kSlack_px;  // of the nearest triangle within the slack
+    double covered = kNotCovered;  // largest disparity of the triangles that contain the centre
+    // Disparity and squared distance of the nearest triangle within the slack.
+    double near = kNotCovered, distance2 = kSlack_px * kSlack_px;
 };
 
-// The pixels of a box with the triangles drawn so far.
+// The pixels of a box, and the triangles drawn on them so far.
 struct Patch {
     Box box;
     std::vector<Pixel> pixels;
@@ -53,7 +56,7 @@ struct Corner {
     double x, y, d;
 };
 
-// The point of the segment that is nearest to (x, y), where it is nearer than what the pixel has.
+// Updates the pixel's nearest point by the point of the segment a-b that is nearest to (x, y).
 void meet_side(Pixel& pixel, double x, double y, const Corner& a, const Corner& b) {
     const double sx = b.x - a.x, sy = b.y - a.y, length2 = sx * sx + sy * sy;
     const double along = length2 > 0 ? std::clamp(((x - a.x) * sx + (y - a.y) * sy) / length2, 0.0, 1.0) : 0;
@@ -148,7 +151,7 @@ class Adjuster {
                 work(tiles_[std::size_t(y) * tile_columns_ + x]);
     }
 
-    // All pixels that these triangles may ever come to cover.
+    // Returns the box of all pixels that these triangles can ever cover.
     Box box_of(const std::vector<std::uint32_t>& triangles) const {
         Box box{map_.width, map_.height, 0, 0};
         for (const std::uint32_t t : triangles)
@@ -172,7 +175,7 @@ class Adjuster {
         return out;
     }
 
-    // The box with all triangles but the fan's.
+    // Returns the box with all triangles drawn except the fan's.
     Patch without(const std::vector<std::uint32_t>& fan, const Box& box) {
         Patch patch{box, std::vector<Pixel>(std::size_t(box.right - box.left) * (box.bottom - box.top))};
         ++look_;
@@ -189,7 +192,8 @@ class Adjuster {
 
     bool is_scored(float d) const { return DisparityMap::known(d) && d > 0 && d >= background_px_; }
 
-    // Away from steps no gap is needed, and it would be seen.
+    // True if no pixel within kFlatReach_px is unscored or differs by more than kFlatStep_px. A gap in the
+    // mesh would be visible at such a pixel and is not needed there, so slack does not count.
     bool is_flat(int x, int y) const {
         const float d = map_.at(x, y);
         for (int v = std::max(0, y - kFlatReach_px); v <= std::min(map_.height - 1, y + kFlatReach_px); ++v)
@@ -206,7 +210,7 @@ class Adjuster {
         double error = kErrorCap_px;
         if (is_covered || (seen != kNotCovered && !is_flat(x, y)))
             error = std::min(std::fabs(seen - d), kErrorCap_px);
-        // A surface in front of the truth hides it from the other camera as well.
+        // A surface in front of the true one hides it from the other camera as well.
         const bool is_hidden = is_covered && seen > d + kFront_px;
         const double nearest = std::min<double>(is_hidden ? seen : d, largest_) / largest_;
         return (is_hidden ? kHidden : 1) * nearest * nearest * nearest * error * error;
@@ -222,7 +226,8 @@ class Adjuster {
         return sum;
     }
 
-    // Of disparity along x and y, on the fan's largest triangle.
+    // Returns the slope of disparity in x and y on the fan's largest triangle; 0 if it
+    // is steeper than kSteepest.
     std::array<double, 2> slope_at(const std::vector<std::uint32_t>& fan) const {
         double largest = 0;
         std::array<double, 2> slope{};
@@ -256,11 +261,11 @@ class Adjuster {
     std::vector<std::vector<std::uint32_t>> fans_;   // triangles of each vertex
     std::vector<std::vector<std::uint32_t>> tiles_;  // triangles that may reach into each tile
     int tile_columns_ = 0;
-    std::vector<std::uint32_t> drawn_;  // the last look at which each triangle was drawn
+    std::vector<std::uint32_t> drawn_;  // number of the last patch on which each triangle was drawn
     std::uint32_t look_ = 0;
 };
 
-// Those on a side that only one triangle has, ascending.
+// Returns the vertices of edges that only one triangle has, ascending.
 std::vector<std::uint32_t> border_vertices(const DisparityMesh& mesh) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
     for (const Triangle& t : mesh.triangles)

@@ -42,7 +42,7 @@ void check(const DisparityMesh& cut_mesh, const Calibration& calibration) {
         throw Error(ErrorKind::input, "calibration: baseline_m must be above 0");
 }
 
-// The mesh's vertices in space; those that cannot be placed there at all have NaN.
+// Returns the vertices' positions in space; NaN for those that have none.
 std::vector<Vec3d> placed_vertices(const DisparityMesh& cut_mesh, const Calibration& calibration) {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
     std::vector<Vec3d> positions(cut_mesh.points.size(), {none, none, none});
@@ -67,14 +67,14 @@ std::vector<Triangle> kept_triangles(const DisparityMesh& cut_mesh, const std::v
         const Vec2f &a = cut_mesh.points[t[0]], &b = cut_mesh.points[t[1]], &c = cut_mesh.points[t[2]];
         const double area =
             (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
-        // Positive area with y down is clockwise to the eye.
+        // Positive area with y down is clockwise to the viewer, so two vertices are swapped.
         if (area > kDegenerateArea_px) triangles.push_back({t[0], t[2], t[1]});
     }
     return triangles;
 }
 
-// The angle of the vector (x, y), y >= 0, from the x axis, to 2e-6 rad. By a polynomial for the arctangent up
-// to 45 degrees, which is quicker than std::atan2 and rounds alike everywhere.
+// Returns the angle between the vector (x, y), y >= 0, and the x axis, to 2e-6 rad. A polynomial for the
+// arctangent up to 45 degrees is faster than std::atan2 and rounds in the same way everywhere.
 double angle_of(double x, double y) {
     const double size = std::abs(x), high = std::max(size, y), t = high > 0 ? std::min(size, y) / high : 0,
                  s = t * t;
@@ -86,10 +86,10 @@ double angle_of(double x, double y) {
     return x < 0 ? std::numbers::pi - angle : angle;
 }
 
-// Triangles' normals weighted by the angle at the vertex. Weighted by area, the few long triangles on steep
-// flanks would outweigh all others; by the edge lengths that are exact for spheres (Max 1999), small
-// triangles would: then normals differ from those of planes through 7 x 7 px of the map by 11.4 degrees
-// instead of 9.2 on cones, 15.7 instead of 12.3 on teddy (means).
+// Sums the triangles' normals at each vertex, weighted by the angle there. Weighted by area, the few long
+// triangles on steep flanks would outweigh all others; weighted by the edge lengths that are exact for
+// spheres (Max 1999), small triangles would: then normals differ from those of planes through 7 x 7 px of the
+// map by 11.4 degrees instead of 9.2 on cones, 15.7 instead of 12.3 on teddy (means).
 std::vector<Vec3d> normal_sums(const std::vector<Triangle>& triangles, const std::vector<Vec3d>& positions) {
     std::vector<Vec3d> sums(positions.size());
     for (const Triangle& t : triangles) {
@@ -113,7 +113,7 @@ std::vector<Vec3d> normal_sums(const std::vector<Triangle>& triangles, const std
 Vec3f unit_normal(Vec3d n, const Vec3d& position) {
     double size = length(n);
     if (!(size > 0)) {
-        // Every face looks at the camera, hence so does the sum; only underflow can make it vanish.
+        // All triangles face the camera, hence so does the sum; only underflow can make it vanish.
         n = {-position.x, -position.y, -position.z};
         size = length(n);
     }
@@ -135,7 +135,8 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
     surface.metric = calibration.metric;
     const std::vector<Vec3d> placed = placed_vertices(cut_mesh, calibration);
     surface.triangles = kept_triangles(cut_mesh, placed);
-    // Fans are split before components are counted: a touching vertex does not hold parts together.
+    // Fans are split before components are counted: parts that only touch in a
+    // vertex are separate components.
     std::vector<std::uint32_t> source_vertices(cut_mesh.points.size());
     if (cut_mesh.has_one_fan_per_vertex && surface.triangles.size() == cut_mesh.triangles.size())
         std::iota(source_vertices.begin(), source_vertices.end(), 0u);
@@ -143,7 +144,7 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
         source_vertices = split_fans(surface.triangles, cut_mesh.points.size());
     if (min_component > 1) {
         drop_small_components(surface.triangles, source_vertices.size(), min_component);
-        // only renumbers: dropping whole components leaves no new touching fans
+        // Only renumbers: dropping whole components leaves no new touching fans.
         std::vector<std::uint32_t> kept = split_fans(surface.triangles, source_vertices.size());
         for (std::uint32_t& k : kept) k = source_vertices[k];
         source_vertices.swap(kept);

@@ -12,10 +12,12 @@ namespace hexrelief {
 namespace {
 
 constexpr int kDiscontinuityReach_px = 2;  // a pixel this near to a discontinuity is not "flat"
-constexpr double kDiscontinuitySlope = 2;  // disparity px a pixel: more is a discontinuity
-constexpr double kMeshFront_px = 1;        // a rubber sheet lies by more than this in front of what it hides
+constexpr double kDiscontinuitySlope = 2;  // disparity px per pixel; a larger step is a discontinuity
+// A rubber sheet lies by more than this in front of the surface that it hides.
+constexpr double kMeshFront_px = 1;
 
-// Weighted squares of one row; rows are added in their order, so that threads change nothing.
+// Weighted squared errors of one row. Rows are added in their order, so that the number
+// of threads changes nothing.
 struct Sums {
     double weight = 0, squares = 0, slack_squares = 0;
     double flat_weight = 0, flat_squares = 0;

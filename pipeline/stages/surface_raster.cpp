@@ -10,14 +10,15 @@
 namespace hexrelief {
 namespace {
 
-constexpr double kEdge_px =
-    1e-6;  // this far outside counts as on the edge, so that shared edges leave no gaps
-constexpr double kNoArea = 1e-12;  // twice a triangle's area
+// Points this far outside count as on the edge, so that shared edges leave no gaps.
+constexpr double kEdge_px = 1e-6;
+constexpr double kNoArea = 1e-12;  // least value of twice a triangle's area
 
-// Pixels whose centres lie in [low, high], cut to 0..size-1; empty where first > last.
+// The pixels first .. last; empty if first > last.
 struct Span {
     int first, last;
 };
+// Returns the pixels of first .. last whose centres lie in [low, high].
 Span centres(double low, double high, int first, int last) {
     // clamped before the conversion to int, because vertices may lie far outside
     const double from = std::max(std::ceil(low - 0.5), double(first)),
@@ -32,24 +33,24 @@ double highest(double a, double b, double c) {
     return std::max(a, std::max(b, c));
 }
 
-// The pixels in a triangle, row by row.
+// Finds the pixels in a triangle, row by row.
 struct Filler {
-    // The line of an edge, a hair outside of the triangle, through (x, y).
+    // A line through (x, y), parallel to an edge and kEdge_px outside of the triangle.
     struct Side {
         double x, y, slope;
         double column(double at_y) const { return x + slope * (at_y - y); }
     };
     ViewPoint origin;
-    double left, right;                // columns that all pixels lie between
-    std::array<Side, 2> from{}, to{};  // what bounds a row's pixels
+    double left, right;                // columns that bound all pixels
+    std::array<Side, 2> from{}, to{};  // lines that bound a row's pixels on the left and on the right
     int froms = 0, tos = 0;
-    double area;  // twice
+    double area;  // twice the triangle's area
     double low, high, slope_x, slope_y;
 
     Filler(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) : origin(a) {
         area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         std::array<const ViewPoint*, 3> p{&a, &b, &c};
-        if (area < 0) {  // the other view sees its back
+        if (area < 0) {  // the other view sees the triangle's back
             std::swap(p[1], p[2]);
             area = -area;
         }
@@ -57,7 +58,7 @@ struct Filler {
         for (std::size_t k = 0; k < 3; ++k) {
             const ViewPoint &u = *p[k], &v = *p[(k + 1) % 3];
             const double ex = v.x - u.x, ey = v.y - u.y;
-            if (ey == 0) continue;  // of such an edge no row's centre that is looked at lies outside
+            if (ey == 0) continue;  // a horizontal edge excludes no centre of the rows that are visited
             // inside: ex * (y + 0.5 - u.y) + slack - ey * (x - u.x) >= 0
             const double slack = kEdge_px * std::sqrt(ex * ex + ey * ey), slope = ex / ey;
             const Side side{u.x + slack / ey, u.y, slope};
@@ -75,7 +76,7 @@ struct Filler {
         slope_y = ((v.d - a.d) * (u.x - a.x) - (u.d - a.d) * (v.x - a.x)) / area;
     }
 
-    // Columns whose centres lie inside, on the line through the centres of row y.
+    // Returns the columns of row y whose centres lie inside.
     Span columns(int y, int width) const {
         double first = left, last = right;
         for (int k = 0; k < froms; ++k)
@@ -84,7 +85,7 @@ struct Filler {
         return centres(first, last, 0, width - 1);
     }
 
-    // Of the row's pixels.
+    // Returns the run of the triangle's pixels in row y.
     PixelRun run(int y, int width) const {
         const Span span = columns(y, width);
         return {span.first,
@@ -97,7 +98,8 @@ struct Filler {
     }
 };
 
-// fill(filler, y) for each row_step-th row from `begin` to before `end` that has pixels in the triangle.
+// Calls fill(filler, y) for each row_step-th row from `begin` to before `end` that may have
+// pixels in the triangle.
 template <typename Fill>
 void for_rows_of(const View& view, const Triangle& t, int begin, int end, int row_step, const Fill& fill) {
     const ViewPoint &a = view.points[t[0]], &b = view.points[t[1]], &c = view.points[t[2]];
@@ -110,7 +112,7 @@ void for_rows_of(const View& view, const Triangle& t, int begin, int end, int ro
     for (int y = first; y <= rows.last; y += row_step) fill(filler, y);
 }
 
-// Squared distance from (x, y) to the segment, and the disparity of its nearest point.
+// The squared distance from (x, y) to a segment, and the disparity of the segment's nearest point.
 struct Nearest {
     double squared, d;
 };

@@ -12,7 +12,7 @@
 namespace hexrelief {
 namespace {
 
-// The corners of each vertex, as 3 * triangle + corner, ascending.
+// Returns the corners of each vertex, as 3 * triangle + corner, ascending.
 Buckets corners_by_vertex(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
     return sort_into(vertex_count, [&](const auto& put) {
         std::uint32_t corner = 0;
@@ -21,8 +21,8 @@ Buckets corners_by_vertex(const std::vector<Triangle>& triangles, std::size_t ve
     });
 }
 
-// The corners of one vertex in fans: two corners are in one fan where their triangles are connected through
-// edges at the vertex.
+// Divides the corners of one vertex into fans: two corners are in the same fan if their triangles are
+// connected through edges at the vertex.
 class VertexFans {
   public:
     // Numbers the fans in the order of their first corners; returns how many there are.
@@ -40,7 +40,7 @@ class VertexFans {
             outgoing_.push_back(t[k == 2 ? 0 : k + 1]);
             incoming_.push_back(t[k == 0 ? 2 : k - 1]);
         }
-        // Two corners share an edge where one's outgoing neighbour is the other's incoming one.
+        // Two corners share an edge if the outgoing neighbour of one is the incoming neighbour of the other.
         next_.assign(count, count);
         previous_.assign(count, count);
         for (std::uint32_t a = 0; a < count; ++a)
@@ -61,7 +61,8 @@ class VertexFans {
     std::uint32_t operator[](std::uint32_t corner) const { return numbers_[corner]; }
 
   private:
-    // Goes round the vertex from its first corner, both ways; false also where there are too many to do so.
+    // True if the corners form one fan. Walks around the vertex from its first corner, both ways. Also false
+    // if there are more than kMost corners.
     static bool is_one_fan(const std::vector<Triangle>& triangles, std::span<const std::uint32_t> corners) {
         constexpr std::uint32_t kMost = 8, kNone = 0xFFFFFFFFu;
         const std::uint32_t count = static_cast<std::uint32_t>(corners.size());
@@ -84,7 +85,7 @@ class VertexFans {
             const unsigned next = where(incoming, outgoing[a]);
             if (next == 0) break;
             a = static_cast<std::uint32_t>(std::countr_zero(next));
-            if (a == 0) return false;  // back at the first corner: a closed fan, beside others
+            if (a == 0) return false;  // back at the first corner: a closed fan, and other fans beside it
         }
         for (std::uint32_t a = 0; seen < count; ++seen) {
             const unsigned previous = where(outgoing, incoming[a]);
@@ -94,8 +95,8 @@ class VertexFans {
         return true;
     }
 
-    std::vector<std::uint32_t> outgoing_, incoming_;  // neighbours of a corner's vertex in its triangle
-    std::vector<std::uint32_t> next_, previous_;      // corners around the vertex
+    std::vector<std::uint32_t> outgoing_, incoming_;  // the corner's neighbours within its triangle
+    std::vector<std::uint32_t> next_, previous_;      // the next and the previous corner around the vertex
     std::vector<std::uint32_t> numbers_;
 };
 
@@ -124,7 +125,8 @@ HalfedgeMesh to_halfedges(const SurfaceMesh& surface) {
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count) {
     const Buckets corners_of = corners_by_vertex(triangles, vertex_count);
-    std::vector<std::uint32_t> sources, numbers(corners_of.items.size());  // of new vertices; of corners
+    // The source vertex of each new vertex; the new vertex of each corner.
+    std::vector<std::uint32_t> sources, numbers(corners_of.items.size());
     sources.reserve(vertex_count);
     VertexFans fans;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
@@ -143,8 +145,8 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
 
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles) {
     if (min_triangles <= 1) return;
-    // After split_fans() triangles that share a vertex are connected by edges, so vertices stand for
-    // components.
+    // After split_fans() triangles that share a vertex are connected by edges, so joining
+    // vertices finds the components.
     UnionFind sets(vertex_count);
     for (const Triangle& t : triangles) {
         sets.join(t[0], t[1]);

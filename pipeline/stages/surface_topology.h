@@ -1,4 +1,4 @@
-// Topology of the surface in space: manifoldness, connected components, boundaries (OpenMesh).
+// The topology of the surface in space, by OpenMesh: manifoldness, connected components, boundaries.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace hexrelief {
 
-// Splits non-manifold vertices: every fan of triangles around a vertex (triangles connected through edges at
-// it) gets a vertex of its own. Renumbers the triangles in place. Returns the source vertex of each new
-// vertex, ascending, without the unused ones. Precondition: an edge has at most two triangles, which run
-// through it in opposite directions.
+// Splits non-manifold vertices: each fan of a vertex (triangles connected through edges at it) gets a vertex
+// of its own. Renumbers the triangles in place. Returns the source vertex of each new vertex, ascending;
+// vertices without triangles are left out. Precondition: an edge has at most two triangles, which run through
+// it in opposite directions.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count);
 
-// Keeps the triangles of components (connected by edges) with at least `min_triangles`, in order.
+// Keeps the triangles of the components (connected by edges) with at least `min_triangles`, in their order.
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles);
 
 struct Topology {
@@ -22,7 +22,7 @@ struct Topology {
     int boundary_loops = 0;
 };
 
-// Of a mesh whose triangles are manifold. Throws std::logic_error otherwise.
+// Counts components and boundary loops. Throws std::logic_error if the triangles are not manifold.
 Topology count_topology(const SurfaceMesh& surface);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// What follows StereoSGBM: the check against the other view, and the removal of speckles.
+// Post-processing of StereoSGBM's views: left-right check and removal of speckles.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace hexrelief {
 
-// Disparities of one view as the matcher gives them: row-major, 1/16 px, kUnmatched where matching failed.
+// The disparities of one view as StereoSGBM gives them: row-major, in 1/16 px; kUnmatched = no match.
 struct RawDisparities {
     int width = 0;
     int height = 0;
@@ -18,12 +18,12 @@ inline constexpr std::int16_t kUnmatched = INT16_MIN;
 inline constexpr int kRawScale = 16;
 
 // Unmatches every pixel of `left` whose match lies outside the right image, is unmatched there, or has a
-// disparity that differs by more than `limit_px`; of the two right pixels that a sub-pixel match falls
-// between, one has to agree.
+// disparity that differs by more than `limit_px`. A sub-pixel match falls between two pixels of the right
+// view, of which one has to agree.
 void check_left_right(RawDisparities& left, const RawDisparities& right, double limit_px);
 
-// Unmatches patches of at most window_px neighbouring pixels whose disparities differ by at most range_px
-// from neighbour to neighbour; 0 = none.
+// Unmatches speckles: patches of at most window_px connected pixels, in which neighbours differ by at most
+// range_px. window_px = 0 removes none.
 void remove_speckles(RawDisparities& map, int window_px, int range_px);
 
 }  // namespace hexrelief

@@ -1,14 +1,15 @@
-// The optional edge-preserving filter, which lives in a library of its own that is loaded only when asked
-// for: OpenCV's ximgproc brings in 140 libraries, 0.05-0.17 s and 50 MB, which every start of the program
-// would pay.
+// The optional edge-preserving filter. It is in a library of its own, loaded only if the filter is used,
+// because OpenCV's ximgproc brings in 140 libraries, which would cost each start of the program 0.05-0.17
+// s and 50 MB.
 #pragma once
 
 #include <cstdint>
 
 namespace hexrelief {
 
-// Everything that crosses into the library, in plain C types. Disparities are row-major, 1/16 px. `right`
-// follows OpenCV's convention for right views: disparities negated. All arrays have width * height entries.
+// The arguments of the library's function, in plain C types. Disparities are row-major, in 1/16 px.
+// `right` follows OpenCV's convention for right views: disparities are negated. All arrays have
+// width * height entries.
 struct WlsRequest {
     int width;
     int height;
@@ -19,17 +20,16 @@ struct WlsRequest {
     double lambda;
     double sigma;
     int discontinuity_radius_px;  // pixels this near a depth edge are trusted less
-    std::int16_t* filtered;       // out
-    char* message;                // out, where the call fails: why
+    std::int16_t* filtered;       // result
+    char* message;                // result: the reason if the call fails
     int message_bytes;
 };
 using WlsFunction = int (*)(const WlsRequest*);  // 0 = done
 inline constexpr const char* kWlsFunctionName = "hexrelief_wls_filter";
 inline constexpr const char* kWlsLibraryName = "hexrelief-wls.so";
 
-// Finds the library beside the program, in ../lib/hexrelief or ../lib from there, or in such places from the
-// shared library that this is a part of; loads it once and runs it.
-// Throws Error(usage) where it is missing or fails.
+// Runs the filter. The library is loaded on the first call, by open_module(). Throws Error(usage) if it
+// is missing or fails.
 void filter_wls(const WlsRequest& request);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// The library that disparity.wls loads; the only file that knows OpenCV's ximgproc.
+// The library that disparity.wls loads; the only file that uses OpenCV's ximgproc.
 #include <cstdio>
 #include <exception>
 #include <opencv2/core.hpp>

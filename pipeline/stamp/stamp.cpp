@@ -20,14 +20,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// With what the configuration does not tell: that a key was given, even with its default (a budget does not
-// change what was given).
+// Returns the configuration as text, with the keys that were given, since a key may be given with its default
+// value (a budget does not change a given key).
 std::string config_text(const Config& config) {
     Json json = config_json(config);
     json["run"].erase("threads");
     json["run"].erase("backend");
-    json.erase("limits");                        // they change no byte
-    json["input"]["calibration"].erase("file");  // its bytes are hashed
+    json.erase("limits");                        // the limits change no byte
+    json["input"]["calibration"].erase("file");  // the file's bytes are hashed instead
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     for (const std::string& path : config.given)
         if (path != "run.threads" && path != "run.backend" && !path.starts_with("limits."))
@@ -47,10 +47,11 @@ bool is_as_written(const Json& output, const fs::path& file) {
            sha256_of_file(file) == output.at("sha256").get<std::string>();
 }
 
-// Different paths by their file name, in order.
+// The different paths of each file name, in order.
 using PathsByName = std::map<fs::path, std::vector<fs::path>>;
 
-// Which of its name `path` is; it is added where it is not there yet. Two outputs may share a texture.
+// Returns the path's number among those of the same name; adds it if it is new. Two outputs
+// may share a texture.
 std::size_t number_of(const fs::path& path, PathsByName& paths) {
     std::vector<fs::path>& same_name = paths[path.filename()];
     const auto known = std::find(same_name.begin(), same_name.end(), path);
@@ -59,8 +60,9 @@ std::size_t number_of(const fs::path& path, PathsByName& paths) {
     return number;
 }
 
-// The report may tell of other folders than the request, for they can be moved with all that is in them: the
-// first file of a name is to be where the request has its first file of that name, and so on.
+// True if the report's files are in place. The report may name other folders than the request, because
+// folders can be moved with their contents: the first file of a name must be where the request has its first
+// file of that name, and so on.
 bool are_as_written(const RunRequest& request, const Json& outputs) {
     PathsByName planned, told;
     for (const fs::path& output : request.outputs)
@@ -73,7 +75,7 @@ bool are_as_written(const RunRequest& request, const Json& outputs) {
         if (number >= places.size() || !is_as_written(output, places[number])) return false;
         found.insert(places[number]);
     }
-    // The report does not tell of the other files, whose bytes are not known.
+    // The report does not list the other files, whose bytes are not known.
     RunRequest others = request;
     others.outputs.clear();
     const std::vector<fs::path> unhashed = written_files(others);

@@ -1,4 +1,4 @@
-// Whether a unit's outputs are those that its inputs and configuration lead to.
+// Tells whether a unit's outputs are those that its inputs and configuration lead to.
 #pragma once
 
 #include <string>
@@ -7,22 +7,22 @@
 
 namespace hexrelief {
 
-// SHA-256 over all that the outputs' bytes depend on: the bytes of all files read, the effective
-// configuration, the outputs' names without their folders, and the program's version. Threads, backend and
-// the folders change no byte, and are left out. Throws Error(input) where a file cannot be read.
+// Returns the SHA-256 of everything that the outputs' bytes depend on: the bytes of all files read, the
+// effective configuration, the outputs' names without their folders, and the program's version. Threads,
+// backend and folders change no byte and are left out. Throws Error(input) if a file cannot be read.
 std::string unit_stamp(const RunRequest& request);
 
 enum class UnitState {
     missing,  // no report, or one without a stamp
-    changed,  // an input, the configuration or the version is another, or an output is not as it was written
-    current,  // all are where the request has them, the outputs with the bytes that the report tells
+    changed,  // an input, the configuration or the version changed, or an output is not as it was written
+    current,  // everything is in place, and the outputs have the bytes that the report states
 };
 
-// By the report of the request, which is the last of its files to be written.
+// Compares the stamp with the request's report, which is the last of its files to be written.
 UnitState unit_state(const RunRequest& request, const std::string& stamp);
 
-// Gives a request that names a report its stamp, and says what state it is in; missing where it names none.
-// Throws as unit_stamp().
+// Sets the request's stamp and returns its state; `missing`, without a stamp, if the request names no report.
+// Throws what unit_stamp() throws.
 UnitState stamp_request(RunRequest& request);
 
 }  // namespace hexrelief

@@ -16,10 +16,10 @@
 namespace hexrelief {
 namespace {
 
-// The coarse lattice is solved on at most as many pixels.
+// Most pixels on which the coarse lattice is solved.
 constexpr long long kCoarsePixels = 1 << 28;
 
-// Row seams are solved at once while they are together not longer than this.
+// Row seams are solved at the same time as long as their total length is at most this.
 constexpr int kRowSeamPixels = 1 << 17;
 
 void check_settings(const Config& config) {
@@ -38,7 +38,7 @@ void check_settings(const Config& config) {
         refuse("budget", "no limit can be given; give mesh.spacing_px");
 }
 
-// Sums of the density over squares of shrunk_by x shrunk_by px.
+// Returns the sums of the density over squares of shrunk_by x shrunk_by px.
 DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threads) {
     constexpr int kWindow_px = 1024;
     const int by = plan.shrunk_by;
@@ -61,8 +61,8 @@ DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threa
     return shrunk;
 }
 
-// The largest power of two that keeps positions within tolerance_px at the nearest disparity; more where the
-// farthest would be too many steps away for a float.
+// Returns the largest power of two that keeps positions within tolerance_px at the nearest disparity; a
+// larger one if the farthest positions would otherwise be too many steps away for a float.
 double grid_step(const TilePlan& plan) {
     const Calibration& c = plan.calibration;
     const double depth = c.focal_px * c.baseline_m, near = depth / (plan.nearest_px + c.doffs_px),
@@ -71,7 +71,7 @@ double grid_step(const TilePlan& plan) {
     const double aside = std::max({std::abs(c.cx), std::abs(plan.width - c.cx), std::abs(c.cy),
                                    std::abs(plan.height - c.cy)}) /
                          c.focal_px;
-    // of half a step, across and in disparity
+    // The error in px of half a step, across and in disparity.
     const double px_of_step = 0.5 * std::max(c.focal_px / near * (1 + aside), depth / (near * near));
     const LatticeTiling tiling = plan.tiling();
     const double tile_px =
@@ -94,7 +94,7 @@ Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
     return camera;
 }
 
-// Of the disparities above 0; nearest below farthest without any.
+// The range of the disparities above 0; nearest is below farthest if there are none.
 struct Range {
     float nearest = 0, farthest = std::numeric_limits<float>::max();
 
@@ -141,7 +141,7 @@ void lay_lattice(const PlanRequest& request, TilePlan& plan) {
     const auto pixels = [&] {
         return (static_cast<long long>(plan.width) / plan.shrunk_by) * (plan.height / plan.shrunk_by);
     };
-    // A map so small that half of it holds no lattice is not shrunk.
+    // A map so small that half of it could not hold a lattice is not shrunk.
     const int half = std::min(plan.width, plan.height) / 2;
     plan.shrunk_by = half < 3 * plan.config.mesh.spacing_px ? 1 : 2;
     while (pixels() > kCoarsePixels) plan.shrunk_by *= 2;
@@ -152,8 +152,8 @@ void write_file(OutputSet& files, const std::filesystem::path& path, const std::
     files.files().write(path, bytes);
 }
 
-// Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as
-// many at a time as there are threads.
+// Solves and writes the seams. Those of rows are as long as the map is wide: few at a time, each by several
+// threads. Those of columns are solved as many at a time as there are threads.
 void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
                  const TileWorkers& workers, OutputSet& files, RunLog& log) {
     const LatticeTiling tiling = plan.tiling();
@@ -210,7 +210,7 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     plan.width = map.width();
     plan.height = map.height();
     plan.calibration = camera_of_map(plan, log);
-    plan.config.input.calibration.file.clear();  // the plan has what it said
+    plan.config.input.calibration.file.clear();  // the plan contains the file's values
     lay_lattice(request, plan);
     log.stage("density", [&] { find_scale(map, threads, plan); });
     plan.grid_step_m = grid_step(plan);

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using SeamEdge = std::array<TileCorner, 2>;
 
-constexpr double kShareOfChildren = 0.25;  // of the triangles
+constexpr double kShareOfChildren = 0.25;  // share of the children's triangles
 
 void check_solved(const TilePlan& plan, const std::vector<TileNumber>& tiles, int threads) {
     std::vector<char> solved(tiles.size());
@@ -36,7 +36,7 @@ void check_solved(const TilePlan& plan, const std::vector<TileNumber>& tiles, in
                     "; run 'hexrelief tiles solve'");
 }
 
-// Each edge between two tiles is there once in both directions.
+// Checks that each edge between two tiles occurs once in each direction.
 void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int threads) {
     std::vector<SeamEdge> edges;
     std::mutex turn;
@@ -56,7 +56,7 @@ void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int
                     plan.folder.string() + ": neighbouring tiles do not fit; solve them again with --force");
 }
 
-// The pixels that the mesh covers, in whole squares of by x by px.
+// Returns the pixels that the mesh covers, in whole squares of by x by px.
 MapRect extent_of(const TilePlan& plan, const TileMesh& mesh, int by) {
     Place least = mesh.corners.front().place, most = least;
     for (const TileCorner& c : mesh.corners) {
@@ -98,15 +98,16 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vect
                texture.empty() ? nullptr : &texture, threads, report);
 }
 
-// A tile is simplified by itself, or a coarser one joined from such parts, which jobs before have left.
+// A job: a tile is simplified by itself, or a coarser tile is joined from the results of other jobs.
 struct LevelJob {
     TileNumber tile;
-    std::vector<std::size_t> parts = {};  // jobs; none: the tile is simplified by itself
+    // Jobs whose results are joined; empty: the tile is simplified by itself.
+    std::vector<std::size_t> parts = {};
 };
 
 struct LevelJobs {
     std::vector<LevelJob> jobs;
-    std::vector<std::size_t> needed_by;  // as do_jobs_in_turn() takes it
+    std::vector<std::size_t> needed_by;  // as for do_jobs_in_turn()
 
     std::size_t add(const LevelJob& job) {
         jobs.push_back(job);
@@ -115,8 +116,8 @@ struct LevelJobs {
     }
 };
 
-// Adds those for the coarser tiles within `tile` and itself that are missing. Returns the last one, for
-// itself; none where it is there.
+// Adds the jobs for `tile` and for the coarser tiles within it that are missing. Returns the last job, that
+// of `tile` itself; kNeededByNone if the tile exists.
 std::size_t add_missing(const TilePlan& plan, const TileNumber& tile, LevelJobs& all) {
     if (tile.level == plan.finest_level()) return kNeededByNone;
     const bool is_there = is_solved(plan, tile);
@@ -157,8 +158,8 @@ void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
     });
 }
 
-// Tiles with something in them, and the root. What a coarser tile is wrong by is added to what those in it
-// are.
+// Returns the tiles that are not empty, and the root. The error of a coarser tile is added to those of
+// the tiles in it.
 std::vector<TilesetTile> tileset_tiles(const TilePlan& plan) {
     std::vector<TilesetTile> tiles;
     std::vector<TilesetTile> below;
@@ -198,7 +199,7 @@ void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& file
     write(output, explicit_tileset(tiles, content.generic_string(), generator));
 }
 
-// What the tiles are made from, and the tiles, stay as they are.
+// Refuses an output that would overwrite the tiles or their sources.
 void check_output(const TilePlan& plan, const fs::path& output) {
     const std::string ending = output.extension().string();
     if (ending != ".json" && ending != ".glb")

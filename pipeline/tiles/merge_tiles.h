@@ -1,4 +1,4 @@
-// Makes one thing of a plan's solved tiles.
+// Merges a plan's solved tiles into one output.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace hexrelief {
 
 struct MergedTiles {
     std::size_t tiles = 0, empty = 0;         // of the finest level
-    std::size_t vertices = 0, triangles = 0;  // of those
+    std::size_t vertices = 0, triangles = 0;  // of the finest level
     int levels = 1;
 };
 
-// output: tileset.json of any name, with an implicit one beside it ("NAME.implicit.json" and "subtrees/"),
-// for which coarser levels are made where they are missing, each of a quarter of the triangles of the one
-// below; or .glb, which holds the finest level alone. Throws Error(input) where a tile is not solved, or an
-// edge between two tiles is not there in both, Error(usage) for another ending, Error(output).
+// Writes `output`, either a tileset.json of any name, or a .glb of the finest level. Beside the former it
+// writes one with implicit tiling ("NAME.implicit.json" and "subtrees/"), and makes the coarser levels that
+// are missing, each with a quarter of the triangles of the level below. Throws Error(input) if a tile is not
+// solved or an edge between two tiles is not in both, Error(usage) for another extension, Error(output).
 MergedTiles merge_tiles(const TilePlan& plan, const std::filesystem::path& output, int threads, RunLog& log);
 
 }  // namespace hexrelief

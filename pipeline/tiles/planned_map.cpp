@@ -11,10 +11,10 @@
 namespace hexrelief {
 namespace {
 
-// Files are in tiles of mostly 256 px, each of which one thread is to decode.
+// Files have tiles of mostly 256 px, each of which should be decoded by one thread.
 constexpr int kFileTile_px = 256;
 
-// The first column of the file's tiles that is right of the window.
+// Returns the first column of the file's tiles that is right of the window.
 int tiles_end(const MapRect& window) {
     return (window.x + window.width - 1) / kFileTile_px + 1;
 }
@@ -60,7 +60,7 @@ void PlannedMap::read_in_strips(const MapRect& window, int strips,
     });
 }
 
-// In bands, so that the picture's samples take little beside the map's.
+// Hides in bands, so that the picture's samples need little memory beside the map's.
 void PlannedMap::hide_transparent(const MapRect& window, DisparityMap& map) const {
     for (int top = 0; top < window.height; top += kFileTile_px) {
         const int rows = std::min(kFileTile_px, window.height - top);

@@ -1,4 +1,4 @@
-// The map and the picture of a plan, read in windows and in strips.
+// Reads the map and the picture of a plan in windows and in strips.
 #pragma once
 
 #include <functional>
@@ -14,19 +14,20 @@ namespace hexrelief {
 
 class PlannedMap {
   public:
-    // Of the plan's map, picture and configuration. A picture is kept where its colours are needed or its
-    // pixels may be transparent: it may be large. Throws Error(input) as MapWindows::open() and
-    // PictureWindows::open(), for a picture of another size, and for more than kLargestTiledSide_px a side.
+    // Opens the plan's map and picture. The picture is kept only if its colours are needed or its
+    // pixels may be transparent, because it may be large. Throws Error(input) as
+    // MapWindows::open() and PictureWindows::open() do, if the picture has another size, and if a
+    // side has more than kLargestTiledSide_px.
     PlannedMap(const TilePlan& plan, bool needs_colors);
 
     int width() const { return map_->width(); }
     int height() const { return map_->height(); }
-    const PictureWindows* picture() const { return picture_.get(); }  // null where none is kept
-    // Disparities as rounded_disparities() leaves them, read by `threads` threads; unknown where the picture
-    // is transparent and input.mask.alpha says so. Any number of threads may call. Throws as
-    // MapWindows::read() and PictureWindows::read().
+    const PictureWindows* picture() const { return picture_.get(); }  // null if none is kept
+    // Returns a window's disparities, rounded by rounded_disparities() and read by `threads` threads; unknown
+    // where the picture is transparent if input.mask.alpha is set. Any number of threads may call. Throws
+    // what MapWindows::read() and PictureWindows::read() throw.
     DisparityMap read(const MapRect& window, int threads = 1) const;
-    // All of it, by `threads` threads.
+    // Returns the whole map in strips, to be read by `threads` threads.
     MapInStrips strips(int threads) const;
 
   private:

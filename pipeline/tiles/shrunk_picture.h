@@ -1,4 +1,4 @@
-// A part of a picture at less than its size.
+// Reads a part of a picture at a reduced size.
 #pragma once
 
 #include "mesher/tiles/lattice_tiles.h"
@@ -6,8 +6,8 @@
 
 namespace hexrelief {
 
-// Means over squares of by x by px; x and y of the part are multiples of `by`, and it may end before a whole
-// square. Memory: the result, and a band of the part.
+// Returns the means over squares of by x by px. x and y of the part are multiples of `by`; it may end within
+// a square. Memory: the result, and a band of the part.
 Image shrunk_picture(const PictureWindows& picture, const MapRect& part, int by);
 
 }  // namespace hexrelief

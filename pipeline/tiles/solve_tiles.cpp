@@ -22,10 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Measured, at most, on the CPU.
+// Measured maximum, on the CPU.
 constexpr std::uint64_t kBytesPerPixel = 110;
 
-// What the jobs of a process share.
+// The data that the jobs of a process share.
 struct SolveContext {
     const TilePlan& plan;
     const TileWorkers& workers;
@@ -65,11 +65,12 @@ LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
     return context.solver.tile(i, j, {seams[0].get(), seams[1].get(), seams[2].get(), seams[3].get()});
 }
 
-// A mean of so many rows of pixels needs no more, which would take longer than the rest of a large tile.
+// The mean over this many rows of pixels is accurate enough; all rows would take longer than the rest
+// of a large tile.
 constexpr int kMeasuredRows = 192;
 
-// Of the foreground's pixels that the surface covers, in about kMeasuredRows rows, or in all where those meet
-// none.
+// Measures over the foreground pixels that the surface covers, in about kMeasuredRows rows, or in all if
+// there is none in these.
 void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,
                    TileReport& report) {
     View view{{}, &mesh.triangles, map.width, map.height};

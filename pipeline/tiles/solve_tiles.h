@@ -13,23 +13,25 @@ namespace hexrelief {
 
 struct SolveSettings {
     int threads = 1;           // of all jobs together
-    int jobs = 0;              // tiles at a time; 0 = as many as there are threads, and memory for
-    std::uint64_t memory = 0;  // bytes for all; 0 = memory_to_use()
+    int jobs = 0;              // tiles at a time; 0 = one per thread, as far as memory allows
+    std::uint64_t memory = 0;  // bytes for all jobs together; 0 = memory_to_use()
 };
 
 struct SolveObserver {
-    // failure: empty, or one line; kind: of a failure. Called by one thread at a time; may be empty.
+    // Called when a tile has ended, by one thread at a time; may be empty. failure: one line, or empty;
+    // exit_code: of a failure.
     std::function<void(const TileNumber& tile, const std::string& failure, int exit_code)> ended;
 };
 
-// Solves tiles of the finest level and writes of each, together, tile_file()'s .mesh (corners, triangles and
-// seam edges, tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as
-// the last. A tile that fails is told and left out; the others go on. The same bytes in any order, for any
-// number of threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
+// Solves tiles of the finest level. For each it writes together the files tile_file() with .mesh (corners,
+// triangles and seam edges, tile_files.h), .glb (the mesh in space; left out if the tile is empty) and, last,
+// .json, the report. A tile that fails is reported and skipped; the others continue. The result is the same
+// in any order, for any number of threads and jobs, on any backend. Throws Error(input) if the coarse lattice
+// is not the plan's.
 void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer);
 
-// Bytes that a tile takes while it is solved, as estimated by the plan.
+// Returns the estimated number of bytes that solving a tile takes.
 std::uint64_t tile_memory(const TilePlan& plan);
 
 }  // namespace hexrelief

@@ -27,7 +27,7 @@ class Writer {
     void put(const T& value) {
         append(&value, sizeof value);
     }
-    // Behind their number.
+    // Puts the number of values, then the values.
     template <typename T>
     void put_all(const std::vector<T>& values) {
         put(static_cast<std::uint64_t>(values.size()));

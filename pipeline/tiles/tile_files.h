@@ -1,4 +1,4 @@
-// A plan's lattices and the solved tiles as files: little-endian numbers behind a short header.
+// The files of a plan's lattices and solved tiles: little-endian numbers after a short header.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ std::vector<std::uint8_t> lattice_bytes(const HexMesh2D& lattice);
 std::vector<std::uint8_t> seam_bytes(const Seam& seam);
 std::vector<std::uint8_t> tile_bytes(const TileMesh& mesh);
 
-// Throw Error(input) naming the file where it is missing, of another kind, damaged or truncated: sizes are
-// checked before memory is taken, corner numbers before they are used.
+// Read a file. Throw Error(input) naming the file if it is missing, of another kind, damaged or truncated:
+// sizes are checked before memory is allocated, corner numbers before they are used.
 HexMesh2D read_lattice(const std::filesystem::path& path);
 Seam read_seam(const std::filesystem::path& path);
 TileMesh read_tile(const std::filesystem::path& path);

@@ -36,7 +36,7 @@ TileWorkers workers_of(const Backend& backend, int threads) {
 }
 
 void keep_freed_memory() {
-    mallopt(M_ARENA_MAX, 1);  // the others hold 64 MiB, of which a window leaves no room for the next
+    mallopt(M_ARENA_MAX, 1);  // other arenas hold 64 MiB, in which a window leaves no room for the next
     mallopt(M_MMAP_THRESHOLD, 1 << 28);
     mallopt(M_TRIM_THRESHOLD, 1 << 30);
     mallopt(M_TOP_PAD, 1 << 26);

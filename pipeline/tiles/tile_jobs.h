@@ -1,4 +1,4 @@
-// Work on tiles, several at a time.
+// Runs work on several tiles at a time.
 #pragma once
 
 #include <cstddef>
@@ -12,25 +12,26 @@
 
 namespace hexrelief {
 
-// What balances and cuts: any number of threads may call.
+// The functions that balance and cut; any number of threads may call them.
 struct TileWorkers {
     int threads = 1;  // of all jobs together
     BalancePatch balance;
     CutMesh cut;
 };
 
-// A device is one caller's at a time; the CPU works on the caller's thread.
+// Returns the backend's functions. A device serves one caller at a time; the CPU works
+// on the caller's thread.
 TileWorkers workers_of(const Backend& backend, int threads);
 
-// From now on the process keeps the memory that windows of maps were in for the next windows: sixteen threads
-// wait for each other where each takes fresh pages from the system.
+// Makes the process keep the memory of freed windows for the next ones, for the rest of its life: sixteen
+// threads would wait for each other if each took fresh pages from the system.
 void keep_freed_memory();
 
-// work(0) ... work(count - 1), `jobs` at a time, in any order; throws what one of them threw.
+// Calls work(0) ... work(count - 1), `jobs` at a time, in any order; rethrows what one of them threw.
 void do_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
-// The same for jobs of which some need others' results: each begins when all that name it in needed_by are
-// done. needed_by[k] > k, or kNeededByNone. Of those that may begin, the first goes first.
+// As do_jobs(), for jobs that need others' results: job k begins when all jobs that name it in needed_by are
+// done. needed_by[k] > k, or kNeededByNone. Of the jobs that may begin, the first goes first.
 inline constexpr std::size_t kNeededByNone = SIZE_MAX;
 void do_jobs_in_turn(const std::vector<std::size_t>& needed_by, int jobs,
                      const std::function<void(std::size_t)>& work);

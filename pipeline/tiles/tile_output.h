@@ -1,4 +1,4 @@
-// A tile's files.
+// Writes a tile's files.
 #pragma once
 
 #include "pipeline/data/image.h"
@@ -7,13 +7,13 @@
 
 namespace hexrelief {
 
-// Writes, together, the tile's .mesh, its .glb where it is not empty, and as the last its .json: the report,
-// of which the rest is filled in. texture: of the scene's texture coordinates; null = none. `threads` may
-// compress at once.
+// Writes together the tile's .mesh, its .glb unless it is empty, and last its .json, the report,
+// whose remaining fields are filled in. texture: that of the scene's texture coordinates; may be
+// null. Up to `threads` threads compress.
 void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& mesh, const TileScene& scene,
                 const Image* texture, int threads, TileReport report);
 
-// Whether the tile's report is of this plan, and its files are as that says.
+// True if the tile's report belongs to this plan and its files are as the report says.
 bool is_solved(const TilePlan& plan, const TileNumber& tile);
 
 }  // namespace hexrelief

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Another number: tiles of older plans are not what this program would make.
+// To be increased when plans change: older plans' tiles are not those that this program would make.
 constexpr int kPlanVersion = 1;
 
 std::string numbered(const char* format, int a, int b) {
@@ -197,7 +197,7 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
 void write_plan(TilePlan& plan, OutputSet& files) {
     const fs::path config = plan_config_file(plan.folder), whole = plan_file(plan.folder);
     Config kept = plan.config;
-    // Nothing depends on who made the plan: the tiles of one made otherwise are not solved again.
+    // The tiles do not depend on backend and threads: a plan made with others has the same stamp.
     kept.run.backend = ExecutionConfig{}.backend;
     kept.run.threads = ExecutionConfig{}.threads;
     files.place(config);

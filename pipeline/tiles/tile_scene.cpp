@@ -15,7 +15,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds
+constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds exactly
 
 using GridPoint = std::array<std::int64_t, 3>;
 
@@ -84,7 +84,7 @@ TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& 
 
 void drop_specks(TileMesh& mesh, int min_triangles) {
     if (min_triangles <= 1 || mesh.empty()) return;
-    // Components by their corners' numbers: each corner points to one before it.
+    // Union-find over the corners' numbers: each corner points to one before it or to itself.
     std::vector<std::uint32_t> parents(mesh.corners.size());
     for (std::uint32_t v = 0; v < parents.size(); ++v) parents[v] = v;
     const auto root = [&](std::uint32_t v) {

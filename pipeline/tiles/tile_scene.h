@@ -10,19 +10,19 @@
 namespace hexrelief {
 
 struct TileScene {
-    // positions: whole multiples of the plan's grid step from the tile's own origin, exactly; texcoords of
-    // the window.
+    // positions: exact multiples of the plan's grid step, relative to the tile's own origin;
+    // texcoords: within the window.
     SurfaceMesh mesh;
     std::array<double, 3> origin_m = {};            // of the tile in space, a multiple of the step
-    std::array<double, 3> low_m = {}, high_m = {};  // the tile's box in space
+    std::array<double, 3> low_m = {}, high_m = {};  // bounding box in space
 };
 
-// `window` is the part of the picture that the tile is textured with. A corner is at the same place in space
-// in every tile, to the bit. Corners that cannot be placed (d + doffs <= 0) are left out with their
-// triangles. Throws Error(input) where the tile is too large for the grid.
+// Places a tile in space. `window` is the part of the picture that the tile is textured with. A corner has
+// the same position in every tile, to the bit. Corners without a position (d + doffs <= 0) are left out with
+// their triangles. Throws Error(input) if the tile is too large for the grid.
 TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& window);
 
-// Drops the components of fewer than min_triangles triangles that no seam edge belongs to: these are whole.
+// Drops components of fewer than min_triangles triangles without seam edges, which are therefore complete.
 void drop_specks(TileMesh& mesh, int min_triangles);
 
 }  // namespace hexrelief

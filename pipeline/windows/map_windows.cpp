@@ -24,7 +24,7 @@ MapWindows::~MapWindows() = default;
 std::unique_ptr<MapWindows> MapWindows::open(const std::filesystem::path& path,
                                              const MapWindowConfig& config) {
     std::unique_ptr<MapWindows> map(new MapWindows(path, config));
-    disparities_of_part(no_samples(*map->source_), path, config.disparity);  // a scale that is missing
+    disparities_of_part(no_samples(*map->source_), path, config.disparity);  // refuses a missing scale
     return map;
 }
 

@@ -1,4 +1,4 @@
-// Windows of disparity maps that do not fit into memory.
+// Reads windows of disparity maps that do not fit into memory.
 #pragma once
 
 #include <filesystem>
@@ -11,46 +11,46 @@
 
 namespace hexrelief {
 
-// Beyond, floats no longer tell half a pixel of a coordinate.
+// The largest width or height: beyond it, floats cannot resolve half a pixel of a coordinate.
 inline constexpr int kLargestMapSide_px = 1 << 23;
 
 enum class MapSample { uint8, uint16, float32 };
 
-// A file of samples alone, row after row, top row first.
+// The layout of a file that has only samples, row after row, top row first.
 struct RawMapLayout {
     int width = 0, height = 0;
     MapSample sample = MapSample::float32;  // or uint16
     bool is_big_endian = false;
 };
 
-// "WIDTHxHEIGHT,TYPE", where TYPE is float32, uint16, float32be or uint16be; without "be" the lowest byte of
+// Parses "WIDTHxHEIGHT,TYPE". TYPE is float32, uint16, float32be or uint16be; without "be" the lowest byte of
 // a sample comes first. Throws Error(usage).
 RawMapLayout parse_raw_map_layout(const std::string& text);
 
 struct MapWindowConfig {
-    DisparityFileConfig disparity = {};    // what samples mean, as in maps that are read whole
-    std::optional<RawMapLayout> raw = {};  // none = TIFF, BigTIFF or PFM, by content
+    DisparityFileConfig disparity = {};    // meaning of the samples, as for maps that are read whole
+    std::optional<RawMapLayout> raw = {};  // none = TIFF, BigTIFF or PFM, recognised by content
 };
 
 class WindowSource;
 
-// A map file of which any window can be read. All of it serves several threads at once: rows are read by
-// position from one descriptor, and each thread in a TIFF's tiles has a libtiff handle of its own.
+// A map file of which any window can be read. Several threads may read at once: rows are read by position
+// from one descriptor, and each thread in a TIFF's tiles has its own libtiff handle.
 class MapWindows {
   public:
-    // Reads the header, and of maps of float rows 256 x 256 px in the middle, which tell the byte order.
-    // TIFF: the samples that read_disparity_map() takes, of one channel; in tiles or strips, compressed or
-    // not, with GDAL's nodata. Throws Error(input): as read_disparity_map() does, but a map may be of any
-    // size up to kLargestMapSide_px a side, and of unknown pixels only.
+    // Opens a map and reads its header; of float maps in rows also 256 x 256 px in the middle, to check the
+    // byte order. TIFF: samples of one channel, of the kinds that read_disparity_map() accepts; in tiles or
+    // strips, compressed or not, with GDAL's nodata. Throws Error(input) as read_disparity_map() does, except
+    // that a map may have any size up to kLargestMapSide_px a side, and only unknown pixels.
     static std::unique_ptr<MapWindows> open(const std::filesystem::path& path,
                                             const MapWindowConfig& config = {});
     ~MapWindows();
 
     int width() const;
     int height() const;
-    // The same pixels as a crop of read_disparity_map()'s. Memory: the window, integers' samples besides, and
-    // a tile; of compressed strips a row, and a strip as it is stored. Throws Error(input) for a window that
-    // is empty, not within the map or above kMaxPixels, and for what is damaged or truncated there.
+    // Returns the same pixels as a crop of read_disparity_map()'s map. Memory: the window, for integers also
+    // its samples, and a tile; for compressed strips a row, and a strip as stored. Throws Error(input) if the
+    // window is empty, not within the map or above kMaxPixels, or if the file is damaged or truncated there.
     DisparityMap read(int x, int y, int width, int height) const;
 
   private:

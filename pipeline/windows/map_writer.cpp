@@ -26,12 +26,13 @@ bool is_tiff_name(const std::filesystem::path& path) {
                 "cannot write a map as '" + path.string() + "'; let its name end in .tif, .tiff or .pfm");
 }
 
-// Lowest byte first.
+// Appends a number, lowest byte first.
 void append(std::string& bytes, std::uint64_t value, int count) {
     for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
 }
 
-// A TIFF's directory and the numbers of its tiles, for a file in which they begin at `at`.
+// Returns a TIFF's directory and the arrays of its tiles' offsets and sizes, for a file in which
+// they begin at `at`.
 std::string tiff_directory(std::uint64_t at, std::uint64_t width, std::uint64_t height, std::uint64_t tile_px,
                            std::uint64_t tiles) {
     struct Entry {
@@ -39,8 +40,8 @@ std::string tiff_directory(std::uint64_t at, std::uint64_t width, std::uint64_t 
         std::uint64_t count, value;
     };
     const std::uint64_t tile_bytes = 4 * tile_px * tile_px, entries = 12;
-    const std::uint64_t numbers = at + 8 + 20 * entries + 8;  // behind the directory
-    const bool inside = tiles == 1;                           // a single number stands in its entry
+    const std::uint64_t numbers = at + 8 + 20 * entries + 8;  // after the directory
+    const bool inside = tiles == 1;                           // a single number is stored in its entry
     const Entry all[entries] = {{256, 4, 1, width},
                                 {257, 4, 1, height},
                                 {258, 3, 1, 32},

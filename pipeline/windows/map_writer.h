@@ -1,4 +1,4 @@
-// Float maps that do not fit into memory, written row by row.
+// Writes float maps that do not fit into memory, row by row.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,20 @@
 
 namespace hexrelief {
 
-// The name's ending is the format: .tif and .tiff are BigTIFF in square tiles, not compressed; .pfm is PFM.
-// Both are little endian; samples are written as they are, so that unknown is +infinity.
+// The extension of the file's name is its format: .tif and .tiff are BigTIFF in square tiles, not compressed;
+// .pfm is PFM. Both are little endian. Samples are written as they are, so unknown is +infinity.
 class MapWriter {
   public:
-    // Writes nothing before write(), and the file appears when `files`, which must outlive this, is committed
-    // after finish(). tile_px: 1 to 4096. Throws Error(usage) for another ending, and a size beyond
-    // kLargestMapSide_px; Error(output) as FileTransaction::open().
+    // Opens the file in `files`, which must outlive this object; the file appears when `files` is committed
+    // after finish(). tile_px: 1 to 4096. Throws Error(usage) for another extension or a side above
+    // kLargestMapSide_px, and Error(output) as FileTransaction::open() does.
     MapWriter(FileTransaction& files, const std::filesystem::path& path, int width, int height,
               int tile_px = 256);
 
-    // The next `count` rows, from the top; no more than the map has. Throws Error(output): a full disk.
+    // Writes the next `count` rows, from the top; no more than the map has. Throws Error(output), for example
+    // if the disk is full.
     void write(const float* rows, int count);
-    // To be called after the last row. Throws likewise.
+    // Completes the file; to be called after the last row. Throws Error(output).
     void finish();
 
   private:
@@ -35,8 +36,8 @@ class MapWriter {
     int width_, height_, tile_px_;
     bool is_tiff_;
     int descriptor_ = -1;
-    int row_ = 0;              // the next one
-    std::uint64_t start_ = 0;  // of the samples
+    int row_ = 0;              // the next row
+    std::uint64_t start_ = 0;  // offset of the samples
     std::vector<float> band_;  // a row of tiles, one after the other
 };
 

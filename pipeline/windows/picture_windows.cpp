@@ -9,7 +9,7 @@
 namespace hexrelief {
 namespace {
 
-// A picture that is held as a whole.
+// A picture that is held in memory as a whole.
 class WholePicture : public WindowSource {
   public:
     explicit WholePicture(Image image) : image_(std::move(image)) {
@@ -67,7 +67,7 @@ PictureWindows::~PictureWindows() = default;
 std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path& path,
                                                      const ReaderLimits& limits) {
     std::unique_ptr<PictureWindows> picture(new PictureWindows(path, limits));
-    image_of(no_samples(*picture->source_), path);  // floats are no picture
+    image_of(no_samples(*picture->source_), path);  // refuses floats, which are not a picture
     return picture;
 }
 

@@ -1,4 +1,4 @@
-// Windows of pictures that do not fit into memory.
+// Reads windows of pictures that do not fit into memory.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,14 @@ namespace hexrelief {
 
 class WindowSource;
 
-// A picture's file of which any window can be read, by any number of threads. Of TIFF and BigTIFF in grey or
-// RGB, with alpha or not, in tiles or strips, and of binary PGM and PPM, windows alone are read, and a side
-// may have kLargestMapSide_px (map_windows.h). Pictures in other formats, and TIFF's palettes, YCbCr and
-// inks, are held as a whole, within read_image()'s limits.
+// A picture's file of which any window can be read, by any number of threads. Only the window is read from
+// TIFF and BigTIFF in grey or RGB, with or without alpha, in tiles or strips, and from binary PGM and PPM; a
+// side may have up to kLargestMapSide_px (map_windows.h). Pictures in other formats, and TIFF with palettes,
+// YCbCr or inks, are held in memory as a whole, within read_image()'s limits.
 class PictureWindows {
   public:
-    // limits: of pictures that are held as a whole. Throws Error(input) as read_image().
+    // Opens a picture. limits: for pictures that are held as a whole. Throws
+    // Error(input) as read_image() does.
     static std::unique_ptr<PictureWindows> open(const std::filesystem::path& path,
                                                 const ReaderLimits& limits = {});
     ~PictureWindows();
@@ -26,10 +27,10 @@ class PictureWindows {
     int height() const;
     int channels() const;    // 1 or 3
     bool has_alpha() const;  // some pixels may be transparent
-    // The same pixels as a crop of read_image()'s; alpha is kept where some pixel's of the window is below
-    // half. Memory: the window, its samples besides, and a tile; of compressed strips a row, and a strip as
-    // it is stored. Throws Error(input) for a window that is empty, not within the picture or above
-    // kMaxPixels, and for what is damaged or truncated there.
+    // Returns the same pixels as a crop of read_image()'s picture; alpha is kept if it is below half at some
+    // pixel of the window. Memory: the window, its samples, and a tile; for compressed strips a row, and a
+    // strip as stored. Throws Error(input) if the window is empty, not within the picture or above
+    // kMaxPixels, or if the file is damaged or truncated there.
     Image read(int x, int y, int width, int height) const;
 
   private:

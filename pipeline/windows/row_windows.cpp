@@ -1,4 +1,5 @@
-// Rows of plain samples: PFM, PGM, PPM, files without a header, and what libtiff need not decode.
+// Reads rows of plain samples: PFM, PGM, PPM, files without a header, and TIFF strips that
+// libtiff need not decode.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,7 +19,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 1 << 16;  // of a PFM, a PGM or a PPM, with comments
+constexpr std::size_t kHeaderBytes = 1 << 16;  // most bytes of a PFM's, PGM's or PPM's header, with comments
 constexpr int kProbe_px = 256;
 
 std::uint8_t in_other_byte_order(std::uint8_t value) {
@@ -73,7 +74,7 @@ class RowWindows : public WindowSource {
     RowLayout layout_;
 };
 
-// Whether the middle of the map makes sense in the other byte order only.
+// True if the middle of the map makes sense only in the other byte order.
 bool is_in_other_order(const WindowSource& source) {
     if (source.sample != MapSample::float32) return false;
     const int width = std::min(source.width, kProbe_px), height = std::min(source.height, kProbe_px);
@@ -129,7 +130,7 @@ std::unique_ptr<WindowSource> pfm_windows(std::shared_ptr<const MapFile> file) {
         codec::refuse(file->path(), "it has three channels, a disparity map has one; save it as grey (Pf)");
     const std::uint64_t row_bytes = std::uint64_t{4} * pfm.width, all = row_bytes * pfm.height;
     const std::uint64_t start = header.samples_at(all, file->bytes());
-    if (file->bytes() - start - all > 2)  // a final line end
+    if (file->bytes() - start - all > 2)  // at most a final line end
         codec::refuse(file->path(), std::to_string(file->bytes() - start - all) +
                                         " bytes follow the last sample, so the header's size is wrong; "
                                         "export it again");

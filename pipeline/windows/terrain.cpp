@@ -1,4 +1,4 @@
-// Only + - * / and integers, so that every machine computes the same.
+// Uses only + - * / and integers, so that every machine computes the same.
 #include "pipeline/windows/terrain.h"
 
 #include <algorithm>
@@ -15,11 +15,11 @@ constexpr float kBase_px = 20, kHills_px = 80, kCliff_px = 25;
 constexpr int kCoarsest_px = 2048, kFinest_px = 8;  // cells of the noise, which halve from octave to octave
 constexpr int kCliffCell_px = 640, kLakeCell_px = 1024;
 constexpr float kCliffFrom = 0.55f, kLakeFrom = 0.85f;
-constexpr int kPlot_px = 96;                         // a plot has one building, or none
-constexpr std::uint32_t kSinglesOf2To32 = 1u << 20;  // pixels without a disparity: one of 4096
+constexpr int kPlot_px = 96;                         // a plot has one building or none
+constexpr std::uint32_t kSinglesOf2To32 = 1u << 20;  // pixels without a disparity: one in 4096
 enum Use : std::uint32_t { kHillUse = 1, kCliffUse = 100, kLakeUse, kPlotUse, kSingleUse };
 
-// Mixes as MurmurHash3 ends.
+// Mixes its arguments like the end of MurmurHash3.
 std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     std::uint32_t h = a * 0x9e3779b1u ^ (b + 0x7f4a7c15u) * 0x85ebca6bu ^ (c + 0x165667b1u) * 0xc2b2ae35u;
     h = (h ^ h >> 16) * 0x85ebca6bu;
@@ -27,7 +27,7 @@ std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     return h ^ h >> 16;
 }
 
-// 0 to 1
+// Converts a hash to a number from 0 to 1.
 float share(std::uint32_t h) {
     return static_cast<float>(h >> 8) / 16777216.0f;
 }
@@ -36,7 +36,7 @@ float smooth(float t) {
     return t * t * (3 - 2 * t);
 }
 
-// Value noise of 0 to 1: out[i] += factor * noise(x + i, y).
+// Adds value noise of 0 to 1: out[i] += factor * noise(x + i, y).
 void add_noise(int x, int y, int count, int cell, std::uint32_t seed, float factor, float* out) {
     const auto corner = [&](int column, int row) {
         return share(hash(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), seed));
@@ -57,7 +57,7 @@ void add_noise(int x, int y, int count, int cell, std::uint32_t seed, float fact
     }
 }
 
-// The ground, without buildings and holes.
+// Computes the ground, without buildings and holes.
 void ground_row(int x, int y, int count, std::uint32_t seed, float* out) {
     std::fill_n(out, count, kBase_px);
     float factor = kHills_px;
@@ -72,7 +72,7 @@ void ground_row(int x, int y, int count, std::uint32_t seed, float* out) {
         if (cliffs[static_cast<std::size_t>(i)] > kCliffFrom) out[i] += kCliff_px;
 }
 
-// The building of one plot: a rectangle, turned by the angle of a right triangle of whole sides.
+// Adds the building of one plot: a rectangle, rotated by an angle of a right triangle with integer sides.
 void add_building(int column, int x, int y, int count, std::uint32_t seed, float* out) {
     constexpr int kTurns[][3] = {{1, 0, 1}, {4, 3, 5}, {3, 4, 5}, {12, 5, 13}};
     const int row = y / kPlot_px;

@@ -9,7 +9,7 @@
 namespace hexrelief {
 namespace {
 
-// A handle of libtiff's, which serves one thread at a time.
+// A handle of libtiff, which only one thread may use at a time.
 struct OpenTiff {
     explicit OpenTiff(const MapFile& file)
         : source{file.path(), file.bytes(),
@@ -42,7 +42,7 @@ class TiffWindows : public WindowSource {
         codec::Raster raster = codec::read_plainly(tiff->handle.get(), layout_, tiff->source, window);
         if (layout_.alpha) split_alpha(raster);
         const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(tiff));  // not after an error: libtiff keeps its first complaint
+        idle_.push_back(std::move(tiff));  // not after an error: libtiff keeps its first error message
         return raster;
     }
 
@@ -65,9 +65,9 @@ class TiffWindows : public WindowSource {
     mutable std::vector<std::unique_ptr<OpenTiff>> idle_;
 };
 
-// Strips that are not compressed are rows of the file: of those only the window's columns need be read. Not
-// those of few bits or of doubles, none with alpha or in planes, and none whose lengths are wrong, which
-// libtiff knows how to complain of.
+// Reads uncompressed strips as rows of the file, so that only the window's columns are read. Returns null,
+// which leaves the file to libtiff, for samples of few bits or doubles, with alpha or in planes, and for
+// wrong strip lengths, of which libtiff gives a proper error.
 std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>& file, OpenTiff& tiff,
                                            const codec::TiffLayout& layout) {
     const bool is_float = layout.format == SAMPLEFORMAT_IEEEFP;

@@ -1,4 +1,4 @@
-// Samples of windows, before they are disparities or colours: what MapWindows and PictureWindows read by.
+// Sources of sample windows, which MapWindows and PictureWindows convert to disparities or colours.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace hexrelief {
 
-// A regular file, read by position, by any number of threads. Throws Error(input).
+// A regular file, read by position, by any number of threads. Functions throw Error(input).
 class MapFile {
   public:
     explicit MapFile(const std::filesystem::path& path);
@@ -22,7 +22,7 @@ class MapFile {
 
     const std::filesystem::path& path() const { return path_; }
     std::uint64_t bytes() const { return bytes_; }
-    // False where the file ends before.
+    // Copies bytes; false if the file ends before.
     bool copy(std::uint64_t at, void* to, std::size_t count) const;
 
   private:
@@ -42,27 +42,28 @@ class WindowSource {
     int channels = 1;  // without alpha
     bool has_alpha = false;
     MapSample sample = MapSample::float32;
-    // A window within the file's pixels: a map's has one channel. Any number of threads may read.
+    // Reads a window within the file's pixels; a map's has one channel. Any number of threads may read.
     virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
 };
 
-// Rows of plain samples, wherever in the file each of them begins.
+// The layout of rows of plain samples, which may begin anywhere in the file.
 struct RowLayout {
     int width = 0, height = 0;
     MapSample sample = MapSample::float32;
     int channels = 1;          // interleaved
-    unsigned max_value = 255;  // of whole numbers
+    unsigned max_value = 255;  // of integers
     bool is_big_endian = false;
     std::function<std::uint64_t(std::uint32_t y)> row_at;
     double nodata = codec::kNoData;
 };
 std::unique_ptr<WindowSource> row_windows(std::shared_ptr<const MapFile> file, RowLayout layout);
 
-// By a file's header. Throw Error(input) for what is malformed or truncated.
+// Open a file by its header. Throw Error(input) if it is malformed or truncated.
 std::unique_ptr<WindowSource> pfm_windows(std::shared_ptr<const MapFile> file);
 std::unique_ptr<WindowSource> raw_windows(std::shared_ptr<const MapFile> file, const RawMapLayout& layout);
 std::unique_ptr<WindowSource> tiff_windows(std::shared_ptr<const MapFile> file);
-// Of pictures. Null for a TIFF whose pixels are neither grey nor RGB, which libtiff has to convert.
+// Open pictures. tiff_picture_windows() returns null for a TIFF whose pixels are neither grey nor RGB, which
+// libtiff has to convert.
 std::unique_ptr<WindowSource> tiff_picture_windows(std::shared_ptr<const MapFile> file);
 std::unique_ptr<WindowSource> pnm_windows(std::shared_ptr<const MapFile> file);
 
@@ -72,11 +73,11 @@ void check_map_size(const std::filesystem::path& path, unsigned long long width,
 struct WantedWindow {
     int x, y, width, height;
 };
-// Throws Error(input), which names `path`, for a window that is empty, not within the file's pixels or above
-// kMaxPixels, and for what is damaged or truncated there.
+// Reads a window. Throws Error(input) naming `path` if the window is empty, not within the file's pixels or
+// above kMaxPixels, or if the file is damaged or truncated there.
 codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
                           const WantedWindow& window);
-// What a window of no pixels would be, by which a file is judged before it is read.
+// Returns a window without pixels, by which a file's kind of samples is checked before it is read.
 codec::Raster no_samples(const WindowSource& source);
 
 }  // namespace hexrelief

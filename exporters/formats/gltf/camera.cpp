@@ -1,4 +1,4 @@
-// The left camera as a glTF camera.
+// Adds the left camera as a glTF camera.
 #include <cmath>
 
 #include "exporters/formats/gltf/parts.h"

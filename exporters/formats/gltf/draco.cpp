@@ -1,4 +1,4 @@
-// KHR_draco_mesh_compression.
+// Adds meshes by KHR_draco_mesh_compression.
 #include "exporters/formats/gltf/parts.h"
 
 namespace hexrelief {
@@ -14,7 +14,7 @@ GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Cal
                        const ExportConfig& config, int threads) {
     const auto [compressed, transform] =
         compress_draco(textured, camera, config, GridShape::per_axis, threads);
-    const DracoMesh& draco = compressed;  // clang 14 lets no lambda take a binding
+    const DracoMesh& draco = compressed;  // clang 14 does not let a lambda capture a structured binding
     GltfGeometry out;
     out.transform = transform;
     tinygltf::Value::Object ids;

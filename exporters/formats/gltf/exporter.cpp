@@ -13,7 +13,7 @@ void append_u32(std::vector<std::uint8_t>& bytes, std::size_t value) {
     for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-// One chunk of a GLB, filled up to a multiple of 4.
+// Appends one chunk of a GLB, padded to a multiple of 4.
 template <typename Container>
 void append_chunk(std::vector<std::uint8_t>& bytes, const char* type, const Container& data, char filler) {
     append_u32(bytes, (data.size() + 3) / 4 * 4);

@@ -1,4 +1,4 @@
-// glTF 2.0, binary (.glb, everything in one file) and split (.gltf + .bin + texture).
+// Exports glTF 2.0, binary (.glb, everything in one file) or split (.gltf + .bin + texture).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@ void write_glb(const Scene& scene, const ExportConfig& config, const std::filesy
 void write_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files);
 
-// The file that write_glb() writes. path names it in messages. Throws Error(output).
+// Returns the bytes of the file that write_glb() writes. `path` names it in messages. Throws Error(output) if
+// they are 4 GiB or more.
 std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,
                                     const std::filesystem::path& path);
 

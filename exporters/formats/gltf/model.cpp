@@ -34,8 +34,9 @@ std::string percent_encoded(const std::string& name) {
     return out;
 }
 
-// The photograph already holds its light, so it is shown as it is: emitted by a black surface. The texture is
-// also the base colour's, times black, for programs that know no emission or ignore such a factor.
+// Makes a black material that emits its texture: the photograph already contains its light, so it is shown as
+// it is. The texture is also the base colour's, times black, for programs that do not support emission or
+// ignore the black factor.
 void make_emissive(tinygltf::Material& material) {
     const tinygltf::TextureInfo& base = material.pbrMetallicRoughness.baseColorTexture;
     material.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
@@ -100,7 +101,7 @@ GltfGeometry add_geometry(GltfParts& parts, const TexturedMesh& textured, const 
     return add_plain(parts, textured);
 }
 
-// Returns the index of the mesh's node.
+// Adds a node for a mesh and returns its index.
 int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const std::string& name) {
     tinygltf::Mesh& mesh = model.meshes.emplace_back();
     mesh.name = name;
@@ -116,9 +117,9 @@ int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const st
     return static_cast<int>(model.nodes.size()) - 1;
 }
 
-// The finest level is in the scene and names the nodes of the others, which only readers of the extension
-// see. Each level has about a quarter of the triangles of the one before it, so it looks the same where it
-// covers a quarter of the screen.
+// Links the levels of detail. The finest level is in the scene and names the nodes of the others, which only
+// readers of the extension see. Each level has about a quarter of the triangles of the one before it, so it
+// looks the same if it covers a quarter of the screen.
 void link_levels(tinygltf::Model& model, const std::vector<int>& nodes) {
     if (nodes.size() < 2) return;
     Value::Array ids, coverage;
@@ -213,8 +214,8 @@ GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const Gl
     if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&parts.model, stream, false, false)) {
         throw std::logic_error("tinygltf did not serialise the scene");
     }
-    // tinygltf's stream writer can only embed buffers and images as base64, copies them several times on the
-    // way, and cuts integers of extras to 32 bits: so these are put in here.
+    // tinygltf's stream writer can only embed buffers and images as base64, copies them several times, and
+    // cuts integers in extras to 32 bits: so these parts are added here.
     auto json = Json::parse(stream.str());
     add_buffers(json, parts, names.buffer_name);
     if (!out.texture.bytes.empty() && !embedded) {
@@ -225,7 +226,7 @@ GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const Gl
         if (!extras.is_object()) throw std::logic_error("the scene's extras are not a JSON object");
         json["asset"]["extras"] = std::move(extras);
     }
-    constexpr auto kReplace = Json::error_handler_t::replace;  // paths in extras may be no UTF-8
+    constexpr auto kReplace = Json::error_handler_t::replace;  // paths in extras may not be UTF-8
     out.json = json.dump(names.buffer_name.empty() ? -1 : 2, ' ', false, kReplace);
     out.buffer = std::move(parts.buffer);
     return out;

@@ -1,4 +1,4 @@
-// The glTF document of a scene: its JSON and its one binary buffer, for both containers.
+// Builds the glTF document of a scene: its JSON and its one binary buffer, for both containers.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace hexrelief {
 struct GltfDocument {
     std::string json;
     std::vector<std::uint8_t> buffer;
-    EncodedTexture texture;  // what names.texture_name is to hold; no bytes: none
+    EncodedTexture texture;  // contents of the file names.texture_name; empty = no such file
 };
 
-// Names of the files that the document refers to; empty = in the buffer (.glb). Percent-encoded by the
-// callee.
+// Names of the files that the document refers to; empty = in the buffer
+// (.glb). build_gltf() percent-encodes them.
 struct GltfNames {
     std::string buffer_name;
     std::string texture_name;

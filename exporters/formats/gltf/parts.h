@@ -1,4 +1,4 @@
-// The glTF document while it grows: what its geometry and its textures are added to.
+// A glTF document under construction, to which geometry and textures are added.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace hexrelief {
 
-// Where the bytes of a view of buffer 1 lie compressed in buffer 0.
+// A view of buffer 1 whose compressed bytes lie in buffer 0.
 struct MeshoptView {
     int view = 0;
     std::size_t offset = 0, bytes = 0;
-    std::size_t count = 0, stride = 0;  // of what they decode to
+    std::size_t count = 0, stride = 0;  // of the decoded data
     const char* mode = "ATTRIBUTES";
     bool octahedral = false;
 };
@@ -22,30 +22,33 @@ struct MeshoptView {
 struct GltfParts {
     tinygltf::Model model;
     std::vector<std::uint8_t> buffer;  // buffer 0
-    std::size_t fallback_bytes = 0;  // of buffer 1, which meshopt's decoder fills and no file holds; 0 = none
-    std::vector<MeshoptView> meshopt_views;  // apart, because tinygltf does not write a view's extensions
+    // Size of buffer 1, which meshopt's decoder fills and no file holds; 0 = there is none.
+    std::size_t fallback_bytes = 0;
+    // Kept apart, because tinygltf does not write a view's extensions.
+    std::vector<MeshoptView> meshopt_views;
 };
 
 // One mesh of the document.
 struct GltfGeometry {
     tinygltf::Primitive primitive;
     FileTransform transform;
-    // Texture coordinates in the file times this are those of the texture.
+    // Scale from texture coordinates in the file to those of the texture.
     std::array<double, 2> texcoord_scale = {1, 1};
 };
 
-// Notes a used extension, once; `required`: a reader without it must refuse the file.
+// Lists a used extension, once. `required`: a reader that does not know it must refuse the file.
 void use_extension(GltfParts& parts, const std::string& name, bool required);
 
-// Appends to the buffer at a multiple of 4, as accessors need it, and returns the view's index.
+// Appends data to the buffer at a multiple of 4, as accessors need it, and returns the index of the new view.
 int add_view(GltfParts& parts, const void* data, std::size_t bytes, int target, const char* name);
-// view = -1: the data come from an extension.
+// Adds an accessor and returns its index. view = -1: an extension provides the data.
 int add_accessor(GltfParts& parts, int view, int component_type, int type, long long count, const char* name);
 void set_bounds(tinygltf::Accessor& accessor, const Vec3f& low, const Vec3f& high);
 
 inline constexpr int kNoTarget = 0;
 
-// 65535 itself is the primitive restart value, so a short index may be at most 65534.
+// True if 16-bit indices suffice. 65535 itself is the primitive restart value, so an index may
+// be at most 65534.
 inline bool short_indices(long long vertices) {
     return vertices < 65535;
 }
@@ -54,17 +57,17 @@ inline int index_type(long long vertices) {
                                    : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-// The ways to hold a mesh. All attributes that it has are added.
+// Add a mesh, with all attributes that it has, as plain floats or compressed by Draco.
 GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured);
 GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
                        const ExportConfig& config, int threads);
-// KHR_mesh_quantization; with meshopt also EXT_meshopt_compression.
+// Adds a mesh by KHR_mesh_quantization; with meshopt also EXT_meshopt_compression.
 GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
                            const ExportConfig& config, bool meshopt);
 
-// A camera that sees what the left image shows, but for its principal point, for which glTF has no member: it
-// is in the camera's extras, with the focal length, in px. The camera's size is known, and the mesh lies in
-// front of it. Returns the index of its node.
+// Adds a camera that sees what the left image shows and returns the index of its node. glTF has no member for
+// the principal point, so it is in the camera's extras, with the focal length, in px. Preconditions: the
+// camera's image size is known, and the mesh lies in front of the camera.
 int add_camera(GltfParts& parts, const Calibration& camera, const SurfaceMesh& mesh);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// Floats and whole indices, as every glTF reader knows them.
+// Adds meshes as floats and plain indices, which every glTF reader knows.
 #include "exporters/formats/gltf/parts.h"
 #include "pipeline/data/bounds.h"
 

@@ -1,4 +1,4 @@
-// KHR_mesh_quantization, and EXT_meshopt_compression on top of it.
+// Adds meshes by KHR_mesh_quantization, and EXT_meshopt_compression on top of it.
 #include <meshoptimizer.h>
 
 #include <algorithm>
@@ -29,15 +29,15 @@ int gltf_component(ComponentType type) {
     return TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
-// What meshoptimizer made of `count` items of `size` bytes.
+// The encoding by meshoptimizer of `count` items of `size` bytes.
 struct Compressed {
     std::vector<std::uint8_t> bytes;
     std::size_t count, size;
-    const char* mode;  // the extension's word for what they are
+    const char* mode;  // the extension's word for the kind of items
     bool octahedral = false;
 };
 
-// A view of the buffer that only exists once decoded, and where its compressed bytes lie.
+// Adds a view of buffer 1, which only exists once decoded, and notes where its compressed bytes lie.
 int add_compressed_view(GltfParts& parts, const Compressed& compressed, int target, const char* name) {
     const auto& [bytes, count, size, mode, octahedral] = compressed;
     if (bytes.empty())
@@ -58,7 +58,7 @@ int add_stream_view(GltfParts& parts, const VertexStream& stream, const char* na
     int view;
     if (meshopt) {
         std::vector<std::uint8_t> bytes(meshopt_encodeVertexBufferBound(stream.count, stream.stride));
-        meshopt_encodeVertexVersion(0);  // what the extension asks for
+        meshopt_encodeVertexVersion(0);  // required by the extension
         bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), stream.bytes.data(), stream.count,
                                                 stream.stride));
         view = add_compressed_view(
@@ -76,7 +76,7 @@ int add_index_view(GltfParts& parts, const std::vector<std::uint32_t>& indices, 
                    bool meshopt) {
     if (meshopt) {
         std::vector<std::uint8_t> bytes(meshopt_encodeIndexBufferBound(indices.size(), vertices));
-        meshopt_encodeIndexVersion(1);  // what the extension asks for
+        meshopt_encodeIndexVersion(1);  // required by the extension
         bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), indices.data(), indices.size()));
         return add_compressed_view(parts, {std::move(bytes), indices.size(), sizeof(Index), "TRIANGLES"},
                                    TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");

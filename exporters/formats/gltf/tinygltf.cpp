@@ -1,3 +1,3 @@
-// tinygltf's own code, once (tinygltf.h says why it is compiled here).
+// Compiles tinygltf's own code (tinygltf.h says why it is compiled here).
 #define TINYGLTF_IMPLEMENTATION
 #include "exporters/formats/gltf/tinygltf.h"

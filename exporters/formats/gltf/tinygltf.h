@@ -1,5 +1,5 @@
-// tinygltf's types under a name of our own. libdraco exports a tinygltf of its own, built with another layout
-// of the same classes: which of the two a call reached would depend on the order of linking (Debian's shared
+// tinygltf's types under a name of our own. libdraco exports its own tinygltf, built with another layout of
+// the same classes: the order of linking would decide which of the two a call reaches (Debian's shared
 // tinygltf crashed that way). tinygltf.cpp compiles it, without stb, because images come encoded already.
 #pragma once
 

@@ -44,7 +44,7 @@ struct BatchRow {
     std::uint64_t bytes = 0;  // of one GLB
 };
 
-// The steps of run_job(), without its files.
+// Does the steps of run_job(), without its files.
 std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContext& run) {
     const ChosenRange chosen = choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
     const DisparityResult matched = match_input(scene.pair, chosen, run);
@@ -57,7 +57,8 @@ std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContex
     return export_size(written, config.exporting, "job.glb");
 }
 
-// One worker: a job that starts all that is kept, then those that are still to be had.
+// One worker: does a first job, which starts everything that is kept, and then jobs as long as
+// there are some left.
 class Worker {
   public:
     Worker(const Scenery& scene, const Config& config, const Crew& crew)
@@ -91,7 +92,7 @@ class Worker {
     std::uint64_t bytes_ = 0;
 };
 
-// Work in threads of its own, whatever the number of workers.
+// More than one thread, so that start_work() always uses a thread of its own.
 constexpr int kOwnThread = 2;
 
 BatchRow measure(const Scenery& scene, const Config& config, const Crew& crew, int jobs) {

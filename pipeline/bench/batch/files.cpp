@@ -41,7 +41,7 @@ class ScratchFolder {
 };
 
 struct Throughput {
-    double seconds = 0, cpu_seconds = 0;  // CPU of all workers, user and system
+    double seconds = 0, cpu_seconds = 0;  // cpu_seconds: of all workers, user and system
 };
 
 double children_cpu_seconds() {

@@ -30,7 +30,7 @@ struct Method {
     std::function<DisparityMap(const StereoPair&, const DisparityConfig&, int threads)> match;
 };
 
-// StereoSGBM's own answer: both views agree on it, nothing is filled or refined.
+// Returns StereoSGBM's own result: the disparities that both views agree on, neither filled nor refined.
 DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& config, int threads) {
     RawViews views = match_views_sgbm(pair, with_range(pair, config, threads), threads);
     check_left_right(views.left, views.right, 1);
@@ -116,7 +116,7 @@ Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& met
     return row;
 }
 
-// What stands above the rows, as text and JSON.
+// Writes the lines above the rows, and returns the JSON without its rows.
 Json begin(const MatchOptions& options, const std::vector<Backend>& backends, int threads,
            const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;
@@ -171,7 +171,7 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
     for (const ScenePair& scene : scenes) {
         const LoadedScene loaded = load(scene, options.disturbance);
         for (const Method& method : methods) {
-            // The first call on a device pays for its context, which belongs to no scene.
+            // The first call on a device also creates its context, which belongs to no scene.
             if (rows.size() < methods.size() && method.backend != "cpu")
                 method.match(loaded.pair, config.disparity, threads);
             rows.push_back(measure(scene, loaded, method, config.disparity, options, threads));

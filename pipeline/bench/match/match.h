@@ -1,5 +1,5 @@
-// `hexrelief bench match`: quality and time of the disparity stage by each matcher, on pairs with ground
-// truth.
+// `hexrelief bench match`: quality and time of the disparity stage with each matcher, on
+// pairs with ground truth.
 #pragma once
 
 #include <filesystem>
@@ -14,19 +14,20 @@ namespace hexrelief {
 
 struct MatchOptions {
     std::filesystem::path data;         // a folder of scenes, at any depth: match_scenes.h
-    std::vector<std::string> scenes;    // by the names of their folders; empty = all
+    std::vector<std::string> scenes;    // names of the scenes' folders; empty = all
     std::vector<std::string> methods;   // empty = all
     std::vector<std::string> settings;  // "key.path=value", for every method
     match::Disturbance disturbance;
-    int runs = 3;                                   // timed runs of each method
-    int threads = 0;                                // 0 = all that the process may use
-    std::filesystem::path json;                     // also written there; empty = not
-    std::function<void(const std::string&)> warns;  // of settings by their older names; may be empty
+    int runs = 3;                // timed runs of each method
+    int threads = 0;             // 0 = all that the process may use
+    std::filesystem::path json;  // the results as JSON; empty = not written
+    // Receives warnings about settings with old names; may be empty.
+    std::function<void(const std::string&)> warns;
 };
 
-// Writes the rows to `out` as they come, then the means. Throws Error: usage for a name that is not known or
-// a number out of range, input where a scene cannot be read or the folder has none, output where the JSON
-// file cannot be written.
+// Writes each row to `out` as it is measured, then the means. Throws Error(usage) for an unknown name or a
+// number out of range, Error(input) if a scene cannot be read or the folder has none, Error(output) if the
+// JSON file cannot be written.
 void run_bench_match(const MatchOptions& options, std::ostream& out);
 
 }  // namespace hexrelief

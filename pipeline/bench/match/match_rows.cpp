@@ -32,7 +32,7 @@ nlohmann::ordered_json evaluation_json(const DisparityEvaluation& e) {
 namespace match {
 namespace {
 
-// A row as the mean of itself: both are written by the same columns.
+// Returns a row as the mean of itself, because both have the same columns.
 Average of_row(const Row& row) {
     const DisparityEvaluation& e = row.evaluation;
     return {row.size,

@@ -10,7 +10,7 @@
 
 namespace hexrelief {
 
-// As `hexrelief evaluate --json` prints it.
+// Returns the JSON that `hexrelief evaluate --json` prints.
 nlohmann::ordered_json evaluation_json(const DisparityEvaluation& evaluation);
 
 namespace match {
@@ -18,10 +18,10 @@ namespace match {
 struct Row {
     std::string scene, size, method, backend;
     int width = 0, height = 0;
-    int disparities = 0;   // in the range that was searched
+    int disparities = 0;   // of the range that was searched
     Times disparity = {};  // of the whole stage, the choice of the range included
     DisparityEvaluation evaluation = {};
-    double filled_percent = 0;  // of all pixels: known without a match
+    double filled_percent = 0;  // share of all pixels that are known without a match
 };
 
 // Means over the rows of one size, method and backend.
@@ -34,12 +34,12 @@ struct Average {
     double coverage = 0;                                                    // percent
     double average_error_px = 0, roughness_px = 0;
 };
-// One entry for each size, method and backend, in the order of the rows.
+// Returns the means for each size, method and backend, in the order of the rows.
 std::vector<Average> averages(const std::vector<Row>& rows);
 
-// Two lines above the rows.
+// Returns the two lines above the rows.
 std::string headings();
-// One line each, line feed included.
+// Each returns one line, with its line feed.
 std::string row_text(const Row& row);
 std::string average_text(const Average& average);
 

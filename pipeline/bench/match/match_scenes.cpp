@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFullSizeDiscontinuity_px = 2;
 
-// Empty where the folder has none.
+// Returns the file with this stem; empty if the folder has none.
 fs::path file_in(const fs::path& folder, const std::string& stem,
                  std::initializer_list<const char*> extensions) {
     for (const char* extension : extensions)
@@ -39,7 +39,7 @@ std::optional<double> scale_of(const ScenePair& scene) {
     return std::nullopt;
 }
 
-// Both pairs of one folder.
+// Adds both pairs of one folder.
 void add_pairs(const fs::path& folder, std::vector<ScenePair>& scenes, std::vector<std::string>& left_out) {
     ScenePair scene{folder.filename().string(), "small",
                     image_in(folder, "left"),   image_in(folder, "right"),
@@ -64,7 +64,8 @@ void add_pairs(const fs::path& folder, std::vector<ScenePair>& scenes, std::vect
     scenes.push_back(scene);
 }
 
-// The sum of twelve even deviates: a standard deviation of 1 by whole numbers alone.
+// Returns the sum of twelve uniform deviates less 6, with a standard deviation of 1: the
+// same on every machine.
 double normal_deviate(std::mt19937& random) {
     double sum = 0;
     for (int i = 0; i < 12; ++i) sum += random() / 4294967296.0;

@@ -6,7 +6,7 @@
 namespace hexrelief::sparse {
 namespace {
 
-// 0 .. 99, a hash of the pixel (Wellons' lowbias32).
+// Returns 0 .. 99, a hash of the pixel (Wellons' lowbias32).
 unsigned percent_at(int x, int y) {
     std::uint32_t h = static_cast<std::uint32_t>(y) * 65536u + static_cast<std::uint32_t>(x);
     h = (h ^ (h >> 16)) * 0x7feb352du;

@@ -1,4 +1,4 @@
-// How a known map is thinned, as sensors and matchers that know few pixels leave it.
+// Patterns by which a known map is thinned, like those of sensors and matchers that know few pixels.
 #pragma once
 
 #include <string>
@@ -8,11 +8,13 @@
 
 namespace hexrelief::sparse {
 
-// random-20, random-5: that many percent of the pixels. rows-20, rows-5: every 5th or 20th row, whole.
-// laser: scan lines some 8 rows apart that wave by 2 rows, with 60 % of their pixels, within 1 row.
+// Returns the patterns' names. random-20, random-5: that many percent of the pixels. rows-20, rows-5:
+// every 5th or 20th row. laser: scan lines 8 rows apart that wave by 2 rows and jitter by 1 row, with 60
+// % of their pixels.
 const std::vector<std::string>& patterns();
 
-// The same pixels wherever it runs. Throws std::logic_error for a name that is none of patterns().
+// Returns the thinned map; the pixels are the same on every machine. Throws std::logic_error for a name that
+// is not one of patterns().
 DisparityMap thinned(const DisparityMap& map, const std::string& pattern);
 
 }  // namespace hexrelief::sparse

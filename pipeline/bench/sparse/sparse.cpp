@@ -33,15 +33,15 @@ struct Row {
     std::string scene, pattern;
     double known_share = 0, seconds = 0;
     SurfaceQuality quality = {};
-    double ratio = 1;                           // of the whole map's error
+    double ratio = 1;                           // to the whole map's error
     double wrong_share = 0, unknown_share = 0;  // of the true map's pixels: more than 1 px off; not filled
 };
 
-// One true map, and what its surfaces are measured with.
+// One true map, and the settings by which its surfaces are measured.
 struct TrueScene {
     std::string name;
     DisparityMap truth;
-    Image left;  // empty = none
+    Image left;  // may be empty
     double quantum_px;
     const Config& config;
     int threads;

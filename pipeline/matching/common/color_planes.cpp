@@ -9,7 +9,7 @@
 namespace hexrelief {
 namespace {
 
-// A row of a plane has its own pixels; the border repeats those at its ends.
+// Fills the border of a plane's row by repeating the pixels at its ends.
 void fill_border(std::uint8_t* row, int width) {
     std::fill_n(row - kBorder_px, kBorder_px, row[0]);
     std::fill_n(row + width, kBorder_px, row[width - 1]);

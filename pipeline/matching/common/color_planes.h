@@ -1,4 +1,4 @@
-// A picture as the matcher reads it: its channels one by one, and its luminance.
+// The form in which the matcher reads a picture: its channels one by one, and its luminance.
 #pragma once
 
 #include <array>
@@ -10,7 +10,8 @@
 
 namespace hexrelief {
 
-// One channel of a grey picture, three of a colour one; the border repeats the picture's edge.
+// The planes of a picture: one channel if it is grey, three if it has colours. The border
+// repeats the picture's edge.
 struct ColorPlanes {
     int channels = 1;
     std::array<Raster<std::uint8_t>, 3> planes;
@@ -20,22 +21,23 @@ struct ColorPlanes {
     int height() const { return grey.height(); }
 };
 
-// Of a pair, with as many channels each.
+// The planes of a pair; both views have the same number of channels.
 struct PairColors {
     ColorPlanes left, right;
 };
 
-// The planes as steps take them.
+// Views of the planes, the form in which the step functions take them.
 struct ColorView {
     int channels;
     RasterView<const std::uint8_t> planes[3];
 };
 
 enum class Channels { as_they_are, grey };
+// Splits a picture into its channels and computes its luminance.
 ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool);
-// Both as grey where their channels differ.
+// Splits both pictures; as grey ones if their numbers of channels differ.
 PairColors split_colors(const StereoPair& pair, ThreadPool& pool);
-// Each channel as the mean of 3x3 pixels, which noise disturbs less; grey stays.
+// Returns each channel as the mean of 3x3 pixels, which noise disturbs less; the luminance is unchanged.
 ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool);
 ColorView view_of(const ColorPlanes& colors);
 

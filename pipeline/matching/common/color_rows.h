@@ -1,4 +1,4 @@
-// Colour steps of a run of pixels to those at an offset: what loops that become vectors take.
+// Colour steps between a run of pixels and the pixels at an offset, for loops that the compiler vectorises.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace hexrelief {
 
-// out[x]: the largest difference of a channel between pixel (x0 + x, y) and the one (dx, dy) px away.
+// Sets out[x] to the largest difference of a channel between pixel (x0 + x, y) and the pixel
+// (dx, dy) px away.
 HEXRELIEF_INLINED void color_steps(const ColorView& colors, int x0, int y, int dx, int dy, int count,
                                    std::uint8_t* __restrict out) {
     for (int c = 0; c < colors.channels; ++c) {

@@ -1,4 +1,4 @@
-// A pair at half its size.
+// Reduces pictures to half their size.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -6,7 +6,8 @@
 
 namespace hexrelief {
 
-// (width + 1) / 2 x (height + 1) / 2 pixels, each the rounded mean of 2x2; the edge is repeated.
+// Returns a picture of (width + 1) / 2 x (height + 1) / 2 pixels, each the rounded mean of 2x2 pixels;
+// the edge is repeated.
 Image at_half_size(const Image& image, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// A picture at half its size.
+// The geometry of a picture at half its size.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,16 @@
 
 namespace hexrelief::step {
 
-// Columns, or rows, of half the size; the last one of an odd count is a half wide.
+// Returns the number of columns, or rows, at half size; if the count is odd, the last one covers only one.
 HEXRELIEF_HD int half_size(int count) {
     return (count + 1) / 2;
 }
 
-// The first of the two columns, or rows, at full size that number i covers, and the second, which repeats the
-// edge.
+// Returns the first of the two columns, or rows, at full size that column, or row, i at half size covers.
 HEXRELIEF_HD int first_covered(int i) {
     return 2 * i;
 }
+// Returns the second of them; at the edge it equals the first.
 HEXRELIEF_HD int second_covered(int i, int count) {
     return 2 * i + 1 < count ? 2 * i + 1 : count - 1;
 }

@@ -1,4 +1,4 @@
-// Rasters with a border, so that a window around any pixel can be read without a test.
+// Rasters with a border, so that a window around any pixel can be read without bounds checks.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,8 @@ namespace hexrelief {
 // Windows reach up to 30 px, and loops round a row's end up to blocks of 32 px.
 inline constexpr int kBorder_px = 64;
 
-// Row-major, top row first. at(x, y) may be read from -kBorder_px to width + kBorder_px - 1, and so for y.
+// A view of a raster: row-major, top row first. at(x, y) may be read for x from -kBorder_px to width +
+// kBorder_px - 1, and for y correspondingly.
 template <typename T>
 struct RasterView {
     T* origin = nullptr;  // pixel (0, 0)
@@ -46,14 +47,14 @@ class Raster {
     std::vector<T> values_;
 };
 
-// Disparities in 1/16 px above the least one searched; kUnknown16 where unknown, and in the border.
+// Disparities in 1/16 px above the least disparity searched. Unknown ones, and the border, are kUnknown16.
 using Disparities16 = Raster<std::int16_t>;
 using DisparityView = RasterView<const std::int16_t>;
 using DisparityOut = RasterView<std::int16_t>;
 inline constexpr std::int16_t kUnknown16 = -1;
 inline constexpr int kOnePixel = 16;  // 1 px in these units
 
-// Both views' disparities, each at the view's own pixels.
+// The disparities of both views, each at the view's own pixels.
 struct ViewDisparities {
     Disparities16 left, right;
 };

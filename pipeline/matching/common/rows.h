@@ -1,5 +1,5 @@
-// Loops over the rows of a raster, on all threads. Apart from the rasters, because CUDA's sources have no use
-// for the threads' headers, which nvcc would read three times a source.
+// Loops over the rows of a raster, on all threads. They are not in raster.h because CUDA's sources do not
+// need the threads' headers, which nvcc would read three times per source.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace hexrelief {
 
-// Pixels of a row that steps with many sums take at a time: these stay in the first-level cache.
+// The number of pixels of a row that steps with many sums process at a time, so that the sums stay
+// in the first-level cache.
 inline constexpr int kBlock = 256;
 
 // Runs body(y) for every row, on all threads.

@@ -16,7 +16,7 @@ HEXRELIEF_SMALL_VECTORS void median_row(DisparityView map, int y, std::int16_t* 
     for (int x = 0; x < map.width; ++x) out[x] = step::median_around(row + x, map.stride);
 }
 
-// Patches of neighbours that differ by at most config.speckle_step.
+// Removes small patches of neighbours that differ by at most config.speckle_step.
 void remove_speckles(const ConsistencyConfig& config, Disparities16& map) {
     const DisparityOut view = map.view();
     const int width = map.width(), height = map.height();

@@ -1,4 +1,4 @@
-// From both views' winners to matches that can be trusted.
+// Selects the trusted matches among both views' winners.
 #pragma once
 
 #include "pipeline/matching/common/raster.h"
@@ -8,30 +8,32 @@ namespace hexrelief {
 class ThreadPool;
 
 struct ConsistencyConfig {
-    int min_px = 0;            // of the range
-    int left_right_limit = 9;  // 1/16 px: largest difference of the two views; < 0 = no check
-    int speckle_pixels = 100;  // patches up to this size are no matches; 0 = off
+    int min_px = 0;            // least disparity of the range
+    int left_right_limit = 9;  // 1/16 px: largest difference between the two views; < 0 = no check
+    int speckle_pixels = 100;  // patches of at most this many pixels are removed; 0 = off
     int speckle_step = 32;     // 1/16 px: a larger difference ends a patch
-    int least = 0;             // 1/16 px above min_px: what is farther has to be in larger patches
+    int least = 0;             // 1/16 px above min_px: patches farther away than this have to be larger
 
     bool operator==(const ConsistencyConfig&) const = default;
 };
-// Of the pair at half its size; its min_px is that range's.
+// Returns the configuration for the pair at half its size, except min_px, which comes from that pair's range.
 inline ConsistencyConfig at_half_size(ConsistencyConfig config) {
     config.least /= 2;
     return config;
 }
 
 struct TrustedMatches {
-    Disparities16 left;                 // unknown where the views disagree
-    Disparities16 right;                // likewise
-    Raster<std::int32_t> nearest_seen;  // by the right camera at its columns, 1/16 px; kAnything where unsure
+    Disparities16 left;   // unknown where the views disagree
+    Disparities16 right;  // unknown where the views disagree
+    // The largest disparity that the right camera certainly sees, at its own columns, in 1/16 px; kAnything
+    // if it is not certain.
+    Raster<std::int32_t> nearest_seen;
 };
 
-// The median of each pixel and its neighbours; unknown pixels stay unknown.
+// Returns the median of each pixel and its neighbours; unknown pixels stay unknown.
 Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool);
 
-// Of the views' medians.
+// Returns the matches that both views' medians agree on, without speckles.
 TrustedMatches find_trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
                                     ThreadPool& pool);
 

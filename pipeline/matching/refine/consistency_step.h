@@ -1,4 +1,4 @@
-// What the two views' disparities say of each other. Disparities in 1/16 px above min_px.
+// Compares the disparities of the two views. Disparities are in 1/16 px above min_px.
 #pragma once
 
 #include <cstdint>
@@ -9,23 +9,24 @@
 
 namespace hexrelief::step {
 
-// The column of the right picture that a pixel of the left one matches.
+// Returns the column of the right picture that a pixel of the left one matches.
 HEXRELIEF_HD int matching_column(int x, int min_px, int disparity) {
     return x - min_px - ((disparity + kOnePixel / 2) >> 4);
 }
 
-// The column of the left picture that a pixel of the right one matches.
+// Returns the column of the left picture that a pixel of the right one matches.
 HEXRELIEF_HD int matching_left_column(int x, int min_px, int disparity) {
     return x + min_px + ((disparity + kOnePixel / 2) >> 4);
 }
 
-// Whether that lies outside of the right picture on its left, or less than half a px right of its first
-// pixel: the right picture says nothing of such a pixel.
+// True if the match of a left pixel lies beyond the right picture's left edge, or less than half a px right
+// of its first pixel: the right picture says nothing about such a pixel.
 HEXRELIEF_HD bool beyond_left_edge(int x, int min_px, int disparity) {
     return kOnePixel * (x - min_px) - disparity < kOnePixel / 2;
 }
 
-// The disparity of a pixel, if `other`, the row of the other view, agrees there; else unknown.
+// Returns the disparity of a pixel if `other`, the row of the other view, agrees
+// at `column`; else kUnknown16.
 HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* other, int column, int width,
                                  int limit) {
     if (disparity < 0 || column < 0 || column >= width) return kUnknown16;
@@ -33,7 +34,8 @@ HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* oth
     return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity : kUnknown16;
 }
 
-// The left view's disparity at a pixel whose match the right view's row does not deny; else unknown.
+// Returns the left view's disparity at a pixel if the right view's row agrees at its match, or if there is
+// no check; else kUnknown16.
 HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16_t* right_row, int x,
                                         int width, const ConsistencyConfig& config) {
     if (config.left_right_limit < 0) return disparity;
@@ -41,20 +43,20 @@ HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16
                   config.left_right_limit);
 }
 
-// Of a patch's pixel with this disparity: the patch is a speckle up to that size. False matches far beyond
-// the scene come in larger patches than others, and right ones are rarely there.
+// Returns the size up to which the patch of a pixel with this disparity is a speckle. False matches far
+// beyond the scene form larger patches than others, and correct matches are rare there.
 inline constexpr int kFarSpeckles = 4;
 HEXRELIEF_HD int largest_speckle(const ConsistencyConfig& config, std::int16_t disparity) {
     return disparity < config.least ? kFarSpeckles * config.speckle_pixels : config.speckle_pixels;
 }
 
-// Whether neighbours belong to one patch.
+// True if two neighbours belong to the same patch.
 HEXRELIEF_HD bool joined(std::int16_t a, std::int16_t b, int largest_step) {
     return a >= 0 && b >= 0 && a - b <= largest_step && b - a <= largest_step;
 }
 
-// What the right camera certainly sees at a column: nothing nearer than the nearest of three neighbouring
-// pixels, if all of them are matched; else anything may be there.
+// Returns the largest disparity that the right camera certainly sees at a column: the largest of three
+// neighbouring pixels if all of them are matched; else kAnything.
 inline constexpr int kAnything = INT16_MAX;
 HEXRELIEF_HD std::int32_t nearest_seen(const std::int16_t* right_at) {
     const std::int16_t a = right_at[-1], b = right_at[0], c = right_at[1];
@@ -62,16 +64,17 @@ HEXRELIEF_HD std::int32_t nearest_seen(const std::int16_t* right_at) {
     const std::int16_t larger = a > b ? a : b;
     return larger > c ? larger : c;
 }
-// A surface of this disparity would hide from the right camera what that sees there.
+// True if a surface of this disparity would hide from the right camera the surface that
+// it certainly sees there.
 HEXRELIEF_HD bool hides(std::int32_t nearest, int disparity) {
     return nearest < disparity - kOnePixel;
 }
-// That is certainly in front of a surface of this disparity.
+// True if the surface that the right camera certainly sees there is in front of a surface of this disparity.
 HEXRELIEF_HD bool is_hidden(std::int32_t nearest, int disparity) {
     return nearest != kAnything && nearest > disparity + kOnePixel;
 }
 
-// A pixel of the left picture, and what the right camera certainly sees on its row.
+// A pixel of the left picture, and the row of nearest_seen of the right one.
 struct RowSite {
     int x, width, min_px;
     const std::int32_t* nearest_seen;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::int32_t kNoMatch = -1;
 using Sources = std::array<std::int32_t, step::kDirections>;  // pixels y * width + x
 
-// The nearest known pixels of the unknown ones, which are numbered row by row.
+// The nearest known pixels of each unknown pixel. Unknown pixels are numbered row by row.
 class NearestKnown {
   public:
     explicit NearestKnown(DisparityView map) : map_(map), first_of_row_(map.height + 1) {
@@ -24,10 +24,11 @@ class NearestKnown {
         }
         sources_.resize(static_cast<std::size_t>(first_of_row_.back()));
     }
-    // Direction k, which leads to the row above or, for rows from the bottom to the top, below.
+    // Searches in direction k. A direction leads along the row, to the row above, or to the row below; in the
+    // last case rows are visited from the bottom to the top.
     void search(int k) {
         const int dx = step::direction_x(k), dy = step::direction_y(k);
-        // Beside the row there is nothing.
+        // There is nothing beside the row.
         std::vector<std::int32_t> before(static_cast<std::size_t>(map_.width) + 2, kNoMatch), here = before;
         for (int i = 0; i < map_.height; ++i) {
             const int y = dy > 0 ? map_.height - 1 - i : i;
@@ -40,7 +41,7 @@ class NearestKnown {
     const Sources& of(long long unknown) const { return sources_[static_cast<std::size_t>(unknown)]; }
 
   private:
-    // from, here: by x + 1
+    // `from` and `here` are indexed by x + 1.
     void search_row(int k, int y, const std::vector<std::int32_t>& from, int dx,
                     std::vector<std::int32_t>& here) {
         const std::int16_t* row = map_.row(y);
@@ -64,7 +65,7 @@ class NearestKnown {
     std::vector<Sources> sources_;
 };
 
-// The disparity at (x, y) of the plane through a known pixel.
+// Returns the disparity at (x, y) of the plane through a known pixel.
 int on_plane_of(DisparityView map, const Slopes& slopes, std::int32_t source, int x, int y) {
     if (source == kNoMatch) return kUnknown16;
     const int from_x = source % map.width, from_y = source / map.width;

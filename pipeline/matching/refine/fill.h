@@ -1,4 +1,4 @@
-// Unknown pixels filled from the matches around them.
+// Fills unknown pixels from the matches around them.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -10,13 +10,13 @@ namespace hexrelief {
 
 struct FillInput {
     const TrustedMatches& matches;
-    const Slopes& slopes;  // of matches.left
+    const Slopes& slopes;  // slopes of matches.left
     const PairColors& colors;
     int min_px;
 };
 
-// matches.left with its unknown pixels filled; those that have no known pixel in any of eight directions stay
-// unknown.
+// Returns matches.left with its unknown pixels filled. Pixels without a known pixel in any of the
+// eight directions stay unknown.
 Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool);
 
 }  // namespace hexrelief

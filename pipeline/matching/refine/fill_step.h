@@ -1,4 +1,4 @@
-// The disparity of a pixel without a match, from the nearest matches in eight directions.
+// Fills a pixel without a match from the nearest matches in eight directions.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,9 @@
 namespace hexrelief::step {
 
 inline constexpr int kDirections = 8;
-inline constexpr int kEast = 0, kNorthEast = 1, kSouthEast = 2;  // the others' order does not matter
-// Of direction k: E, NE, SE, N, S, W, NW, SW.
+// The order of the other directions does not matter.
+inline constexpr int kEast = 0, kNorthEast = 1, kSouthEast = 2;
+// The steps along x and y of direction k: E, NE, SE, N, S, W, NW, SW.
 HEXRELIEF_HD int direction_x(int k) {
     return k < 3 ? 1 : k < 5 ? 0 : -1;
 }
@@ -27,19 +28,20 @@ HEXRELIEF_HD int cut_extension(int distance_px) {
                                                  : distance_px;
 }
 
-// The disparity of the plane through a known pixel at the one (dx, dy) px away from it.
+// Returns the disparity that the plane through a known pixel has (dx, dy) px away from it.
 HEXRELIEF_HD int on_plane(std::int16_t disparity, std::int16_t slope_x, std::int16_t slope_y, int dx,
                           int dy) {
     const int at = disparity + ((slope_x * cut_extension(dx) + slope_y * cut_extension(dy)) >> 4);
     return at > 0 ? at : 0;
 }
 
-// Of so many, the farthest may be a wrong match.
+// With at least this many candidates, the farthest one may be a wrong match.
 inline constexpr int kManyCandidates = 5;
-// By which the difference of colours, a sum over 3x3 pixels, must be less.
+// The least advantage in the difference of colours, a sum over 3x3 pixels, that makes a
+// candidate the better one.
 inline constexpr int kClearlyMoreAlike = 9 * 12;
 
-// Where a pixel lies, and what is known of the right view on its row.
+// The position of a pixel, and the right view's row.
 struct FillSite {
     int x, width, min_px;
     const std::int32_t* nearest_seen;
@@ -52,8 +54,8 @@ HEXRELIEF_HD void insert_sorted(int values[], int& count, int value) {
     values[i] = value;
 }
 
-// The frame rule: if what lies to the right matches beyond the right picture's left edge, so does this one.
-// The median of those of E, NE and SE that do; kUnknown16 where the rule does not hold.
+// The frame rule: if the surface to the right matches beyond the right picture's left edge, so does this
+// pixel. Returns the median of those candidates E, NE and SE that do; kUnknown16 if the rule does not apply.
 HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirections]) {
     int values[3], count = 0;
     for (int k = kEast; k <= kSouthEast; ++k) {
@@ -65,8 +67,9 @@ HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirect
     return count > 0 ? values[count / 2] : kUnknown16;
 }
 
-// The candidate whose match has the pixel's colours, if it has them clearly more than the guess's; else the
-// guess. A guess outside of the right picture has no match there. The farther of equally good ones.
+// Returns the candidate whose match has the pixel's colours, if they are clearly more similar than those of
+// the guess's match; else the guess. A guess outside of the right picture has no match. Of equally good
+// candidates the farthest one is chosen.
 template <typename Difference>
 HEXRELIEF_HD int alike_candidate(const FillSite& site, const int visible[], int count, int guess,
                                  const Difference& difference) {
@@ -83,13 +86,15 @@ HEXRELIEF_HD int alike_candidate(const FillSite& site, const int visible[], int 
     return least <= of_guess - kClearlyMoreAlike ? best : guess;
 }
 
-// candidates: by direction, the disparity of the nearest match's plane at the pixel; < 0 = no match that way.
-// The visibility rule: none in front of what the right camera sees there, if there are others. The median of
-// the others, if one of them matches the right view. Else the farthest, if the right camera sees something
-// in front of it: the pixel is hidden. Else nothing hides the pixel, it was merely not matched: it may belong
-// to any of the surfaces around it, and the right picture tells which.
-// difference(disparity): of the colours of 3x3 pixels around it and of those that the right picture has
-// there.
+// Returns the disparity of an unmatched pixel. candidates: for each direction, the disparity at the pixel of
+// the nearest match's plane; < 0 = no match in that direction. difference(disparity): difference of colours
+// between the 3x3 pixels around the pixel and those around its match in the right picture.
+//
+// The visibility rule excludes candidates in front of the surface that the right camera sees, if there are
+// others. The median of the rest is returned if one of them agrees with the right view's match. Otherwise, if
+// the right camera sees something in front of the farthest one, the pixel is hidden and the farthest one is
+// returned. Otherwise nothing hides the pixel, it was merely not matched: it may belong to any of the
+// surfaces around it, and the right picture's colours decide.
 template <typename Difference>
 HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDirections],
                                  const Difference& difference) {

@@ -1,4 +1,4 @@
-// How pixels and the cells and segments beside the frame tell each other of disparities.
+// Exchanges disparities between pixels and the cells and segments beside the frame.
 #pragma once
 
 #include <cstdint>
@@ -8,27 +8,28 @@
 
 namespace hexrelief::step {
 
-// Of its columns or rows of pixels.
+// Returns the middle of a cell, in columns or rows of pixels.
 HEXRELIEF_HD int middle_of_cell(int cell, int cell_px) {
     return cell * cell_px + cell_px / 2;
 }
 
-// Whether a segment with so many cells may be a thing beyond the frame: one of 20 may be matched.
+// True if a segment with so many cells may be an object beyond the frame: at most one in 20 may be matched.
 HEXRELIEF_HD bool may_be_beyond_frame(int unmatched, int matched) {
     constexpr int kFewMatches = 20;
     return unmatched > 0 && matched * kFewMatches <= unmatched;
 }
-// Of its unmatched cells' disparities in order, the number of the one that it has at least.
+// Returns the index of the upper quartile among a segment's sorted disparities of unmatched cells.
 HEXRELIEF_HD int upper_quartile(int unmatched) {
     return (unmatched - 1) * 3 / 4;
 }
 
-// What a cell is told of its middle pixel.
+// Returns the value that a cell takes from its middle pixel: the filled disparity if that
+// pixel was not matched.
 HEXRELIEF_HD std::int16_t unmatched(std::int16_t match, std::int16_t filled) {
     return match == kUnknown16 ? filled : kUnknown16;
 }
 
-// What a pixel has then. least: of its cell.
+// Returns the pixel's new disparity: an unmatched pixel has at least `least`, the value of its cell.
 HEXRELIEF_HD std::int16_t raised(std::int16_t match, std::int16_t filled, std::int16_t least) {
     return match == kUnknown16 && filled < least ? least : filled;
 }

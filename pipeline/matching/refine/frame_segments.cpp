@@ -13,16 +13,19 @@ namespace {
 constexpr int kCells = 150;
 constexpr int kLevel = 16;                // colours and their steps are in 1/16 level
 constexpr int kSteps = 2 * 256 * kLevel;  // more than the distance of any two colours
-// A segment of n cells takes a step that is larger than all within it by so many levels / n.
+// A segment of n cells takes an edge if its step exceeds the segment's largest step by at most
+// kEase / n levels.
 constexpr int kEase = 150;
-constexpr int kSmall = 120;  // segments of a smaller part of all cells are joined to their neighbours
+// Segments with less than this fraction (1 / kSmall) of all cells are joined to neighbours.
+constexpr int kSmall = 120;
 
-// The mean of each cell's pixels and of those around it, channel by channel.
+// Returns the mean colour of each cell and of the pixels around it, channel by channel.
 std::vector<std::int16_t> mean_colors(const Image& image, const CellGrid& grid) {
     const int across = grid.cell_px + 2;
     const long long pixels = static_cast<long long>(across) * across;
     const int used = std::min(image.width, grid.columns * grid.cell_px + 1);
-    std::vector<int> of_columns(static_cast<std::size_t>(used) * image.channels);  // sums of a row of cells
+    // Sums over the rows of a row of cells.
+    std::vector<int> of_columns(static_cast<std::size_t>(used) * image.channels);
     std::vector<std::int16_t> means;
     for (int row = 0; row < grid.rows; ++row) {
         std::fill(of_columns.begin(), of_columns.end(), 0);
@@ -44,10 +47,10 @@ std::vector<std::int16_t> mean_colors(const Image& image, const CellGrid& grid) 
     return means;
 }
 
-// Neighbouring cells.
+// Two neighbouring cells.
 struct Edge {
     int a, b;
-    int step;  // of their colours
+    int step;  // distance between their colours
 };
 
 std::vector<Edge> edges_between(const Image& image, const CellGrid& grid) {
@@ -75,7 +78,7 @@ std::vector<Edge> edges_between(const Image& image, const CellGrid& grid) {
     return edges;
 }
 
-// Counted, which takes a tenth of the time of comparing.
+// Sorts by counting, which takes a tenth of the time of a comparison sort.
 std::vector<Edge> sorted_by_step(const std::vector<Edge>& edges) {
     std::vector<int> places(kSteps + 1, 0);
     for (const Edge& edge : edges) ++places[edge.step + 1];
@@ -95,7 +98,7 @@ class Segments {
         while (parents_[cell] != cell) cell = parents_[cell] = parents_[parents_[cell]];
         return cell;
     }
-    // Each for all edges, from the least step to the largest.
+    // To be called for all edges, from the least step to the largest.
     void join_alike(const Edge& edge) {
         const int a = of(edge.a), b = of(edge.b);
         if (a == b || !takes(a, edge.step) || !takes(b, edge.step)) return;
@@ -120,10 +123,11 @@ class Segments {
     std::vector<int> parents_, sizes_, largest_steps_;
 };
 
-// Each one's cells, in the order of its first one's. frame: the grid's first columns.
+// Groups the cells by segment; segments are in the order of their first cells. `frame` is the part of the
+// grid beside the frame, its first columns.
 FrameSegments grouped(Segments& segments, const CellGrid& frame, const CellGrid& whole) {
     const int cells = static_cast<int>(frame.size());
-    std::vector<int> numbers(frame.size(), -1);  // by the segment's name
+    std::vector<int> numbers(frame.size(), -1);  // by the segment's representative cell
     FrameSegments result{whole, frame.columns, std::vector<int>(frame.size()), {0}};
     for (int cell = 0; cell < cells; ++cell) {
         int& number = numbers[segments.of(cell)];
@@ -141,7 +145,8 @@ FrameSegments grouped(Segments& segments, const CellGrid& frame, const CellGrid&
     return result;
 }
 
-// Of a segment: the disparities of its unmatched cells, and how many were matched.
+// Returns the least disparity of a segment, from the disparities of its unmatched cells and the
+// number of matched ones.
 std::int16_t least_of(std::vector<std::int16_t>& unmatched, int matched) {
     const auto count = static_cast<int>(unmatched.size());
     if (!step::may_be_beyond_frame(count, matched)) return kUnknown16;

@@ -1,5 +1,5 @@
-// What the match of the pair at half size says of a pixel that was not matched at full size: noise and weak
-// texture hide a surface at full size that four pixels' mean still shows.
+// Takes a pixel's match from the pair at half size if it was not matched at full size: noise and weak texture
+// hide surfaces at full size that the mean of four pixels still shows.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kSameSurface = 24;  // 1/16 px
+inline constexpr int kSameSurface = 24;  // 1/16 px: matches that differ by more are on different surfaces
 
-// half: trusted matches at half size, 1/16 px above half_min_px. right: trusted matches of the right view,
-// row y, at full size. In 1/16 px above min_px; unknown where one of the 3x3 pixels at half size is, or where
-// the right pixel that it leads to is outside or has a match on another surface.
+// Returns the half-size match of a pixel, in 1/16 px above min_px; kUnknown16 if one of the 3x3 pixels at
+// half size is unknown, if the match is outside of the right picture, or if the right pixel has a match on
+// another surface. half: trusted matches at half size, in 1/16 px above half_min_px. right: trusted matches
+// of the right view's row y, at full size.
 HEXRELIEF_HD std::int16_t half_size_match(DisparityView half, int half_min_px, const std::int16_t* right,
                                           int width, int min_px, int x, int y) {
     const std::int16_t* at = &half.at(x / 2, y / 2);

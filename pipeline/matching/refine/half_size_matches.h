@@ -1,4 +1,4 @@
-// Matches at half size where there are none at full size.
+// Adds the matches at half size to those at full size.
 #pragma once
 
 #include "pipeline/matching/refine/consistency.h"
@@ -10,7 +10,7 @@ struct HalfSizeMatches {
     int min_px = 0;
 };
 
-// Sets unknown pixels of matches.left. min_px: of the range at full size.
+// Sets unknown pixels of matches.left. min_px is the least disparity of the range at full size.
 void add_half_size_matches(const HalfSizeMatches& half, int min_px, TrustedMatches& matches,
                            ThreadPool& pool);
 

@@ -1,4 +1,4 @@
-// How far the colour of a left pixel is from the one that the right picture has for a disparity.
+// The difference between a left pixel's colour and the colour of its match in the right picture.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,28 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kMatchChannels = 3;   // differences are sums over three channels, of grey thrice the one
+// Differences are sums over three channels; for grey, three times the one.
+inline constexpr int kMatchChannels = 3;
 inline constexpr int kMatchColorCut = 40;  // a channel's difference counts up to this
 
-// Where the right picture shows a disparity of a left pixel.
+// The position in the right picture of a left pixel's match.
 struct RightPosition {
-    int column, sixteenths;  // between this column and the next
+    int column, sixteenths;  // between this column and the next one
 };
 
-// Whether the right picture shows a disparity of the left pixel in column x.
+// True if the right picture contains the match of the left pixel in column x.
 HEXRELIEF_HD bool is_in_right(int x, int width, int min_px, int disparity) {
     const int position = kOnePixel * (x - min_px) - disparity;
     return position >= 0 && position <= kOnePixel * (width - 1);
 }
-// Only where it does.
+// Returns the position of the match; only if is_in_right().
 HEXRELIEF_HD RightPosition position_in_right(int x, int min_px, int disparity) {
     const int position = kOnePixel * (x - min_px) - disparity;
     return {position / kOnePixel, position % kOnePixel};
 }
 
-// Of a channel: the left pixel's, and those of the two columns of the right picture.
+// Returns a channel's difference between the left pixel and the interpolated value of two columns
+// of the right picture.
 HEXRELIEF_HD int match_difference(std::uint8_t left, std::uint8_t right, std::uint8_t next, int sixteenths) {
     const int between = (right * (kOnePixel - sixteenths) + next * sixteenths + kOnePixel / 2) >> 4;
     const int difference = distance(left, static_cast<std::uint8_t>(between));

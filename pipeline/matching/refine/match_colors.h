@@ -1,4 +1,4 @@
-// Differences of colours between a left pixel and the right pixel that a disparity leads to.
+// Differences of colours between left pixels and the right pixels that they match.
 #pragma once
 
 #include "pipeline/matching/common/color_planes.h"
@@ -6,7 +6,8 @@
 
 namespace hexrelief {
 
-// The sum over three channels, of grey thrice the one. (x, y) and the column may lie in the border.
+// Returns the sum over three channels; for grey, three times the one. (x, y) and the column may
+// lie in the border.
 inline int match_difference(const ColorView& left, const ColorView& right, int x, int y,
                             const step::RightPosition& at) {
     int sum = 0;
@@ -17,7 +18,7 @@ inline int match_difference(const ColorView& left, const ColorView& right, int x
     return sum * (step::kMatchChannels / left.channels);
 }
 
-// Of 3x3 pixels around (x, y), which may lie in the border but for its outermost pixels.
+// Returns the sum over 3x3 pixels around (x, y), which may lie in the border, except on its outermost pixels.
 inline int window_difference(const ColorView& left, const ColorView& right, int x, int y,
                              const step::RightPosition& at) {
     int sum = 0;

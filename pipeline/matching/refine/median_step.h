@@ -13,7 +13,7 @@ HEXRELIEF_HD void sort_two(std::int16_t& a, std::int16_t& b) {
     b = more;
 }
 
-// Paeth's network of 19 exchanges (Graphics Gems, 1990).
+// Returns the median, by Paeth's network of 19 exchanges (Graphics Gems, 1990).
 HEXRELIEF_HD std::int16_t median_of_nine(std::int16_t v[9]) {
     sort_two(v[1], v[2]);
     sort_two(v[4], v[5]);
@@ -37,7 +37,8 @@ HEXRELIEF_HD std::int16_t median_of_nine(std::int16_t v[9]) {
     return v[4];
 }
 
-// Of a pixel and its eight neighbours; unknown neighbours count as the pixel itself, an unknown pixel stays.
+// Returns the median of a pixel and its eight neighbours. Unknown neighbours count as the pixel itself; an
+// unknown pixel stays unknown.
 HEXRELIEF_HD std::int16_t median_around(const std::int16_t* at, std::ptrdiff_t stride) {
     const std::int16_t own = *at;
     std::int16_t v[9] = {at[-stride - 1], at[-stride],    at[-stride + 1], at[-1],        own,

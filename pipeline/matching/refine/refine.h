@@ -1,4 +1,4 @@
-// From both views' disparities to a map that is dense, smooth on surfaces and sharp between them.
+// Turns both views' disparities into one map that is dense, smooth on surfaces and sharp between them.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -10,20 +10,22 @@
 namespace hexrelief {
 
 struct RefinedMap {
-    Disparities16 disparities;        // unknown only where nothing matched, there or in eight directions
-    Raster<std::uint8_t> is_matched;  // 1 where the pixel was matched, 0 where it was filled
+    Disparities16 disparities;        // unknown only if neither the pixel nor any in eight directions matched
+    Raster<std::uint8_t> is_matched;  // 1 = matched, 0 = filled
 };
 
-// 1 where the disparity is known.
+// Returns 1 for each known disparity, else 0.
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
 
 struct RefineInput {
     const FrameSegments& frame_segments;  // of the left picture
     const PairColors& colors;
     const ViewDisparities& views;
-    // Null, or more matches, where the views have none; they count as filled.
+    // Optional extra matches from half size, used for pixels that are unknown in `views` and marked as
+    // filled. May be null.
     const HalfSizeMatches* half_size;
 };
+// Returns the left view's map.
 RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, ThreadPool& pool);
 
 }  // namespace hexrelief

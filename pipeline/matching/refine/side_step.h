@@ -1,5 +1,5 @@
-// Which of the two surfaces that meet at a discontinuity a pixel belongs to: the one whose match in the right
-// picture has the pixel's colour. Votes decide on windows, so that they miss by a pixel.
+// Decides which of two surfaces that meet at a discontinuity a pixel belongs to: the one whose match in the
+// right picture has the pixel's colour. Votes decide by windows, so they can be wrong by a pixel.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kSideRounds = 2;    // each moves a discontinuity by a pixel at most
-inline constexpr int kClearlyLess = 20;  // by which another surface's difference must be less
+inline constexpr int kSideRounds = 2;    // each moves a discontinuity by at most a pixel
+inline constexpr int kClearlyLess = 20;  // by which the other surface's difference must be smaller
 
 // The least and the largest disparity of 3x3 pixels; unknown neighbours do not count.
 struct Sides {
@@ -36,8 +36,9 @@ HEXRELIEF_HD bool is_possible_side(const RowSite& site, int own, int other) {
            !hides(site.nearest_seen[matching_column(site.x, site.min_px, other)], other);
 }
 
-// difference(disparity): of the pixel's colour and the one that the right picture has there. What the right
-// picture does not show of the pixel's own surface, it cannot tell from others.
+// Returns the pixel's new disparity. difference(disparity): difference between the pixel's colour and that of
+// its match in the right picture. If the right picture does not show the pixel's own surface, the disparity
+// is unchanged, because the colours cannot tell that surface from others.
 template <typename Difference>
 HEXRELIEF_HD std::int16_t better_side(const RowSite& site, std::int16_t own, const Sides& sides,
                                       const Difference& difference) {

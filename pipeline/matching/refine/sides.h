@@ -1,4 +1,4 @@
-// Pixels at discontinuities that another surface's match fits better.
+// Corrects pixels at discontinuities that match better on the neighbouring surface.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -8,12 +8,12 @@ namespace hexrelief {
 
 struct SideInput {
     const Disparities16& map;
-    const ColorPlanes &left, &right;  // of as many channels
+    const ColorPlanes &left, &right;  // with equal numbers of channels
     const Raster<std::int32_t>& nearest_seen;
     int min_px;
 };
 
-// The map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
+// Returns the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
 Disparities16 choose_sides(const SideInput& input, ThreadPool& pool);
 
 }  // namespace hexrelief

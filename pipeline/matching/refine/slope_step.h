@@ -1,4 +1,4 @@
-// How a surface is inclined at a pixel: disparity per pixel along x and y, in 1/256.
+// The slope of a surface at a pixel: disparity per pixel along x and y, in 1/256.
 #pragma once
 
 #include <cmath>
@@ -11,24 +11,24 @@
 namespace hexrelief::step {
 
 inline constexpr int kSlopeOne = 256;                  // 1 px of disparity per pixel
-inline constexpr int kSteepest = 512;                  // slopes are cut to this
-inline constexpr int kSamples = 4, kLeastSamples = 4;  // of a line's fit: most on a side, least in all
-inline constexpr int kSlopeRadius = 2;                 // of the window whose pixels' slopes are averaged
+inline constexpr int kSteepest = 512;                  // slopes are limited to this
+inline constexpr int kSamples = 4, kLeastSamples = 4;  // of a line's fit: most per side, least in total
+inline constexpr int kSlopeRadius = 2;                 // of the window over which slopes are averaged
 inline constexpr int kLineStep = 20;  // 1/16 px: a larger change from pixel to pixel ends a line
-inline constexpr int kSlopeSurface =
-    24;  // 1/16 px: neighbours whose disparities differ by more are another surface
+// 1/16 px: neighbours whose disparities differ by more belong to another surface.
+inline constexpr int kSlopeSurface = 24;
 
-// All of these numbers have 16 bits at most. CPUs keep them in as many, so that a vector holds more of them;
-// devices in Int = int, as their registers have 32 bits, and cutting each result would cost an instruction,
-// or two of them in a word (cuda/matching/refine/slopes.cu).
+// All of these numbers fit into 16 bits. CPUs keep them in 16 bits, so that a vector holds more of them;
+// devices use Int = int, because their registers have 32 bits and truncating each result would cost an
+// instruction, or keep two of them in a word (cuda/matching/refine/slopes.cu).
 
-// Every other pixel of a window, as the dark squares of a chessboard: what they lack, smoothing does not
-// show.
+// True for every other pixel of a window, as the dark squares of a chessboard. The result without the other
+// pixels looks the same after smoothing.
 HEXRELIEF_HD constexpr bool is_dark(int i, int j) {
     return (i + j) % 2 == 0;
 }
 
-// All bits where true, none where false: selects numbers in loops that become vectors.
+// Returns all bits set if true, none if false: selects numbers in vectorised loops.
 template <typename Int = std::int16_t>
 HEXRELIEF_HD Int mask_of(bool condition) {
     return condition ? Int{-1} : Int{0};
@@ -38,20 +38,23 @@ HEXRELIEF_HD Int distance_between(Int a, Int b) {
     return static_cast<Int>((a > b ? a : b) - (a > b ? b : a));
 }
 
-// A line fitted through the disparities beside a pixel: how many samples there are on either side, at
-// distances t = -1, -2, .. and 1, 2, .. from it; sums of their disparities v relative to the pixel's own.
+// The sums of a line fitted through the disparities beside a pixel: numbers of samples before and behind
+// it, at distances t = -1, -2, .. and 1, 2, ..; sums of v, their disparities relative to the pixel's own,
+// and of t v.
 template <typename Int>
 struct LineSums {
     Int before = 0, behind = 0, v = 0, tv = 0;
 };
 
-// Whether the run of one surface reaches the next sample; `on`: whether it reached the one before.
+// Returns whether the run of one surface reaches the next sample, as a mask; `on` is the mask
+// of the sample before.
 template <typename Int>
 HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before) {
     return on & mask_of<Int>((value >= 0) & (distance_between<Int>(value, before) <= kLineStep));
 }
 
-// v: how much larger the disparity t px away is; counts where `on`. side: of the sums' counts.
+// Adds a sample if the mask `on` is set. v: its disparity, t px away, less the pixel's own. side: the number
+// of samples on its side.
 template <typename Int>
 HEXRELIEF_HD void add_sample(Int& side, Int& sum_v, Int& sum_tv, Int t, Int v, Int on) {
     const auto counted = static_cast<Int>(v & on);
@@ -60,15 +63,16 @@ HEXRELIEF_HD void add_sample(Int& side, Int& sum_v, Int& sum_tv, Int t, Int v, I
     sum_tv = static_cast<Int>(sum_tv + t * counted);
 }
 
-// floor(sum / count + 1/2), count > 0. Floats of whole numbers below 2^24, one division: the same everywhere.
+// Returns floor(sum / count + 1/2), count > 0. The floats hold integers below 2^24 and are divided once: the
+// result is the same everywhere.
 HEXRELIEF_HD int rounded_quotient(float sum, float count) {
     const float quotient = (sum + 0.5f * count) / count;
     const int whole = static_cast<int>(quotient);
     return whole - (static_cast<float>(whole) > quotient);
 }
 
-// What the places of a line's samples alone tell: their number, the pixel's own among them, the sum of t, and
-// n times that of its squares less the square of the sum.
+// The terms of a line's fit that depend only on the samples' positions, the pixel's own included: their
+// number n, the sum of t, and n times the sum of t^2 less the square of the sum of t.
 struct LinePlaces {
     int n, t, denominator;
 
@@ -81,7 +85,7 @@ struct LinePlaces {
     HEXRELIEF_HD static constexpr int squares(int k) { return k * (k + 1) * (2 * k + 1) / 6; }
 };
 
-// The slope of the least squares line, in 1/256.
+// Returns the slope of the least squares line, in 1/256.
 template <typename Int>
 HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
     const LinePlaces places(s.before, s.behind);
@@ -91,8 +95,9 @@ HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
     return places.n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
 }
 
-// floor(x / divisor + 1/2) for whole numbers x with |x| <= 512 divisors, divisor < 2^11, without a division:
-// a quarter of 1 / divisor more, so that no whole quotient falls below itself.
+// Computes floor(x / divisor + 1/2) for integers x with |x| <= 512 * divisor and divisor < 2^11,
+// without a division. A quarter of 1 / divisor is added, so that rounding errors never put an exact
+// quotient below its value.
 struct Reciprocal {
     float scale, half;
 
@@ -100,12 +105,12 @@ struct Reciprocal {
     HEXRELIEF_HD constexpr Reciprocal(int factor, int divisor)
         : scale(static_cast<float>(factor) / static_cast<float>(divisor)),
           half(0.5f + 0.25f / static_cast<float>(divisor)) {}
-    // factor * x / divisor, rounded.
+    // Returns factor * x / divisor, rounded.
     HEXRELIEF_HD int rounded(int x) const {
         return static_cast<int>(floorf(fmaf(static_cast<float>(x), scale, half)));
     }
 };
-// slope_of() by what is known of each of the few ways in which samples can lie.
+// The terms of slope_of(), precomputed for one of the few possible numbers of samples before and behind.
 struct alignas(16) LineFit {
     std::int16_t n, t;
     Reciprocal reciprocal;
@@ -124,7 +129,7 @@ struct alignas(16) LineFit {
     }
 };
 struct LineFits {
-    LineFit fits[kSamples + 1][kSamples + 1];  // by the samples before and behind
+    LineFit fits[kSamples + 1][kSamples + 1];  // indexed by the numbers of samples before and behind
 };
 HEXRELIEF_HD constexpr LineFits line_fits() {
     LineFits all{};
@@ -133,13 +138,14 @@ HEXRELIEF_HD constexpr LineFits line_fits() {
     return all;
 }
 
-// The mean slope of the pixels on the same surface, of the dark ones of a 5x5 window.
+// Returns the mean slope of `count` pixels on one surface, those among the dark pixels of a 5x5 window.
 template <typename Int>
 HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
     return static_cast<std::int16_t>(
         rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1)));
 }
-// The same by the count's reciprocal, of as many as a window has at most.
+// Reciprocals of all possible counts, for the same mean without a division; a window has
+// at most kMostSlopes pixels.
 inline constexpr int kMostSlopes = 13;
 struct MeanSlopes {
     Reciprocal of_count[kMostSlopes + 1];
@@ -155,8 +161,8 @@ HEXRELIEF_HD Int on_same_surface(Int value, Int own) {
     return mask_of<Int>((value >= 0) & (distance_between<Int>(value, own) <= kSlopeSurface));
 }
 
-// What a plane's disparity changes by from a pixel with these slopes to one that lies (dx, dy) px away. |dx|,
-// |dy| <= 30, so that 16 bits hold it.
+// Returns the change of a plane's disparity from a pixel with these slopes to the pixel (dx, dy) px away;
+// both offsets must be in -30 .. 30, so that 16 bits hold the result.
 template <typename Int>
 HEXRELIEF_HD Int plane_offset(Int slope_x, Int slope_y, Int dx, Int dy) {
     return static_cast<Int>(static_cast<Int>(slope_x * dx + slope_y * dy) >> 4);

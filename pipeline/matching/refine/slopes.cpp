@@ -13,7 +13,7 @@ struct LineSumsBlock {
     std::int16_t sides[2][kBlock] = {}, v[kBlock] = {}, tv[kBlock] = {}, on[kBlock];
 };
 
-// Of pixels[0 .. count - 1], along x (step 1) or y (step = stride).
+// Fits lines at pixels[0 .. count - 1], along x (along = 1) or y (along = stride).
 HEXRELIEF_INLINED void fit_lines(const std::int16_t* pixels, std::ptrdiff_t along, int count,
                                  std::int16_t* __restrict slopes) {
     LineSumsBlock s;

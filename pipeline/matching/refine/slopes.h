@@ -1,4 +1,4 @@
-// The inclination of the surfaces of a disparity map.
+// The slopes of the surfaces of a disparity map.
 #pragma once
 
 #include "pipeline/matching/common/raster.h"
@@ -8,10 +8,11 @@ namespace hexrelief {
 class ThreadPool;
 
 struct Slopes {
-    Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; no meaning where that is unknown
+    Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; undefined at unknown pixels
 };
 
-// Of lines fitted to both sides, as far as a surface goes, averaged over the pixels around.
+// Returns the slopes of lines fitted to both sides of each pixel, as far as its surface extends, averaged
+// over the pixels around it.
 Slopes find_slopes(const Disparities16& map, ThreadPool& pool);
 
 }  // namespace hexrelief

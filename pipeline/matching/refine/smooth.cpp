@@ -20,7 +20,7 @@ struct SmoothSums {
     std::int16_t weights[kBlock] = {};
 };
 
-// Adds the pixels (i, j) * stride away.
+// Adds the pixels (i, j) * stride px away.
 HEXRELIEF_INLINED void add_pixels(const SmoothViews& in, int stride, int i, int j, int x0, int y, int count,
                                   SmoothSums& sums) {
     const auto dx = static_cast<std::int16_t>(i * stride), dy = static_cast<std::int16_t>(j * stride);

@@ -1,4 +1,4 @@
-// Surfaces without the lumps that matching leaves.
+// Smooths the unevenness that matching leaves on surfaces.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -7,7 +7,7 @@
 
 namespace hexrelief {
 
-// Unknown pixels stay unknown. Discontinuities of 2 px and more stay as they are.
+// Returns the smoothed map. Unknown pixels stay unknown. Discontinuities of 2 px and more are preserved.
 Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -8,17 +8,19 @@
 
 namespace hexrelief::step {
 
-// 5x5 pixels at strides of 1, 2 and 4 px, as in the a-trous wavelet transform (Dammertz et
-// al. 2010).
+// Windows of 5x5 pixels at strides of 1, 2 and 4 px, as in the a-trous wavelet transform
+// (Dammertz et al. 2010).
 inline constexpr int kSmoothRadius = 2, kSmoothLevels = 3;
-inline constexpr int kSmoothReach = 44;  // 1/16 px off the plane, from which on a pixel has no weight
+inline constexpr int kSmoothReach = 44;  // 1/16 px: pixels this far off the plane have no weight
 inline constexpr int kSmoothColor = 20;  // a larger colour step ends a surface
 
-// How far a pixel (dx, dy) px away lies off the plane through this one, which both pixels' slopes tell.
+// The disparity and the slopes of a pixel.
 template <typename Int>
 struct PlanePoint {
     Int disparity, slope_x, slope_y;
 };
+// Returns the distance of a pixel (dx, dy) px away from the plane through this one; the plane has the mean
+// of both pixels' slopes.
 template <typename Int>
 HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& other, Int dx, Int dy) {
     const auto along_x = static_cast<Int>(static_cast<Int>(own.slope_x + other.slope_x) * dx);
@@ -27,8 +29,8 @@ HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& ot
     return static_cast<Int>(other.disparity - offset - own.disparity);
 }
 
-// kernel: 1..9, by the place in the window. alike: known, and no larger colour step than kSmoothColor. At
-// most 9 * 44.
+// Returns the weight of a pixel, at most 9 * 44. kernel: 1..9, by its position in the window. alike: it is
+// known and its colour step is at most kSmoothColor.
 template <typename Int>
 HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike) {
     const auto below = static_cast<Int>(kSmoothReach + off), above = static_cast<Int>(kSmoothReach - off);

@@ -1,5 +1,5 @@
-// Votes of a window's pixels on the disparity of the pixel in its middle: each says where its plane lies
-// there, with the more weight the more its colour is alike.
+// Votes of a window's pixels on the disparity of the pixel in its middle. Each pixel votes for the disparity
+// of its plane there; its weight grows with the similarity of its colour.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace hexrelief::step {
 
-// A window of votes: how far it reaches, in strides, and the stride in px. Near discontinuities the dark
-// pixels vote.
+// A window of votes: its radius in strides, the stride in px, and whether only dark pixels
+// vote, as near discontinuities.
 struct VoteReach {
     int radius, stride;
     bool dark_only;
@@ -24,13 +24,14 @@ struct VoteReach {
 inline constexpr VoteReach kNearVotes{6, 1, true}, kHoleVotes{4, 7, false};
 inline constexpr int kMostVotes = 85;
 static_assert(kNearVotes.votes() <= kMostVotes && kHoleVotes.votes() <= kMostVotes);
-inline constexpr int kOtherColor =
-    32;  // from this colour step on (largest difference of a channel) no weight
+// Voters from this colour step on (largest difference of a channel) have no weight.
+inline constexpr int kOtherColor = 32;
 
-inline constexpr std::uint8_t kMatchedWeight = 6;  // of a pixel as a voter, and of all in the second round
+// A matched pixel's weight as a voter; in the second round every pixel's.
+inline constexpr std::uint8_t kMatchedWeight = 6;
 
-// A step of more between neighbours is a discontinuity, near which votes are taken: up to kNear_px away along
-// both axes.
+// A larger step between neighbours is a discontinuity. Votes are taken up to kNear_px away from
+// it along both axes.
 inline constexpr int kDiscontinuity = 24;  // 1/16 px
 inline constexpr int kNear_px = 2;
 HEXRELIEF_HD bool discontinuous(int own, int other) {
@@ -38,14 +39,16 @@ HEXRELIEF_HD bool discontinuous(int own, int other) {
     return (own >= 0) & (other >= 0) & ((difference > kDiscontinuity) | (difference < -kDiscontinuity));
 }
 
-// By the distance in strides, along the farther axis: 16 exp(-(r/7)^2) and 16 exp(-(r/4)^2).
+// Returns a voter's weight by its distance `ring`, in strides along the farther axis: 16 exp(-(r/7)^2),
+// in holes 16 exp(-(r/4)^2).
 HEXRELIEF_HD std::uint16_t distance_weight(bool hole, int ring) {
     constexpr std::uint8_t kNear[kNearVotes.radius + 1] = {16, 16, 15, 13, 12, 10, 8};
     constexpr std::uint8_t kHole[kHoleVotes.radius + 1] = {16, 15, 12, 9, 6};
     return hole ? kHole[ring] : kNear[ring];
 }
 
-// How much alike two colours are, 0..64. In holes voters are far away, so a step counts for more there.
+// Returns the similarity of two colours, 0..64. hole_likeness() falls faster, because voters in
+// holes are far away.
 template <typename Weight, typename Step>
 HEXRELIEF_HD Weight near_likeness(Step color_step) {
     const auto below = static_cast<Step>(kOtherColor - (color_step > kOtherColor ? kOtherColor : color_step));
@@ -57,27 +60,29 @@ HEXRELIEF_HD Weight hole_likeness(Step color_step) {
     return static_cast<Weight>(static_cast<Weight>(likeness * likeness) >> 6);
 }
 
-// own: at most kMatchedWeight. At most 64 * 16 * 6 / 32, so that all votes' sum has 16 bits. 0 where the
-// voter is not known. Weight: std::uint16_t or unsigned.
+// Returns a vote's weight, at most 64 * 16 * 6 / 32, so that the sum of all votes fits into 16 bits; 0 if the
+// voter is not known. own: the voter's own weight, at most kMatchedWeight. Weight: std::uint16_t or unsigned.
 template <typename Weight>
 HEXRELIEF_HD Weight vote_weight(Weight likeness, Weight at_distance, Weight own, bool known) {
     const auto weight = static_cast<Weight>(static_cast<Weight>(likeness * at_distance) * own);
     return known ? static_cast<Weight>(weight >> 5) : Weight{0};
 }
 
-// What a voter (dx, dy) px away says.
+// Returns the disparity that a voter (dx, dy) px away votes for.
 template <typename Int>
 HEXRELIEF_HD Int vote(Int voter, Int slope_x, Int slope_y, Int dx, Int dy) {
     const auto disparity = static_cast<Int>(voter - plane_offset<Int>(slope_x, slope_y, dx, dy));
     return disparity > 0 ? disparity : Int{0};
 }
 
-// Narrows lo..hi, where the weighted median lies: the least disparity up to which votes have half the weight.
-// up_to_middle: the weight of votes up to middle(lo, hi).
+// The search for the weighted median, the least disparity up to which votes have half the weight:
+// it lies in lo..hi.
+// Returns the middle of lo..hi.
 template <typename Int>
 HEXRELIEF_HD Int middle(Int lo, Int hi) {
     return static_cast<Int>(lo + ((hi - lo) >> 1));
 }
+// Halves lo..hi. up_to_middle is the weight of the votes up to middle(lo, hi).
 template <typename Weight, typename Int>
 HEXRELIEF_HD void narrow(Weight up_to_middle, Weight total, Int& lo, Int& hi) {
     const Int mid = middle(lo, hi);

@@ -1,4 +1,4 @@
-// What a pixel weighs as a voter in the first round of votes.
+// The weight of a pixel as a voter in the first round of votes.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace hexrelief::step {
 
-// Filled pixels have little weight, as those of one colour were filled alike and would vote for themselves;
-// more if the right picture has their colours where their disparity leads. Beyond its left edge there may be
-// no others.
+// Filled pixels have little weight, because those of one colour were filled alike and would vote for
+// themselves. They have more if the right picture has their colours at their match, and beyond its left edge,
+// where there may be no other voters.
 inline constexpr std::uint8_t kFilledWeight = 1, kBeyondEdgeWeight = 3, kAlikeWeight = 4;
-inline constexpr int kAlike = 9 * 15;  // the largest difference of such colours, a sum over 3x3 pixels
+inline constexpr int kAlike = 9 * 15;  // largest difference of similar colours, a sum over 3x3 pixels
 
-// Whether the right camera may see the pixel where its disparity leads.
+// True if the right camera may see the pixel at its match.
 HEXRELIEF_HD bool may_be_seen(const RowSite& site, int disparity) {
     if (disparity < 0 || !is_in_right(site.x, site.width, site.min_px, disparity)) return false;
     const std::int32_t nearest = site.nearest_seen[matching_column(site.x, site.min_px, disparity)];
     return !hides(nearest, disparity) && !is_hidden(nearest, disparity);
 }
 
-// difference(): of the colours of 3x3 pixels around it and of those that the right picture has there, in
-// colour: levels of grey are alike too often.
+// Returns a filled pixel's weight. difference(): difference of colours between the 3x3 pixels around it and
+// those around its match; used only in colour, because levels of grey are too often alike.
 template <typename Difference>
 HEXRELIEF_HD std::uint8_t filled_weight(const RowSite& site, int disparity, bool in_color,
                                         const Difference& difference) {

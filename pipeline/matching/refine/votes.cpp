@@ -10,9 +10,9 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLanes = 32;  // neighbouring pixels whose medians are taken at once
+constexpr int kLanes = 32;  // number of adjacent pixels whose medians are computed at once
 
-// Of one kind of window.
+// The input for one kind of window.
 struct VoteViews {
     bool hole;
     ColorView colors;
@@ -27,11 +27,11 @@ struct Ballot {
     alignas(64) std::int16_t disparities[step::kMostVotes][kLanes];
     alignas(64) std::uint16_t weights[step::kMostVotes][kLanes];
     alignas(64) std::uint16_t total[kLanes] = {};
-    alignas(64) std::int16_t lo[kLanes], hi[kLanes];  // of the disparities that have a weight
+    alignas(64) std::int16_t lo[kLanes], hi[kLanes];  // least and largest disparity with a weight
     int votes = 0;
 };
 
-// One voter a pixel, (dx, dy) px away.
+// Adds the vote of one voter for each pixel, the one (dx, dy) px away.
 HEXRELIEF_INLINED void cast_votes(const VoteViews& in, int x0, int y, int dx, int dy,
                                   std::uint16_t at_distance, Ballot& ballot) {
     const std::int16_t* voters = in.map.row(y + dy) + x0 + dx;
@@ -73,7 +73,7 @@ HEXRELIEF_INLINED void cast_votes(const VoteViews& in, int x0, int y, int dx, in
     }
 }
 
-// Leaves the medians in lo.
+// Narrows lo and hi to the medians.
 HEXRELIEF_INLINED void find_medians(Ballot& ballot) {
     for (;;) {
         alignas(64) std::uint16_t sum[kLanes] = {};
@@ -96,7 +96,7 @@ HEXRELIEF_INLINED void find_medians(Ballot& ballot) {
     }
 }
 
-// The medians of pixels (x0 .. x0 + kLanes - 1, y); some may lie in the border.
+// Returns the medians of the pixels (x0 .. x0 + kLanes - 1, y), of which some may lie in the border.
 HEXRELIEF_SMALL_VECTORS void vote_on_run(const VoteViews& in, int x0, int y,
                                          std::int16_t* __restrict medians) {
     const step::VoteReach reach = in.hole ? step::kHoleVotes : step::kNearVotes;

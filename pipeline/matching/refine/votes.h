@@ -1,4 +1,4 @@
-// Weighted medians that line discontinuities up with the picture's colours.
+// Weighted medians that align discontinuities with the picture's colours.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -7,7 +7,7 @@
 
 namespace hexrelief {
 
-// Which window a pixel's median is taken over.
+// The window that a pixel's median is taken over.
 enum class VoteWindow : std::uint8_t { none, near, hole };
 
 struct VoteInput {
@@ -16,14 +16,14 @@ struct VoteInput {
     const ColorPlanes& colors;
     const ColorPlanes& hole_colors;  // blurred, for windows `hole`
     const Raster<std::int32_t>& nearest_seen;
-    const Raster<std::uint8_t>& weights;  // of pixels as voters, 0..6
+    const Raster<std::uint8_t>& weights;  // weights of pixels as voters, 0..6
     int min_px;
 };
 
-// Pixels within 2 px (along both axes) of a step of more than 1.5 px between neighbours.
+// Selects the pixels within 2 px (along both axes) of a step of more than 1.5 px between neighbours.
 Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& pool);
 
-// The map with the weighted medians of those pixels that have a window. Votes for surfaces that would hide
+// Returns the map with weighted medians at the pixels that have a window. Votes for surfaces that would hide
 // what the right camera sees are not counted.
 Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windows, ThreadPool& pool);
 

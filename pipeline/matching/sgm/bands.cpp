@@ -8,7 +8,7 @@ namespace hexrelief {
 
 int band_rows(int width, int height) {
     const std::size_t row_bytes = kEntry_bytes * static_cast<std::size_t>(width) * kWholeRange;
-    // even: two rows by two have the same windows
+    // Even, because pairs of rows have the same windows.
     const auto rows =
         static_cast<int>(std::min<std::size_t>(kLargestVolume_bytes / row_bytes, 1u << 30)) / 2 * 2;
     return std::min(height, std::max(rows, 2 * kBandMargin + 16));

@@ -1,4 +1,4 @@
-// Bands of rows, in which a picture is matched whose volume would be too large.
+// Row bands for pictures whose cost volume exceeds kLargestVolume_bytes.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,9 @@
 
 namespace hexrelief {
 
-// A picture with a larger volume than this, in bytes of ranges that are searched wholly, is matched in bands
-// of rows, each with kBandMargin rows more on both sides, from which the vertical paths start.
+// A picture whose volume, counted with kWholeRange disparities per pixel, exceeds this number of
+// bytes is matched in bands of rows. Each band has kBandMargin more rows above and below, in which
+// the vertical paths start.
 inline constexpr std::size_t kLargestVolume_bytes = std::size_t{1980} << 20;
 inline constexpr int kBandMargin = 64;
 
@@ -17,15 +18,15 @@ struct Rows {
     int first, end;
     HEXRELIEF_HD int count() const { return end - first; }
 };
-// `rows` are matched: those kept, and the margins.
+// A band: the rows that are matched, margins included, and those whose result is kept.
 struct Band {
     Rows rows, kept;
 };
 
-// Rows that a band may have, its margins included.
+// Returns the largest number of rows of a band, its margins included.
 int band_rows(int width, int height);
 
-// From above; the same for CPU and CUDA, so that their bytes are.
+// Returns the bands, top to bottom. CPU and CUDA use the same bands, so their results are identical.
 std::vector<Band> bands_of(int width, int height);
 
 }  // namespace hexrelief

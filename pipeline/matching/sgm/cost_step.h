@@ -1,4 +1,4 @@
-// How badly two pixels match (recipe: census and truncated colour difference).
+// The matching cost of two pixels: census and truncated colour difference.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace hexrelief::step {
 
-// The census transform of a 9x7 window (Zabih & Woodfill 1994): for each pixel but the centre a bit that says
-// whether it is darker than the centre. Only how many bits differ counts, so each backend has an order of its
-// own.
+// The census transform of a 9x7 window (Zabih & Woodfill 1994): for each pixel except the centre a bit that
+// says whether it is darker than the centre. Only the number of different bits counts, so each backend may
+// order the bits as it likes.
 inline constexpr int kCensusRadiusX = 4, kCensusRadiusY = 3, kCensusBits = 62;
 inline constexpr int kCensusWeight = 3;
 inline constexpr std::uint8_t kColorCut = 40;  // a channel's difference counts up to this
@@ -20,18 +20,20 @@ HEXRELIEF_HD std::uint8_t cut_difference(std::uint8_t a, std::uint8_t b) {
     return difference < kColorCut ? difference : kColorCut;
 }
 
-// hamming: 0..62; differences: the sum over three channels, or the one of a grey pair, each cut. 0..206.
+// Returns a cost, 0..206. hamming: 0..62. differences: sum over three channels, or the one of a
+// grey pair, each truncated.
 HEXRELIEF_HD std::uint8_t matching_cost(std::uint8_t hamming, std::uint8_t differences, int channels) {
     return static_cast<std::uint8_t>(kCensusWeight * hamming + (differences >> (channels == 3 ? 3 : 1)));
 }
 
-// The same for two costs at once: 16-bit numbers side by side in a word.
+// As matching_cost(), for two costs at once: 16-bit numbers side by side in a word.
 HEXRELIEF_HD std::uint32_t matching_costs_of_pair(std::uint32_t hamming, std::uint32_t differences,
                                                   int channels) {
     const int shift = channels == 3 ? 3 : 1;
     return (((kCensusWeight << shift) * hamming + differences) >> shift) & 0x00ff00ffu;
 }
-// The sums of a pixel's cut differences from two others, whose three channels are the lower bytes of words.
+// Returns the sums of truncated differences between a pixel and two others, side by side in a word. The three
+// channels of each pixel are the lower bytes of a word.
 HEXRELIEF_HD std::uint32_t cut_differences_of_pair(std::uint32_t own, std::uint32_t low, std::uint32_t high,
                                                    int channels) {
     std::uint32_t sums = 0;

@@ -10,7 +10,8 @@ namespace {
 
 using Byte = std::uint8_t;
 
-// The census of a row in eight planes of a byte a pixel: that many pixels' bits are compared at once.
+// The census of a row is stored in eight planes with a byte per pixel, so that many pixels
+// are compared at once.
 constexpr int kPlanes = 8;
 
 HEXRELIEF_SMALL_VECTORS void census_row(RasterView<const Byte> grey, int y, Byte* __restrict planes) {
@@ -29,7 +30,7 @@ HEXRELIEF_SMALL_VECTORS void census_row(RasterView<const Byte> grey, int y, Byte
         }
 }
 
-// Bits of equal weight added without carries: three bytes' bits become a sum and a carry.
+// The sum of three bits of equal weight, for each bit of a byte: a sum bit and a carry bit.
 struct BitSum {
     Byte sum, carry;
 };
@@ -37,7 +38,7 @@ HEXRELIEF_INLINED BitSum add_bits(Byte a, Byte b, Byte c) {
     const Byte either = a ^ b;
     return {static_cast<Byte>(either ^ c), static_cast<Byte>((a & b) | (either & c))};
 }
-// The set bits of both, those of `twos` counted twice: at most 24.
+// Returns the number of set bits in `ones` plus twice that in `twos`: at most 24.
 HEXRELIEF_INLINED Byte set_bits(Byte ones, Byte twos) {
     ones = static_cast<Byte>(ones - ((ones >> 1) & 0x55));
     twos = static_cast<Byte>(twos - ((twos >> 1) & 0x55));
@@ -48,22 +49,22 @@ HEXRELIEF_INLINED Byte set_bits(Byte ones, Byte twos) {
 }
 
 struct CostRowView {
-    const Byte *left_census, *right_census;  // the right one mirrored, as all of the right picture is
+    const Byte *left_census, *right_census;  // the right one mirrored, as the whole right picture is
     const Byte* right_colors;
-    std::size_t right_stride;  // from plane to plane
+    std::size_t right_stride;  // distance between planes
     ColorView left;
     const SearchWindow* windows;
     int y, width;
     DisparityRange range;
 };
 
-// A pixel of the left picture.
+// The bytes of one pixel of the left picture.
 struct OwnBytes {
     Byte census[kPlanes], colors[3];
 };
 
-// Of a run: the census' Hamming distances. right: the pixel at the first disparity; the next ones lie at
-// larger ones.
+// Computes the census' Hamming distances of a run. `right` points to the right pixel at the first disparity;
+// the following pixels belong to larger disparities.
 template <int kRun>
 HEXRELIEF_INLINED void hamming_distances(const OwnBytes& own, const Byte* __restrict right,
                                          std::size_t stride, Byte* __restrict out) {

@@ -8,12 +8,12 @@
 
 namespace hexrelief {
 
-// Computes one row at a time; keeps the scratch memory that this takes, so one a thread.
+// Computes the costs of one row at a time. Holds scratch memory, so each thread needs its own object.
 class CostRows {
   public:
     CostRows(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
              WindowView windows);
-    // costs: of a row of a MatchingVolume. A match outside of the right picture is compared
+    // Computes row y of a MatchingVolume. A pixel whose match lies outside of the right picture is compared
     // with the pixel at its edge.
     void compute(int y, std::uint8_t* costs);
 

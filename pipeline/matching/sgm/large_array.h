@@ -1,5 +1,5 @@
-// An array of hundreds of megabytes, not initialised, on large pages where the system has them: touching a
-// new page of 4 KiB costs more than matching the 1,365 entries that it holds.
+// An uninitialised array of hundreds of megabytes, on large pages if the system has them: touching a new page
+// of 4 KiB costs more than matching the 1,365 entries that it holds.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class LargeArray {
         values_.reset(static_cast<T*>(std::aligned_alloc(kPage, bytes)));
         if (!values_) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-        madvise(values_.get(), bytes, MADV_HUGEPAGE);  // a wish; nothing is lost where it is refused
+        madvise(values_.get(), bytes, MADV_HUGEPAGE);  // a hint; nothing is lost if it is refused
 #endif
     }
     T* data() {

@@ -1,4 +1,4 @@
-// One step of a path of semi-global matching (Hirschmueller 2008, eq. 13), and of its penalties.
+// One step of a path of semi-global matching (Hirschmueller 2008, eq. 13), and its penalties.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,19 @@ struct PathPenalties {
 
     bool operator==(const PathPenalties&) const = default;
 };
-inline constexpr int kFullColorStep = 25;  // from here on a step costs hardly more than one of 1 px
+inline constexpr int kFullColorStep = 25;  // from this colour step on, a large step costs only p1 + 1
 
-// A large step is the cheaper the more the colour changes there (the largest difference of a channel).
+// Returns the penalty of a large step, which falls with the colour step there (the largest
+// difference of a channel).
 HEXRELIEF_HD std::uint16_t large_step_penalty(const PathPenalties& penalties, int color_step) {
     const int least = penalties.p1 + 1;
     const int falling = penalties.p2 - (penalties.p2 - least) * color_step / kFullColorStep;
     return static_cast<std::uint16_t>(falling > least ? falling : least);
 }
 
-// The cost of a path that ends here at one disparity. before: the path's costs at the pixel before, at this
-// disparity; lower and upper: beside it; least: the least of all. Below cost + p2 everywhere.
+// Returns the cost of a path that ends here at one disparity, at most cost + p2. before: the path's
+// cost at the previous pixel at this disparity; lower and upper: at the disparities beside it; least:
+// the least of all.
 HEXRELIEF_HD std::uint16_t path_cost(std::uint16_t before, std::uint16_t lower, std::uint16_t upper,
                                      std::uint16_t least, std::uint16_t p1, std::uint16_t p2,
                                      std::uint8_t cost) {
@@ -34,11 +36,11 @@ HEXRELIEF_HD std::uint16_t path_cost(std::uint16_t before, std::uint16_t lower, 
     best = best < small_step ? best : small_step;
     return static_cast<std::uint16_t>(best - least + cost);
 }
-// Stands for the disparities beside the range: no path comes from there.
+// The cost of the disparities beside the range: no path comes from there.
 inline constexpr std::uint16_t kNoPath = 30000;
 
-// The same for two disparities at once: 16-bit numbers side by side in a word. These costs are p1 larger, so
-// that none is below p1, and no sum or difference leaves its half.
+// The functions below compute two disparities at once, as 16-bit numbers side by side in a word. Their costs
+// are stored increased by p1, so that none is below p1 and no sum or difference leaves its half of the word.
 HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b) {
 #ifdef __CUDA_ARCH__
     return __vminu2(a, b);
@@ -58,15 +60,15 @@ HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b, std::u
 HEXRELIEF_HD std::uint32_t pair_of(std::uint32_t value) {
     return value | value << 16;
 }
-// 0 < p1 < 2^16, and 2^16 less it.
+// A pair of p1, 0 < p1 < 2^16, and a pair of 2^16 - p1.
 struct PairPenalty {
     std::uint32_t p1, minus_p1;
 };
 HEXRELIEF_HD PairPenalty pair_penalty(int p1) {
     return {pair_of(static_cast<std::uint32_t>(p1)), pair_of(0x10000u - static_cast<std::uint32_t>(p1))};
 }
-// What all disparities of a pixel share: p1, what a large step costs in the end, less p1, and what is added
-// to the cheapest way. All as pairs; least is p1 larger as well.
+// The terms that all disparities of a pixel share, as pairs: p1; the cost after a large step, less p1; and
+// the number that is added to the cheapest path. `least` is increased by p1 as well.
 struct PairSteps {
     PairPenalty small_step;
     std::uint32_t large_step, added;
@@ -74,6 +76,7 @@ struct PairSteps {
 HEXRELIEF_HD PairSteps pair_steps(std::uint32_t least, const PairPenalty& small_step, std::uint32_t p2) {
     return {small_step, least + p2 - small_step.p1, 2 * small_step.p1 - least};
 }
+// As path_cost(), for two disparities at once.
 HEXRELIEF_HD std::uint32_t path_costs_of_pair(std::uint32_t before, std::uint32_t lower, std::uint32_t upper,
                                               const PairSteps& steps, std::uint32_t costs) {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
@@ -84,7 +87,8 @@ HEXRELIEF_HD std::uint32_t path_costs_of_pair(std::uint32_t before, std::uint32_
     return min_of_pairs(lower, upper, stay) + steps.added + costs;
 }
 
-// The parabola's vertex through the costs at three neighbouring disparities, in 1/16 px from the middle one.
+// Returns the vertex of the parabola through the costs at three neighbouring disparities, in 1/16 px
+// from the middle one.
 HEXRELIEF_HD int parabola_vertex(int lower, int middle, int upper) {
     const int curvature = lower + upper - 2 * middle, difference = lower - upper;
     if (curvature <= 0) return 0;
@@ -92,7 +96,8 @@ HEXRELIEF_HD int parabola_vertex(int lower, int middle, int upper) {
     return (8 * difference + (difference > 0 ? half : -half)) / curvature;
 }
 
-// Orders disparities by their sum of path costs, ties by the smaller disparity. disparity < 2^16.
+// Returns a key that orders disparities by their sum of path costs; equal sums by the smaller
+// disparity. disparity < 2^16.
 HEXRELIEF_HD std::uint32_t winner_key(std::uint16_t sum, std::uint32_t disparity) {
     return static_cast<std::uint32_t>(sum) << 16 | disparity;
 }

@@ -14,10 +14,10 @@ namespace hexrelief {
 namespace {
 
 using Cost = std::uint16_t;
-using PenaltyTable = std::array<Cost, 256>;  // of large steps, by the colour's step
+using PenaltyTable = std::array<Cost, 256>;  // penalties of large steps, indexed by the colour step
 
-// The costs of paths at the pixels before and here, side by side for several paths: an entry for each
-// disparity of the range, kNoPath where the pixel's window has none, so that windows may differ.
+// The costs of several paths at their previous and current pixels, side by side: one entry per disparity of
+// the range, kNoPath where the pixel's window has none, so that windows may differ from pixel to pixel.
 class PathCosts {
   public:
     PathCosts(int paths, int count)
@@ -27,7 +27,7 @@ class PathCosts {
           least_(2 * paths_),
           windows_(2 * paths_, kWholeWindow) {}
 
-    // Moves to a pixel with this window, at which the path has no costs yet.
+    // Moves to a pixel with this window, whose costs are not set yet.
     template <int kRun>
     void enter(int path, int parity, SearchWindow window) {
         Cost* const costs = at(path, parity);
@@ -36,7 +36,7 @@ class PathCosts {
             std::fill_n(costs + first, kRun, step::kNoPath);
         before = window;
     }
-    // A path that begins costs nothing before.
+    // Begins a path: its costs before the first pixel are 0.
     template <int kRun>
     void begin(int path, int parity, SearchWindow window) {
         enter<kRun>(path, parity, window);
@@ -44,7 +44,7 @@ class PathCosts {
             std::fill_n(at(path, parity) + first, kRun, Cost{0});
         least(path, parity) = 0;
     }
-    // costs: those of both runs.
+    // Sets a path's costs; `costs` holds both runs.
     template <int kRun>
     void load(int path, int parity, SearchWindow window, const Cost* costs) {
         enter<kRun>(path, parity, window);
@@ -58,7 +58,7 @@ class PathCosts {
         std::copy_n(at(path, parity) + window.far_run, kRun, costs);
         std::copy_n(at(path, parity) + window.near_run, kRun, costs + kRun);
     }
-    // Of disparity 0; one more may be read on both sides of the range.
+    // Returns the cost of disparity 0. One entry beyond the range may be read on both sides.
     Cost* at(int path, int parity) { return values_.data() + index(path, parity) * stride_ + kPad; }
     Cost& least(int path, int parity) { return least_[index(path, parity)]; }
 
@@ -74,8 +74,8 @@ class PathCosts {
 
 enum class Sums { none, set, add };
 
-// A run of one pixel of a path: from its costs at the pixel before to those here, which go into the sums.
-// Returns the least of them.
+// Advances one run of a path from the previous pixel's costs to the current ones, which are put into the
+// sums. Returns the least of them.
 template <int kRun, Sums kSums>
 HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, Cost least,
                                    const std::uint8_t* __restrict costs, Cost p1, Cost p2,
@@ -104,7 +104,7 @@ HEXRELIEF_INLINED void advance(PathCosts& paths, int path, int here, SearchWindo
     paths.least(path, here) = std::min(best_far, best_near);
 }
 
-// p2[x]: of a large step between pixels x - 1 and x.
+// A row of the volume. p2[x] is the penalty of a large step between pixels x - 1 and x.
 struct PathRowView {
     const std::uint8_t* costs;
     const SearchWindow* windows;
@@ -145,7 +145,8 @@ int color_step(const ColorView& colors, int x, int y, int other_x, int other_y) 
 }
 
 enum class Direction { down, up };
-// before: the paths' costs at the row that they come from; last, if any: at the volume's last row for them.
+// A strip of columns. before: the paths' costs at the row that they come from. last: receives those at the
+// last row of the volume; may be null.
 struct Columns {
     int first, end;
     Direction direction;
@@ -207,8 +208,8 @@ void for_each_row_of(const MatchingVolume& volume, ThreadPool& pool, const Scrat
     });
 }
 
-// Runs body(paths, first, end) for strips of as many columns as their paths' costs stay in the first-level
-// cache.
+// Runs body(paths, first, end) for strips of columns that are narrow enough for their paths' costs to stay
+// in the first-level cache.
 template <typename Body>
 void for_each_strip(const MatchingVolume& volume, int count, ThreadPool& pool, const Body& body) {
     constexpr int strip = 32;

@@ -10,7 +10,7 @@
 
 namespace hexrelief {
 
-// What is matched: two pictures of one size and as many channels.
+// The input of matching: two pictures of one size with equal numbers of channels.
 struct MatchingInput {
     const ColorPlanes &left, &right;
     DisparityRange range;
@@ -18,18 +18,18 @@ struct MatchingInput {
     step::PathPenalties penalties;
 };
 
-// The costs of vertical paths at the pixels of row y, as those of a row of a MatchingVolume.
+// The costs of vertical paths at the pixels of row y, in the layout of a row of a MatchingVolume.
 struct PathRow {
     std::uint16_t* costs;
     int y;
 };
 
-// Such rows, where paths come from outside of a volume.
+// Rows at which vertical paths enter a volume from outside.
 class PathRows {
   public:
-    PathRows(int rows, std::size_t row_entries);  // not initialised
+    PathRows(int rows, std::size_t row_entries);  // costs are not initialised
     PathRow& row(int index) { return rows_[static_cast<std::size_t>(index)]; }
-    // Paths that begin at row y: before it they cost nothing, in the windows of its pixels.
+    // Sets the row to paths that begin at row y: their costs before it are 0, in the windows of its pixels.
     void begin(int index, int y);
 
   private:
@@ -39,12 +39,13 @@ class PathRows {
 };
 
 // Sets the volume's costs, and its sums to the sum of the four paths' costs. above: paths from above at the
-// row before the volume's first. below: paths from below at the row after its last, replaced by those at its
-// first.
+// row before the volume's first row. below: paths from below at the row after its last row, replaced by those
+// at its first row.
 void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below, MatchingVolume& volume,
                ThreadPool& pool);
 
-// Follows the paths from above through the volume, to those at its last row. Sets its costs, no sums.
+// Follows the paths from above through the volume, and sets `last` to those at its last row. Sets the
+// volume's costs but not its sums.
 void descend(const MatchingInput& input, const PathRow& above, PathRow& last, MatchingVolume& volume,
              ThreadPool& pool);
 

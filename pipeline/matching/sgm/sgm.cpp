@@ -9,8 +9,9 @@
 namespace hexrelief {
 namespace {
 
-// Rows of a block: as many as fit into block_bytes, or so many that a block takes as much memory as what is
-// kept between the blocks, or two a thread where those fit into kLargestVolume_bytes.
+// Returns the number of rows of a block: as many as fit into block_bytes; or, if more, so many
+// that a block takes as much memory as the costs kept between the blocks; or two per thread if
+// these fit into kLargestVolume_bytes.
 int block_rows(std::size_t row_entries, const Rows& band, std::size_t block_bytes, int threads) {
     const auto rows_in = [&](std::size_t bytes) {
         return static_cast<int>(
@@ -21,8 +22,9 @@ int block_rows(std::size_t row_entries, const Rows& band, std::size_t block_byte
     return std::min(band.count(), std::max({rows_in(block_bytes), balanced, busy, 1}));
 }
 
-// The band's volume is never kept as a whole. On the way down only the vertical paths are followed, and their
-// costs kept above each block of rows; on the way up each block's volume is computed from there.
+// Matches a band without ever holding its whole volume. On the way down only the vertical paths
+// are followed, and their costs are kept above each block of rows; on the way up each block's
+// volume is computed from these.
 void match_band(const MatchingInput& input, const Band& matched, std::size_t block_bytes,
                 ViewDisparities& views, ThreadPool& pool) {
     const int width = input.left.width(), run = run_length(input.range);

@@ -10,10 +10,11 @@
 
 namespace hexrelief {
 
-// The volume that the CPU keeps at once, in bytes; smaller than a cache shared by the cores.
+// Bytes of the volume that the CPU holds at once; smaller than a cache shared by the cores.
 inline constexpr std::size_t kBlock_bytes = std::size_t{32} << 20;
 
-// Winners of both views, band by band. range.count: 1..1920. block_bytes changes no bit of them.
+// Finds the winners of both views, band by band. range.count is 1..1920. The result does
+// not depend on block_bytes.
 ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
                             WindowView windows, const step::PathPenalties& penalties, ThreadPool& pool,
                             std::size_t block_bytes = kBlock_bytes);

@@ -1,4 +1,4 @@
-// What semi-global matching keeps for each pixel and disparity.
+// The data that semi-global matching keeps for each pixel and disparity.
 #pragma once
 
 #include <cstddef>
@@ -13,24 +13,24 @@ namespace hexrelief {
 // The disparities searched: left(x, y) = right(x - d, y) for min_px <= d < min_px + count.
 struct DisparityRange {
     int min_px = 0;
-    int count = 0;  // 1..1920, so that 16 bits hold 1/16 px on planes that go beyond
+    int count = 0;  // 1..1920, so that 16 bits hold 1/16 px, also on planes that go beyond the range
 
     bool operator==(const DisparityRange&) const = default;
 };
 
-// Of the pair at half its size: the same disparities, which are half as many px there.
+// Returns the range for the pair at half its size: the same disparities, which are half as many px there.
 inline DisparityRange at_half_size(const DisparityRange& range) {
     const int min_px = range.min_px >> 1, last_px = (range.min_px + range.count) >> 1;
     return {min_px, last_px - min_px + 1};
 }
 
-// At each pixel two runs of disparities are searched: those from far_run on and those from near_run on, which
-// lies at least a run's length above. All are those above range.min_px; what lies beyond the range has the
-// cost kBeyondRange and never wins.
+// The two runs of disparities that are searched at a pixel: from far_run on and from near_run on, which is at
+// least a run's length above far_run. Both count from range.min_px. Entries beyond the range have the cost
+// kBeyondRange and never win.
 struct alignas(4) SearchWindow {
     std::int16_t far_run, near_run;
 };
-// A range of up to kWholeRange is searched wholly, in two long runs; of a larger one, two short runs.
+// A range of up to kWholeRange is searched completely, in two long runs; a larger one in two short runs.
 inline constexpr int kLongRun = 32, kShortRun = 16, kWholeRange = 2 * kLongRun;
 inline constexpr SearchWindow kWholeWindow{0, kLongRun};
 HEXRELIEF_HD constexpr bool is_searched_wholly(const DisparityRange& range) {
@@ -43,8 +43,8 @@ inline constexpr std::uint8_t kBeyondRange = 255;
 using SearchWindows = Raster<SearchWindow>;
 using WindowView = RasterView<const SearchWindow>;
 
-// Rows first_row .. first_row + rows - 1 of the picture, for each pixel the entries of its far and of its
-// near run.
+// The costs of the picture's rows first_row .. first_row + rows - 1. Each pixel has the entries of its far
+// run, followed by those of its near run.
 inline constexpr std::size_t kEntry_bytes = sizeof(std::uint8_t) + sizeof(std::uint16_t);
 struct MatchingVolume {
     MatchingVolume(int width_px, int first, int row_count, int run_length)
@@ -56,9 +56,9 @@ struct MatchingVolume {
           sums(entries()) {}
 
     int width, first_row, rows;
-    int searched;  // disparities of each pixel
+    int searched;  // number of disparities of each pixel
     LargeArray<std::uint8_t> costs;
-    LargeArray<std::uint16_t> sums;  // of the costs of the paths that end there
+    LargeArray<std::uint16_t> sums;  // sums of the costs of the paths that end at each entry
 
     std::size_t entries() const { return static_cast<std::size_t>(width) * rows * searched; }
     std::size_t at(int x, int y) const {

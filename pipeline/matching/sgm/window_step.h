@@ -1,5 +1,5 @@
-// Which disparities of a pixel are searched, by the match of the pair at half size (coarse to fine, as
-// Rothermel et al. 2012 do for SGM).
+// Chooses which disparities of a pixel are searched, from the match of the pair at half size (coarse to fine,
+// as Rothermel et al. 2012 do for SGM).
 #pragma once
 
 #include "mesher/common/host_device.h"
@@ -8,21 +8,22 @@
 
 namespace hexrelief::step {
 
-// Runs begin at multiples of this: at a pixel few paths have to move their costs.
+// Runs begin at multiples of this, so that paths have to move their costs at few pixels.
 inline constexpr int kRunAlignment = 4;
-inline constexpr int kHalfSizeReach_px = 2;  // neighbours at half size whose disparities are searched
-inline constexpr int kWindowMargin_px = 6;   // and so much beside them, where one window holds them all
+// Radius of the neighbourhood at half size whose disparities are searched.
+inline constexpr int kHalfSizeReach_px = 2;
+inline constexpr int kWindowMargin_px = 6;  // margin beside these disparities, if one window holds them all
 
-// The run in whose middle half this disparity lies.
+// Returns the start of the run in whose middle half this disparity lies.
 HEXRELIEF_HD int run_around(int disparity) {
     return (disparity - kShortRun / 2 + kRunAlignment / 2) & -kRunAlignment;
 }
 
-// Of the pixels that (x, y) at half size covers.
-// half: the left view's winners at half size, in 1/16 px above half_min_px, known at all pixels of the
-// picture. Not for a range that is searched wholly. Where the neighbours' disparities lie near each other,
-// the runs follow each other around their middle; else two surfaces meet there: one run is around the pixel's
-// own disparity, the other one around the neighbours' that is the most different.
+// Returns the window of the pixels that (x, y) at half size covers; not for a range that is searched
+// completely. half: the left view's winners at half size, in 1/16 px above half_min_px, known at all pixels
+// of the picture. If the neighbours' disparities are close together, the two runs are adjacent around their
+// middle. Else two surfaces meet there: one run is around the pixel's own disparity, the other around the
+// neighbours' most different one.
 HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const DisparityRange& range, int x,
                                       int y) {
     const std::int16_t* const at = &half.at(x, y);
@@ -58,7 +59,7 @@ HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const
     return {static_cast<std::int16_t>(far_run), static_cast<std::int16_t>(near_run)};
 }
 
-// Entry of a disparity in the pixel's arrays, or -1 where it is not searched.
+// Returns the index of a disparity among the pixel's entries, or -1 if it is not searched.
 HEXRELIEF_HD int entry_of(const SearchWindow& window, int disparity, const DisparityRange& range) {
     const int run = run_length(range);
     if (disparity < 0 || disparity >= range.count) return -1;

@@ -1,4 +1,4 @@
-// Which disparities of each pixel are searched.
+// Chooses the disparities that are searched at each pixel.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -6,8 +6,8 @@
 
 namespace hexrelief {
 
-// From the left view's winners at half size (see step::find_window()); the whole window where the range
-// is searched wholly, without reading half.
+// Returns the windows, from the left view's winners at half size (see step::find_window()). If the range is
+// searched completely, all windows are kWholeWindow and `half` is not read.
 SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
                            ThreadPool& pool);
 

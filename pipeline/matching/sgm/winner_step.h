@@ -1,4 +1,4 @@
-// From the best disparity of a pixel to one between those searched.
+// Sub-pixel refinement of a pixel's best disparity.
 #pragma once
 
 #include "mesher/common/host_device.h"
@@ -7,7 +7,8 @@
 
 namespace hexrelief::step {
 
-// In 1/16 px. lower, middle, upper: the costs at disparity - 1, at it, and at disparity + 1.
+// Returns a disparity in 1/16 px. lower, middle, upper: the costs at disparity - 1, disparity
+// and disparity + 1.
 HEXRELIEF_HD int refined_winner(int disparity, int lower, int middle, int upper) {
     return kOnePixel * disparity + parabola_vertex(lower, middle, upper);
 }

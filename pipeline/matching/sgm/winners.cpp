@@ -11,8 +11,8 @@
 namespace hexrelief {
 namespace {
 
-// Of one run, whose first disparity this is and of which so many are searched. right: the best yet of the
-// pixels that match at each. Returns the pixel's own best.
+// Returns the best key of a pixel's run, whose first disparity is `first` and of which `searched` entries are
+// in the range. Also updates `right`, the best keys so far of the right pixels that match at each disparity.
 HEXRELIEF_INLINED std::uint32_t best_of_run(const std::uint16_t* __restrict sums, int first, int searched,
                                             std::uint32_t* __restrict right) {
     std::uint32_t best = step::kNoWinner;
@@ -39,8 +39,8 @@ void find_winners_of_row(const MatchingInput& input, const MatchingVolume& volum
     const int width = volume.width, count = range.count, min_px = range.min_px;
     const DisparityOut left_view = views.left.view(), right_view = views.right.view();
     const SearchWindow* windows = input.windows.row(y);
-    // key: the winner at pixel x; before and behind: the pixels whose costs at the disparities beside it
-    // count.
+    // Refines the winner `key` of pixel x. The costs at the disparities beside it are those of the
+    // pixels `before` and `behind`.
     const auto refined = [&](std::uint32_t key, int before, int behind) {
         const int d = step::winner_disparity(key);
         const int lower = step::entry_of(windows[before], d - 1, range),
@@ -57,7 +57,7 @@ void find_winners_of_row(const MatchingInput& input, const MatchingVolume& volum
             best_of_pixel(volume.sums_at(x, y), windows[x], range, right.data() + (width - 1 - x));
         left_view.at(x, y) = refined(best, x, x);
     }
-    // right[i] is the best of the pixel that lies at width - 1 - min_px - i in the right picture.
+    // right[i] is the best key of the right picture's pixel at width - 1 - min_px - i.
     for (int i = 0; i < width + count; ++i) {
         const std::uint32_t best = right[static_cast<std::size_t>(i)];
         const int xr = width - 1 - min_px - i, x = width - 1 - i + step::winner_disparity(best);

@@ -8,9 +8,9 @@
 
 namespace hexrelief {
 
-// Sets rows first .. end - 1 of both views from the volume, which holds them. The right view's costs are the
-// left one's, at the pixels that match: left(x, d) = right(x - d, d).
-// Unknown in the right one where no window holds a match.
+// Sets rows first .. end - 1 of both views from the volume, which must contain them. The right view's
+// costs are the left view's at the matching pixels: left(x, d) = right(x - d, d). A right pixel that no
+// window matches is unknown.
 void find_winners(const MatchingInput& input, const MatchingVolume& volume, int first, int end,
                   ViewDisparities& views, ThreadPool& pool);
 

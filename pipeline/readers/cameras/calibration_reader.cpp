@@ -10,7 +10,8 @@
 namespace hexrelief {
 namespace {
 
-// Focal length and baseline above 0 and everything finite: else later stages divide by 0.
+// Refuses a focal length or baseline not above 0 and numbers that are not finite: later stages
+// would divide by 0.
 void check_possible(const codec::CalibrationText& source, const Calibration& calibration) {
     if (!(calibration.focal_px > 0) || !std::isfinite(calibration.focal_px)) {
         codec::refuse(source.path,

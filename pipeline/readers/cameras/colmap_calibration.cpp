@@ -1,4 +1,4 @@
-// COLMAP's cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] a line.
+// Parses COLMAP's cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] in each line.
 #include <algorithm>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
@@ -17,7 +17,7 @@ std::vector<Words> entries_of(std::string_view text) {
     return entries;
 }
 
-// A model's name: SIMPLE_RADIAL, OPENCV, THIN_PRISM_FISHEYE, ...
+// True for the name of a model: SIMPLE_RADIAL, OPENCV, THIN_PRISM_FISHEYE, ...
 bool is_model(std::string_view word) {
     return word.size() > 2 &&
            std::all_of(word.begin(), word.end(), [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; });

@@ -12,14 +12,15 @@
 namespace hexrelief {
 namespace {
 
-constexpr std::size_t kHead_bytes = 1u << 18;  // APP1 comes first, and holds at most 64 KiB
+constexpr std::size_t kHead_bytes = 1u << 18;  // APP1 comes first and has at most 64 KiB
 
 struct Release {
     void operator()(ExifData* data) const { exif_data_unref(data); }
 };
 using Exif = std::unique_ptr<ExifData, Release>;
 
-// A positive number under `tag`; 0 where there is none. `ifd` is where the standard has the tag.
+// Returns a positive number under `tag`; 0 if there is none. `ifd` is the directory in which the
+// standard has the tag.
 double number_of(const Exif& exif, ExifIfd ifd, ExifTag tag) {
     const ExifEntry* entry = exif_content_get_entry(exif->ifd[ifd], tag);
     if (!entry || !entry->data || entry->components < 1 || entry->size < exif_format_get_size(entry->format))
@@ -43,7 +44,7 @@ std::string text(const char* format, double first, double second = 0) {
     return buffer;
 }
 
-// Of the sensor, wide side; 0 where it is not told.
+// Returns the width of the sensor's wide side; 0 if unknown.
 double sensor_width_mm(const Exif& exif, double picture_px) {
     const double resolution = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_X_RESOLUTION);
     const double unit = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_RESOLUTION_UNIT);
@@ -70,7 +71,7 @@ std::optional<ExifFocal> read_exif_focal(const std::filesystem::path& path, int 
     } else if (const double sensor_mm = sensor_width_mm(exif, width); lens_mm > 0 && sensor_mm > 0) {
         focal = {lens_mm / sensor_mm * width, text("%g mm on a sensor of %.3g mm", lens_mm, sensor_mm)};
     }
-    // Beyond an angle of view of 170 or below 0.1 degrees the numbers are no lens's.
+    // Numbers that give an angle of view above 170 or below 0.1 degrees are not those of a lens.
     const double longest = std::max(width, height);
     if (!(focal.focal_px > 0.04 * longest) || !(focal.focal_px < 600 * longest)) return std::nullopt;
     return focal;

@@ -1,4 +1,4 @@
-// The focal length that a photograph's EXIF data tell.
+// Reads the focal length from a photograph's EXIF data.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,14 @@
 namespace hexrelief {
 
 struct ExifFocal {
-    double focal_px = 0;   // above 0, of the picture at the size given
-    std::string believed;  // "28 mm on 35 mm film"
+    double focal_px = 0;   // above 0, for the picture at the given size
+    std::string believed;  // the source of the value: "28 mm on 35 mm film"
 };
 
-// Of a JPEG file of width x height px, from FocalLengthIn35mmFilm, whose 36 x 24 mm have the picture's
-// diagonal angle of view, else from FocalLength and the sensor's FocalPlaneXResolution; both belong to the
-// whole picture as it was taken. nullopt where the file is no JPEG, or tells neither. Throws Error(input)
-// where it cannot be opened; damaged EXIF data count as none.
+// Returns the focal length of a JPEG file of width x height px: from FocalLengthIn35mmFilm, whose 36 x 24 mm
+// have the picture's diagonal angle of view, else from FocalLength and the sensor's FocalPlaneXResolution;
+// both refer to the whole picture as it was taken. Returns nullopt if the file is not a JPEG, has neither, or
+// has damaged EXIF data. Throws Error(input) if the file cannot be opened.
 std::optional<ExifFocal> read_exif_focal(const std::filesystem::path& path, int width, int height);
 
 }  // namespace hexrelief

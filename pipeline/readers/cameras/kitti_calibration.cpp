@@ -1,4 +1,4 @@
-// KITTI's calibration files: "P2: " and twelve numbers of a 3x4 projection matrix a line.
+// Parses KITTI's calibration files: "P2: " and the twelve numbers of a 3x4 projection matrix in each line.
 #include <functional>
 #include <map>
 
@@ -10,7 +10,7 @@ namespace {
 
 using Entries = std::map<std::string, std::string, std::less<>>;
 
-// "P2", "P_rect_02": the camera's digit; -1 for any other key
+// Returns the camera's digit in a key "P2" or "P_rect_02"; -1 for any other key.
 int camera_of(std::string_view key) {
     for (std::string_view prefix : {"P_rect_0", "P"}) {
         if (key.starts_with(prefix) && key.size() == prefix.size() + 1 && key.back() >= '0' &&
@@ -21,7 +21,8 @@ int camera_of(std::string_view key) {
     return -1;
 }
 
-// The camera's matrices alone are kept; a file has rotations, times and lidar poses besides.
+// Returns only the entries of the cameras' matrices and sizes; a file also has rotations,
+// times and lidar poses.
 Entries read_entries(const CalibrationText& source) {
     Entries entries;
     for (std::string_view line : lines(source.text)) {
@@ -30,7 +31,7 @@ Entries read_entries(const CalibrationText& source) {
         const std::string_view key = trim(line.substr(0, colon)), value = trim(line.substr(colon + 1));
         if (camera_of(key) < 0 && !key.starts_with("S_rect_0")) continue;
         if (value.starts_with('!') || value.starts_with('[') || value.empty())
-            return {};  // YAML with keys of that name
+            return {};  // this is YAML with keys of that name
         if (!entries.emplace(key, value).second) refuse_key(source, key, "is given twice; keep one");
     }
     return entries;

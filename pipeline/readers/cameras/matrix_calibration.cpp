@@ -1,11 +1,12 @@
-// K as nine numbers, by numpy.savetxt or by hand; FoundationStereo's file has the baseline behind them.
+// Parses a matrix K of nine numbers, by numpy.savetxt or by hand; in FoundationStereo's
+// file the baseline follows.
 #include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
 namespace {
 
-// Without comments and brackets.
+// Returns the words of the text without comments and brackets.
 std::vector<std::string> numbers_of(std::string_view text) {
     std::string plain;
     for (const std::string_view line : lines(text))

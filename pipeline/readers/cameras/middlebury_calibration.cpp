@@ -1,4 +1,4 @@
-// Middlebury's calib.txt, "key=value" lines as people write and edit them.
+// Parses Middlebury's calib.txt, "key=value" lines as people write and edit them.
 #include <functional>
 #include <map>
 
@@ -45,7 +45,7 @@ struct Camera {
     double focal, cx, cy;
 };
 
-// "[f 0 cx; 0 f cy; 0 0 1]"
+// Parses "[f 0 cx; 0 f cy; 0 0 1]".
 Camera read_camera(CalibrationText& source, const std::string& key, std::string_view text) {
     std::string plain(text);
     for (char& c : plain) {

@@ -20,7 +20,7 @@ constexpr std::array<const char*, 2> kMatrices[] = {
 constexpr std::array<const char*, 2> kDistortions[] = {
     {"D1", "D2"}, {"distCoeffs1", "distCoeffs2"}, {"dist_coeffs1", "dist_coeffs2"}};
 
-// Its name for this camera, 0 = left; empty where the file has none.
+// Returns the file's name for this camera's entry, 0 = left; empty if the file has none.
 template <std::size_t Count>
 std::string key_of(const YAML::Node& root, const std::array<const char*, 2> (&names)[Count], int camera) {
     for (const auto& pair : names)
@@ -28,7 +28,8 @@ std::string key_of(const YAML::Node& root, const std::array<const char*, 2> (&na
     return {};
 }
 
-// Whether a line begins with one of the keys: a file in another format need not be YAML.
+// True if a line begins with one of the keys. Searched as text, because a file in another format
+// need not be YAML.
 bool has_pair_keys(std::string_view text) {
     for (std::string_view line : codec::lines(text)) {
         line = codec::trim(line);

@@ -1,4 +1,4 @@
-// Reads calibrations of pairs whose pictures are not rectified.
+// Reads the calibrations of pairs that are not rectified.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 
 namespace hexrelief {
 
-// Whether a pair is rectified with what its calibration file says of the cameras as they stand.
-// automatic: where the file says nothing of rectified pictures (Q, or P1 and P2).
+// Whether a pair is rectified by the calibration of its cameras. automatic: yes, unless the file describes
+// rectified pictures (Q, or P1 and P2).
 enum class Rectify { automatic, always, never };
 
 struct StereoCalibrationFile {
     StereoCalibration calibration;
-    std::vector<std::string> told;  // what was believed and may be wrong, a sentence each
+    std::vector<std::string> told;  // assumptions that may be wrong, a sentence each
 };
 
-// OpenCV's FileStorage YAML with K1, D1, K2, D2, R and T, T in metres; the matrices may be named M1 or
-// cameraMatrix1, the distortions distCoeffs1. A key model, camera_model or distortion_model that says
-// fisheye, equidistant or kannala_brandt makes 4 numbers of distortion cv::fisheye's, and so do 4 numbers
-// where no model is said, which is told. nullopt where the file has none of these keys, or where `rectify` is
-// no, or automatic and the file tells of rectified pictures. Throws Error(input) naming file and key where
-// one is missing or wrong.
+// Reads OpenCV's FileStorage YAML with K1, D1, K2, D2, R and T; T is in metres. The matrices may also be
+// named M1 or cameraMatrix1, the distortions distCoeffs1. Four distortion coefficients are those of
+// cv::fisheye if a key model, camera_model or distortion_model says fisheye, equidistant or kannala_brandt,
+// or if there is no such key; the latter is told. Returns nullopt if the file has none of these keys, if
+// `rectify` is never, or if it is automatic and the file describes rectified pictures. Throws Error(input)
+// naming file and key if one is missing or wrong.
 std::optional<StereoCalibrationFile> read_stereo_calibration(const std::filesystem::path& path,
                                                              Rectify rectify);
 

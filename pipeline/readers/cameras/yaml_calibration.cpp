@@ -1,4 +1,4 @@
-// OpenCV's FileStorage YAML, and hexrelief's own keys.
+// Parses OpenCV's FileStorage YAML, and hexrelief's own keys.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -17,7 +17,7 @@ Projection read_projection(const CalibrationText& source, const std::string& key
     return projection;
 }
 
-// Q of cv::stereoRectify: Z = q23 / (q32 d + q33), so 1 / q32 is the baseline and q33 / q32 the offset.
+// Uses Q of cv::stereoRectify: Z = q23 / (q32 d + q33), so 1 / q32 is the baseline and q33 / q32 the offset.
 Calibration from_q(CalibrationText& source, const YAML::Node& node) {
     const std::vector<double> q = read_matrix(source, "Q", node, 4, 4);
     if (q[14] == 0)
@@ -90,7 +90,7 @@ Calibration from_own_keys(CalibrationText& source, const YAML::Node& root) {
     return calibration;
 }
 
-// FileStorage opens with "%YAML:1.0", which is no YAML directive.
+// Removes FileStorage's first line "%YAML:1.0", which is not a valid YAML directive.
 std::string without_directive(const std::string& text) {
     const std::size_t start = text.find_first_not_of(" \t\r\n");
     if (start == std::string::npos || text.compare(start, 5, "%YAML") != 0) return text;

@@ -1,4 +1,5 @@
-// One camera in YAML or JSON, which yaml-cpp reads as YAML: ROS camera_info, Open3D, RealSense, or a matrix.
+// Parses one camera in YAML or JSON, which yaml-cpp reads as YAML: ROS camera_info, Open3D,
+// RealSense, or a matrix.
 #include <cmath>
 #include <tuple>
 
@@ -64,7 +65,7 @@ std::pair<int, int> size_of(const CalibrationText& source, const YAML::Node& roo
 
 namespace {
 
-// The first of `keys` that the map has; undefined where it has none.
+// Returns the first of `keys` that the map has, and its value; undefined if it has none.
 std::pair<std::string, YAML::Node> find_key(const YAML::Node& root, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
         if (root[key].IsDefined()) return {key, root[key]};
@@ -82,7 +83,7 @@ void tell_of_distortion(CalibrationText& source, const YAML::Node& root) {
         source.told.push_back(key + " says that the camera distorts; the picture is taken for undistorted");
 }
 
-// P of the rectified picture, else K of the picture as it was taken.
+// Uses P of the rectified picture, else K of the picture as it was taken.
 std::optional<Calibration> parse_ros(CalibrationText& source, const YAML::Node& root) {
     const auto [p_key, p_node] = find_key(root, {"projection_matrix", "P", "p"});
     const auto [k_key, k_node] = find_key(root, {"camera_matrix", "K", "k"});

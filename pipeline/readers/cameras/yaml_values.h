@@ -1,4 +1,4 @@
-// Values out of YAML and JSON trees, each a refusal where it is not what it must be.
+// Gets values out of YAML and JSON trees; values of the wrong kind are refused.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -13,24 +13,25 @@
 
 namespace hexrelief::codec {
 
-// Gives `read` the text as a tree; a refusal that names the line where it is no YAML.
+// Calls `read` with the text as a tree. Refuses text that is not YAML, naming the line.
 void with_yaml_tree(const CalibrationText& source, const std::function<void(const YAML::Node&)>& read);
 
+// Returns a number, or refuses.
 double number_of(const CalibrationText& source, const std::string& key, const YAML::Node& node);
 
-// An !!opencv-matrix (rows, cols, dt, data), row-major.
+// Returns the numbers of an !!opencv-matrix (rows, cols, dt, data), row-major.
 std::vector<double> read_matrix(const CalibrationText& source, const std::string& key, const YAML::Node& node,
                                 int rows, int columns);
 
-// As read_matrix(), or the numbers alone, or lists of each row's numbers.
+// Returns the numbers of an !!opencv-matrix, of a plain list, or of lists of each row's numbers.
 std::vector<double> read_numbers(const CalibrationText& source, const std::string& key,
                                  const YAML::Node& node, int rows, int columns);
 
-// Width and height under one of the names that OpenCV's programs give them; 0, 0 where there is none.
+// Returns width and height, from one of the names that OpenCV's programs give them; 0, 0 if there is none.
 std::pair<int, int> size_of(const CalibrationText& source, const YAML::Node& root);
 
-// One camera: ROS camera_info, Open3D's or RealSense's JSON, or a matrix under a known key. nullopt where the
-// tree, which is a map, has none of their keys.
+// Parses one camera: ROS camera_info, Open3D's or RealSense's JSON, or a matrix under a known key. Returns
+// nullopt if the tree, which must be a map, has none of their keys.
 std::optional<Calibration> parse_camera_tree(CalibrationText& source, const YAML::Node& root);
 
 }  // namespace hexrelief::codec

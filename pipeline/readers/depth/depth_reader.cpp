@@ -17,11 +17,12 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLargestWide = 65535;
-// Where nothing says how far a network's relative depths reach.
+// The assumed ratio of depths if nothing says how far a network's relative depths reach.
 constexpr double kFarthestToNearest = 10;
-constexpr double kOutlierShare = 0.002;  // of the samples at either end, which are not taken for the ends
+// Share of the samples at either end that are ignored when the ends are determined.
+constexpr double kOutlierShare = 0.002;
 
-// Renderers write 1e10 where nothing is hit.
+// Renderers write 1e10 for pixels where no surface is hit.
 constexpr double kSky_m = 1e9;
 
 std::string number(double value) {
@@ -30,7 +31,7 @@ std::string number(double value) {
     return text;
 }
 
-// Samples as floats hold them, with those that mean "not known" as NaN.
+// The samples as floats; those that mean "unknown" are NaN.
 struct Samples {
     std::vector<float> values;
     int bits = 32;  // 8 and 16 are integers, 32 are floats
@@ -68,7 +69,7 @@ Samples samples_of(const codec::Raster& raster, const DepthFileConfig& config) {
 }
 
 struct Unit {
-    double per_m;  // this many of it are a metre
+    double per_m;  // number of units in a metre
     std::string name;
 };
 
@@ -95,7 +96,7 @@ Unit unit_of(const std::filesystem::path& path, const Samples& samples, const De
     return {1000, "mm"};
 }
 
-// depth = 1 / (shift + scale * sample)
+// The coefficients of depth = 1 / (shift + scale * sample).
 struct Affine {
     double shift, scale;
     bool is_given = true;
@@ -140,7 +141,7 @@ DepthFile from_depths(Samples samples, const Unit& unit) {
 }
 
 DepthFile from_inverse_depths(Samples samples, const Unit& unit) {
-    // Samples that are one over millimetres are thousandths of those over metres; a number divides samples.
+    // Samples in 1 / mm are thousandths of those in 1 / m; a given number divides the samples.
     const double scale = unit.name == "mm" ? unit.per_m : 1 / unit.per_m;
     DepthFile file;
     file.believed = "inverse depth, 1/(" + unit.name + ")";
@@ -178,7 +179,7 @@ DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& co
     return {};
 }
 
-// What the file states of its samples is believed where no other kind is asked for.
+// Replaces the default kind by the kind that the file states.
 DepthFileConfig with_stated(DepthFileConfig config, const codec::StatedDepth& stated) {
     using Kind = codec::StatedDepth::Kind;
     if (config.kind != DepthKind::depth) return config;

@@ -13,41 +13,42 @@ namespace hexrelief {
 
 enum class DepthKind { depth, inverse_depth, affine_inverse };
 
-// What the samples of a depth map's file mean.
+// The meaning of the samples of a depth map's file.
 struct DepthFileConfig {
     DepthKind kind = DepthKind::depth;
-    // "m", "mm", or a number: samples divided by it are metres; 1 / metres where the kind is inverse_depth.
-    // Empty = by the samples: those of 16 bits are millimetres, floats are metres.
+    // "m", "mm", or a number by which samples are divided to give metres (1 / metres if the kind is
+    // inverse_depth). Empty = chosen by the samples: 16-bit integers are millimetres, floats are metres.
     std::string unit = {};
-    bool ray = false;   // distances along each pixel's ray instead of along the optical axis
-    double near_m = 0;  // depths outside of these are unknown; 0 = no limit on that side
+    bool ray = false;   // distances are along each pixel's ray instead of the optical axis
+    double near_m = 0;  // depths below near_m or above far_m are unknown; 0 = no limit
     double far_m = 0;
-    // affine_inverse: depth = 1 / (shift + scale * sample). NaN = not given: with one given, a shift of 0 or
-    // a scale of 1; with neither, the ones by which the farthest is ten times as far as the nearest.
+    // affine_inverse: depth = 1 / (shift + scale * sample). NaN = not given: if one of the two is given, the
+    // other is a shift of 0 or a scale of 1; if neither is, they are such that the farthest is ten times as
+    // far as the nearest.
     double affine_shift = std::numeric_limits<double>::quiet_NaN();
     double affine_scale = std::numeric_limits<double>::quiet_NaN();
-    // Sample that means "not known"; NaN = the format's own: 0 in integer maps of depth and inverse depth,
-    // and 65535, which is the end of the range, in 16-bit maps of depth.
+    // Sample value that means "unknown". NaN = the format's own: 0 in integer maps of depth and inverse
+    // depth, and also 65535, the end of the range, in 16-bit maps of depth.
     double unknown = std::numeric_limits<double>::quiet_NaN();
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
 };
 
 struct DepthFile {
-    DepthMap map;  // neither projected on the axis nor clipped: ray, near_m and far_m are not looked at
-    std::string believed;  // what the samples were taken for: "16-bit integers, mm"
+    DepthMap map;          // neither projected on the axis nor clipped: ray, near_m and far_m are ignored
+    std::string believed;  // the assumed meaning of the samples: "16-bit integers, mm"
 };
 
-// What is wrong with a configuration, beginning with its key: a unit that is none of the above, a scale of 0,
-// or limits that leave no depth. Empty where nothing is.
+// Returns the error in a configuration, beginning with its key: an invalid unit, a scale of 0, or limits that
+// leave no depth. Empty if there is none.
 std::string wrong_depth_config(const DepthFileConfig& config);
 
-// Reads what read_disparity_map() reads, and HEIC's auxiliary depths, as a configuration without faults says;
-// where a file states its kind, that is taken instead of `depth`. Samples that are NaN or infinite, and
-// depths that are not above 0 or are infinite, are unknown. Throws Error(input) as read_disparity_map() does,
-// and where integers do not say their unit: those of 8 bits, and those of inverse depth.
+// Reads the formats of read_disparity_map(), and HEIC's auxiliary depths. If a file states its kind, that
+// replaces a configured `depth`. Samples that are NaN or infinite, and depths that are infinite or not above
+// 0, are unknown. Throws Error(usage) if the configuration is wrong; Error(input) as read_disparity_map()
+// does, and if the unit of integers is unknown: those of 8 bits, and those of inverse depth.
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config,
                          const ReaderLimits& limits = {});
-// The same of samples of one channel that were read already; errors name `path`.
+// As read_depth_map(), for samples of one channel that have been read already; errors name `path`.
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
                     const DepthFileConfig& config);
 

@@ -20,7 +20,7 @@ std::string number(double value) {
     return text;
 }
 
-// "0.52 .. 7.31 m, 93.1 % known"; unknown values are infinite.
+// Returns "0.52 .. 7.31 m, 93.1 % known"; unknown values are infinite.
 std::string extent(const std::vector<float>& values, const char* unit) {
     float least = kUnknownDisparity, largest = 0;
     std::size_t known = 0;
@@ -34,7 +34,7 @@ std::string extent(const std::vector<float>& values, const char* unit) {
            number(100.0 * static_cast<double>(known) / static_cast<double>(values.size())) + " % known";
 }
 
-// What `text` says, or why that is refused.
+// Returns the result of text(), or the reason why it refuses the file.
 template <typename Text>
 std::string said_or_refused(const std::filesystem::path& path, Text text) {
     try {
@@ -45,7 +45,7 @@ std::string said_or_refused(const std::filesystem::path& path, Text text) {
     }
 }
 
-// What disparity_reader makes of samples without a scale.
+// Names the interpretation of disparity_reader for samples without a scale.
 std::string disparities_believed(const codec::Raster& raster) {
     return std::holds_alternative<std::vector<float>>(raster.samples) ? "floats, px"
                                                                       : "16-bit integers, KITTI's 1/256 px";

@@ -1,4 +1,4 @@
-// OpenEXR through its C library: one channel of the first part.
+// Reads OpenEXR by its C library: one channel of the first part.
 #include "pipeline/readers/codecs.h"
 
 #ifdef HEXRELIEF_HAS_OPENEXR
@@ -16,7 +16,7 @@
 namespace hexrelief::codec {
 namespace {
 
-// Half floats end here; renderers write it where nothing is hit.
+// The largest half float; renderers write it for pixels where no surface is hit.
 constexpr float kLargestHalf = 65504;
 
 int64_t on_read(exr_const_context_t, void* user, void* to, uint64_t count, uint64_t offset,
@@ -58,7 +58,7 @@ struct Layout {
     exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
     int left = 0, top = 0, width = 0, height = 0;
     int channels = 0;
-    std::string name;  // of the channel
+    std::string name;  // name of the channel
     exr_pixel_type_t type = EXR_PIXEL_FLOAT;
 };
 
@@ -67,8 +67,8 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-// The channel that the key names, the only one, or the first of the names that maps usually have, which may
-// stand behind a layer's name.
+// Returns the channel that the key names, the only one, or the first with one of the usual names for maps,
+// with or without a layer's name in front.
 const exr_attr_chlist_entry_t& chosen_channel(const SourceFile& source, const exr_attr_chlist_t& list) {
     const auto* const first = list.entries;
     const auto* const last = first + list.num_channels;
@@ -121,7 +121,7 @@ Layout read_layout(const SourceFile& source, exr_const_context_t context) {
     return layout;
 }
 
-// Decodes chunks, each into its place.
+// Decodes the layout's channel chunk by chunk.
 class ChunkReader {
   public:
     ChunkReader(const SourceFile& source, exr_const_context_t context, const Layout& layout)
@@ -132,7 +132,7 @@ class ChunkReader {
         if (is_started_) exr_decoding_destroy(context_, &pipeline_);
     }
 
-    // The chunk's pixels, row by row.
+    // Returns the chunk's pixels, row by row.
     const std::vector<float>& read(const exr_chunk_info_t& chunk) {
         check(source_, is_started_ ? exr_decoding_update(context_, 0, &chunk, &pipeline_)
                                    : exr_decoding_initialize(context_, 0, &chunk, &pipeline_));
@@ -140,7 +140,7 @@ class ChunkReader {
         const std::size_t area = static_cast<std::size_t>(chunk.width) * chunk.height;
         if (area * pipeline_.channel_count > (std::size_t{1} << 30))
             refuse(source_.path, "its chunks and channels are too many; save the map's channel alone");
-        // All channels are decoded: the library's quickest routines crash where one is left out.
+        // All channels are decoded: the library's fastest routines crash if one is left out.
         others_.resize(area * pipeline_.channel_count);
         pixels_.resize(area);
         for (int i = 0; i < pipeline_.channel_count; ++i) {
@@ -224,7 +224,7 @@ FileDescription describe_exr(const SourceFile& source) {
 Raster decode_exr(const SourceFile& source) {
     const Context context = open(source);
     const Layout layout = read_layout(source, context.get());
-    // A map of one value packs well, but not into nothing.
+    // A map with a single value compresses well, but not without limit.
     constexpr unsigned best_ratio = 65536;
     const std::size_t pixels = static_cast<std::size_t>(layout.width) * layout.height;
     check_length(source, pixels * sizeof(float), best_ratio);

@@ -1,4 +1,4 @@
-// HEIC photographs and the depths that phones store beside them. hexrelief-heif.so reads them.
+// Reads HEIC photographs and the depths that phones store beside them, by hexrelief-heif.so.
 #include <array>
 #include <optional>
 #include <string_view>
@@ -54,7 +54,7 @@ Heic read_heic(const SourceFile& source, bool header_only) {
     return heic;
 }
 
-// Of NAME="VALUE" or <prefix:NAME>VALUE</prefix:NAME>; empty where there is none.
+// Returns the value of NAME="VALUE" or <prefix:NAME>VALUE</prefix:NAME>; empty if there is none.
 std::string_view xmp_value(std::string_view xmp, std::string_view name) {
     std::size_t at = xmp.find(name);
     if (at == std::string_view::npos) return {};
@@ -65,7 +65,7 @@ std::string_view xmp_value(std::string_view xmp, std::string_view name) {
     return xmp.substr(0, xmp.find(is_attribute ? '"' : '<'));
 }
 
-// Sample 0 is `low` and the largest one `high`.
+// The range of depths: sample 0 means `low`, the largest sample `high`.
 struct Range {
     StatedDepth::Kind kind;
     double low, high;

@@ -17,7 +17,7 @@ using ItemId = std::uint64_t;
 constexpr int kDeepest = 8;
 constexpr long long kMostPictures = 1 << 14;
 
-// A big-endian number at the front, which is taken away; what is beyond the end counts as 0.
+// Removes a big-endian number from the front and returns it; bytes beyond the end count as 0.
 std::uint64_t take(Bytes& bytes, int count) {
     std::uint64_t value = 0;
     for (int i = 0; i < count; ++i) {
@@ -27,7 +27,7 @@ std::uint64_t take(Bytes& bytes, int count) {
     return value;
 }
 
-// Calls visit(type, content) for each box; one that is said to be longer than what is there ends with it.
+// Calls visit(type, content) for each box. A box that claims to be longer than the rest ends with it.
 template <typename Visit>
 void each_box(Bytes bytes, const Visit& visit) {
     while (bytes.size() >= 8) {
@@ -67,9 +67,9 @@ class Derivations {
         long long pictures = 0;  // 0 = not counted yet
     };
 
-    // What an item is made of; and its auxiliary pictures, opacity among them, which are decoded with it.
-    // libheif looks for the next reference behind the last item, whatever the length says, so the two must be
-    // one place.
+    // Adds the inputs of an item: its parts, and its auxiliary pictures (opacity among them), which are
+    // decoded with it. libheif looks for the next reference after the last item, whatever the length says,
+    // so both must agree.
     void add(Bytes references) {
         const int id_bytes = take(references, 1) == 0 ? 2 : 4;
         take(references, 3);
@@ -94,7 +94,7 @@ class Derivations {
         });
     }
 
-    // How deep the item is, and how many pictures are decoded for it. A circle is as deep as one likes.
+    // Computes an item's height and the number of pictures decoded for it. A cycle exceeds any depth.
     const Item& extent_of(Item& item, int depth) {
         if (depth + item.height > kDeepest)
             refuse(source_.path, "malformed HEIC: its pictures are made of one another, more than " +

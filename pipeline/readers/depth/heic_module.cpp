@@ -1,4 +1,4 @@
-// The library that HEIC files need; the only file that knows libheif.
+// The library for HEIC files; the only file that uses libheif.
 #include "pipeline/readers/depth/heic_module.h"
 
 #include <libheif/heif.h>
@@ -33,7 +33,7 @@ void check(const heif_error& error) {
     if (error.code != heif_error_Ok) throw std::runtime_error(error.message ? error.message : "damaged");
 }
 
-// Null where the picture has none.
+// Returns the picture's auxiliary depths, or null.
 Handle depth_of(const heif_image_handle* picture, heif_item_id& id) {
     heif_image_handle* depth = nullptr;
     if (heif_image_handle_get_list_of_depth_image_IDs(picture, &id, 1) != 1) return nullptr;
@@ -63,7 +63,7 @@ void read_xmp(const heif_image_handle* depth, HeicRequest& request) {
     request.xmp[count] = '\0';
 }
 
-// Of the square of most_pixels.
+// Returns the side of a square of most_pixels.
 int longest_side(const HeicRequest& request) {
     return static_cast<int>(std::sqrt(static_cast<double>(request.most_pixels)));
 }
@@ -91,7 +91,7 @@ void copy_samples(const heif_image_handle* handle, HeicRequest& request) {
     int stride = 0;
     const std::uint8_t* const plane = heif_image_get_plane_readonly(decoded, channel, &stride);
     if (plane == nullptr) throw std::runtime_error("it has no samples");
-    // What is decoded is turned and cropped as the file says.
+    // The decoded picture is rotated and cropped as the file says, so its size is checked again.
     request.width = heif_image_get_width(decoded, channel);
     request.height = heif_image_get_height(decoded, channel);
     request.bits = request.of_depth ? heif_image_get_bits_per_pixel_range(decoded, channel) : 8;
@@ -123,10 +123,10 @@ void read(HeicRequest& request) {
         read_representation(picture.get(), id, request);
         read_xmp(wanted, request);
     }
-    // A raster put together from tiles may be larger than the header says. libheif limits its sides, not its
-    // pixels, to what is less.
+    // A picture put together from tiles may be larger than the header says. libheif limits its sides, not its
+    // pixels; the limit is exclusive.
     heif_context_set_maximum_image_size_limit(context.get(), longest_side(request) + 1);
-    // Otherwise each picture of tiles, also one that is a tile itself, starts threads of its own.
+    // Otherwise each picture made of tiles starts threads of its own, even if it is a tile itself.
     heif_context_set_max_decoding_threads(context.get(), 0);
     if (!request.header_only) copy_samples(wanted, request);
 }

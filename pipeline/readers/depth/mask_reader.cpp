@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint8_t kHalf = 128;
 
-// One byte for each pixel of which `keeps(samples of the pixel)`.
+// Returns the mask of the pixels for which keeps(samples of the pixel) is true.
 template <typename Keeps>
 PixelMask kept_pixels(const codec::Raster& raster, Keeps keeps) {
     PixelMask mask{raster.width, raster.height, {}};
@@ -30,7 +30,7 @@ PixelMask checked(PixelMask mask, const std::filesystem::path& path, const char*
     return mask;
 }
 
-// What a confidence of 1 is in the samples.
+// Returns the sample value that means a confidence of 1.
 double full_confidence(const codec::Raster& raster) {
     constexpr double levels = 2;
     return std::visit(

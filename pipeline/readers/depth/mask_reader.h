@@ -1,4 +1,4 @@
-// Reads which pixels of a view count: masks and confidences.
+// Reads masks and confidences, which say which pixels of a view count.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace hexrelief {
 
-// Row-major, top row first.
+// A mask: row-major, top row first.
 struct PixelMask {
     int width = 0;
     int height = 0;
@@ -21,33 +21,35 @@ struct PixelMask {
 };
 
 struct MaskConfig {
-    bool inverted = false;  // 0 counts, what is not 0 is unknown
-    bool alpha = true;      // what is transparent in the left picture itself is unknown as well
+    bool inverted = false;  // 0 counts, any other value is unknown
+    bool alpha = true;      // transparent pixels of the left picture are unknown as well
 };
 
 struct ConfidenceConfig {
-    // What is below is unknown. Integers are shares of the largest that their type holds (255, 65535), or of
-    // 2 where none is above 2, as with ARKit's levels 0, 1, 2; floats are compared as they are.
+    // Pixels of lower confidence are unknown. Floats are compared as they are. Integers are shares of the
+    // largest value of their type (255, 65535), or of 2 if none is above 2, as in ARKit's levels 0, 1, 2.
     double threshold = 0.5;
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
 };
 
-// Any image or map that the readers read; a pixel counts where one of its channels is not 0 (NaN is 0)
-// and it is not transparent.
-// Palettes count by their colours. Throws Error(input) as read_image() does, and where no pixel counts.
+// Reads a mask from any image or map that the readers know. A pixel counts if one of its channels is not 0
+// (NaN is 0) and it is not transparent. Palettes count by their colours. Throws Error(input) as read_image()
+// does, and if no pixel counts.
 PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config,
                     const ReaderLimits& limits = {});
 
-// Any format that read_disparity_map() reads. NaN is below every threshold. Throws likewise.
+// Reads a confidence map in any format of read_disparity_map(). NaN is below every threshold. Throws
+// Error(input) as read_disparity_map() does, and if no pixel counts.
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config,
                           const ReaderLimits& limits = {});
 
-// The same of samples that were read already, of confidences one channel; errors name `path`.
+// As read_mask() and read_confidence(), for samples that have been read already; confidences must have one
+// channel. Errors name `path`.
 PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config);
 PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path& path,
                         const ConfidenceConfig& config);
 
-// The same view at another size: each pixel takes what lies under its centre.
+// Returns the mask at another size: each pixel takes the value under its centre.
 PixelMask resampled(const PixelMask& mask, int width, int height);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// numpy's arrays: .npy, and .npz, which is a ZIP archive of them.
+// Reads numpy's arrays: .npy, and .npz, which is a ZIP archive of them.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -34,7 +34,7 @@ struct NpyHeader {
     refuse(source.path, "malformed NPY header; save the array again with numpy.save");
 }
 
-// Reads the header's text, a Python dictionary, from left to right.
+// Parses the header's text, a Python dictionary, from left to right.
 class DictionaryText {
   public:
     DictionaryText(const SourceFile& source, std::string_view text) : source_(source), text_(text) {}
@@ -55,7 +55,7 @@ class DictionaryText {
         if (end == std::string_view::npos) refuse_header(source_);
         return take(end, 1);
     }
-    // Letters and digits.
+    // Takes the next letters and digits.
     std::string_view word() {
         skip_space();
         std::size_t end = 0;
@@ -98,7 +98,7 @@ void take_type(const SourceFile& source, std::string_view type, NpyHeader& heade
     header.item_bytes = static_cast<unsigned>(*bytes);
 }
 
-// Two sides; others of 1, as networks' batches and channels are, are left out.
+// Takes the two sides of the shape; further sides of 1, such as networks' batches and channels, are ignored.
 void take_shape(const SourceFile& source, const std::vector<unsigned long long>& shape, NpyHeader& header) {
     std::vector<unsigned long long> sides = shape;
     for (auto side = sides.begin(); sides.size() > 2 && side != sides.end();)
@@ -210,7 +210,7 @@ void each_sample(const SourceFile& source, const NpyHeader& header, Put put) {
         }
 }
 
-// Integers of any width as 16-bit ones, where they fit.
+// Converts integers of any width to 16 bits; refuses those that do not fit.
 template <typename Stored>
 std::vector<std::uint16_t> integers(const SourceFile& source, const NpyHeader& header) {
     std::vector<std::uint16_t> samples(header.width * header.height);
@@ -275,7 +275,7 @@ std::string array_name(const ZipMember& member) {
     return member.name.substr(0, member.name.size() - kEnding.size());
 }
 
-// The array that the key names, or the only one.
+// Returns the array that the key names, or the only one.
 SourceFile chosen_array(const SourceFile& source) {
     std::vector<ZipMember> arrays = list_members(source);
     std::erase_if(arrays, [](const ZipMember& member) { return !member.name.ends_with(kEnding); });

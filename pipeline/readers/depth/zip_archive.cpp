@@ -13,7 +13,7 @@ constexpr std::size_t kEndBytes = 22, kDirectoryBytes = 46, kMemberBytes = 30;
 constexpr std::uint64_t kInZip64 = 0xffffffff;
 constexpr std::size_t kMostMembers = 4096;
 constexpr unsigned kStored = 0, kDeflated = 8;
-constexpr std::uint64_t kBestDeflate = 1032;  // bytes that one byte can stand for
+constexpr std::uint64_t kBestDeflate = 1032;  // most bytes that one byte can stand for
 
 [[noreturn]] void refuse_damaged(const SourceFile& archive) {
     refuse(archive.path, "truncated or damaged ZIP archive; copy or save it again");
@@ -27,7 +27,8 @@ std::uint32_t number_at(const SourceFile& archive, std::uint64_t at, unsigned by
     return value;
 }
 
-// The directory's end is the last thing in the file, but for a comment of at most 65535 bytes.
+// Returns the offset of the directory's end record, the last thing in the file except for a comment of
+// at most 65535 bytes.
 std::uint64_t find_end(const SourceFile& archive) {
     const std::uint64_t size = archive.bytes.size();
     if (size < kEndBytes) refuse_damaged(archive);

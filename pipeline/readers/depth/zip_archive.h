@@ -1,4 +1,4 @@
-// The members of a ZIP archive, as numpy writes them.
+// Reads the members of a ZIP archive, as numpy writes them.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@ namespace hexrelief::codec {
 
 struct ZipMember {
     std::string name;
-    std::uint64_t bytes = 0;         // as they come out
-    std::uint64_t packed_bytes = 0;  // as they are stored
-    std::uint64_t header_at = 0;     // the member's own header
+    std::uint64_t bytes = 0;         // uncompressed
+    std::uint64_t packed_bytes = 0;  // as stored
+    std::uint64_t header_at = 0;     // offset of the member's own header
     unsigned method = 0;             // 0 = stored, 8 = deflate
     std::uint32_t checksum = 0;
 };
 
-// All members, read off the archive's directory; nothing is unpacked. Throws Error(input) for what is no
-// archive, is damaged or truncated, or has more than 4096 members.
+// Lists all members from the archive's directory; nothing is unpacked. Throws Error(input) if the file is not
+// an archive, is damaged or truncated, or has more than 4096 members.
 std::vector<ZipMember> list_members(const SourceFile& archive);
 
-// The bytes of one member. Throws Error(input) where it has more than `most_bytes`, promises more than its
-// packing can hold, is encrypted, is packed in another way, or does not have the bytes that its checksum
-// says. Nothing is allocated for a promise that cannot be kept.
+// Returns the bytes of one member. Throws Error(input) if it has more than `most_bytes` or more than its
+// packed bytes can hold, is encrypted, is packed by another method, or does not match its checksum. Memory is
+// only allocated for sizes that the packed bytes can fill.
 std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& member,
                                  std::uint64_t most_bytes);
 

@@ -1,6 +1,5 @@
-// TIFF through libtiff: the first picture of the file. Grey and RGB samples are read as they are stored,
-// everything else (palettes, YCbCr, CMYK) goes through libtiff's own conversion to 8-bit RGB. The orientation
-// tag is ignored.
+// Reads TIFF by libtiff: the first picture of the file. Grey and RGB samples are read as stored, everything
+// else (palettes, YCbCr, CMYK) by libtiff's own conversion to 8-bit RGB. The orientation tag is ignored.
 #include <cstring>
 #include <memory>
 
@@ -15,7 +14,7 @@ TiffSource source_of(const SourceFile& file) {
             [&file](auto at, void* to, std::size_t count) { return file.read_at(at, to, count) == count; }};
 }
 
-// The compressions whose best ratio is known are held against the file's length before memory is asked for.
+// Checks the file's length before memory is allocated, for compressions whose best ratio is known.
 void check_promise(const TiffLayout& layout, const SourceFile& file) {
     const unsigned long long bytes =
         layout.row_bytes() * layout.height * (layout.planes ? layout.channels() : 1);
@@ -33,8 +32,8 @@ void check_promise(const TiffLayout& layout, const SourceFile& file) {
     }
 }
 
-// libtiff's conversion clears memory for a whole strip or tile before it looks at the file. Where that is
-// much, the first one is decoded alone into memory that nobody has touched.
+// Decodes the first strip or tile into untouched memory if it is large, because libtiff's conversion clears
+// the memory of a whole strip or tile before it looks at the file.
 void try_first_part(TIFF* tiff, const TiffSource& source) {
     constexpr tmsize_t much = 16 << 20, most = static_cast<tmsize_t>(1) << 33;
     const bool tiled = TIFFIsTiled(tiff);
@@ -54,11 +53,11 @@ Raster read_converted(TIFF* tiff, const TiffLayout& layout, TiffSource& source) 
                std::string("TIFF variant not supported (") + reason + "); save it as grey or RGB");
     }
     try_first_part(tiff, source);
-    // Asking for the orientation that the file has makes libtiff leave the rows alone.
+    // Asking for the orientation that the file has makes libtiff leave the rows as they are.
     std::uint16_t orientation = ORIENTATION_TOPLEFT;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &orientation);
     const std::size_t pixels = static_cast<std::size_t>(layout.width) * layout.height;
-    // Not touched before it is decoded, so that a header alone takes no memory.
+    // Not touched before it is decoded, so that a header without samples costs no memory.
     const std::unique_ptr<std::uint32_t[]> packed(new std::uint32_t[pixels]);
     if (!TIFFReadRGBAImageOriented(tiff, layout.width, layout.height, packed.get(), orientation, 1)) {
         refuse_malformed(source);

@@ -1,5 +1,5 @@
-// Samples are read as they are stored, because a map means the number itself and alpha must not darken a
-// colour.
+// Samples are read as stored, because the samples of a map mean the numbers themselves, and alpha must
+// not darken a colour.
 #include "pipeline/readers/tiff/tiff_file.h"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ toff_t on_size(thandle_t handle) {
     return source_of(handle).bytes;
 }
 
-// Nonzero: handled, so that libtiff's global handler prints nothing.
+// Keeps the first message. Nonzero = handled, so that libtiff's global handler prints nothing.
 int on_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
     auto& source = *static_cast<TiffSource*>(user);
     if (source.message[0] == '\0') std::vsnprintf(source.message, sizeof source.message, format, arguments);
@@ -68,7 +68,7 @@ Stored stored_at(const std::uint8_t* row, std::size_t index) {
     return value;
 }
 
-// libtiff has already turned the bytes into the machine's order.
+// Returns a sample; libtiff has already converted the bytes to the machine's order.
 template <typename Sample>
 Sample sample_at(const std::uint8_t* row, std::size_t index, unsigned bits) {
     if constexpr (std::is_same_v<Sample, float>) {
@@ -121,7 +121,8 @@ class PlainReader {
         }
     }
 
-    // The raster grows with what has been decoded, down to `end`: a header alone takes no memory.
+    // Enlarges the raster to the rows decoded so far, down to `end`: a header without
+    // samples costs no memory.
     void make_rows(std::uint64_t end) {
         const std::size_t row = static_cast<std::size_t>(window_.width) * layout_.channels();
         const std::uint64_t count = std::min<std::uint64_t>(end, bottom()) - window_.y;
@@ -168,7 +169,7 @@ class PlainReader {
                (std::is_same_v<Sample, float> || layout_.photometric != PHOTOMETRIC_MINISWHITE);
     }
 
-    // What the window has of a run of `count` pixels of the file that begins at x, y.
+    // Stores the window's part of a run of `count` pixels of the file that begins at x, y.
     void put(const std::uint8_t* row, std::uint32_t x, std::uint32_t count, std::uint32_t y, int plane) {
         if (y < window_.y || y >= bottom()) return;
         const std::uint32_t first = std::max(x, window_.x), last = std::min(x + count, right());
@@ -214,7 +215,7 @@ void refuse_malformed(const TiffSource& source) {
 TiffHandle open_tiff(TiffSource& source) {
     const std::unique_ptr<TIFFOpenOptions, OptionsFreer> options(TIFFOpenOptionsAlloc());
     if (!options) refuse(source.path, "libtiff could not be started (out of memory)");
-    // A damaged tag can ask for any amount; a strip of the largest picture is the most that is ever right.
+    // A damaged tag can ask for any amount; the most that can be right is a strip of the largest picture.
     TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), static_cast<tmsize_t>(1) << 33);
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, &source);
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, nullptr);
@@ -272,7 +273,7 @@ void check_samples(const TiffLayout& layout, const TiffSource& source) {
                             "; save it as 8 or 16-bit unsigned or 32-bit float");
 }
 
-// What GDAL writes: a number as text.
+// Reads GDAL's tag, a number as text.
 double nodata_of(TIFF* tiff) {
     constexpr std::uint32_t tag = 42113;
     std::uint32_t count = 0;

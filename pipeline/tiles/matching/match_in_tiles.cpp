@@ -32,7 +32,7 @@ void check_request(const MatchRequest& request) {
                                           "pairs that are rectified already");
 }
 
-// Of the pair's pictures.
+// Returns the calibration for the pair's pictures.
 Calibration camera_of(const MatchRequest& request, const PictureWindows& left) {
     const ViewSize size{left.width(), left.height()};
     return resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
@@ -50,7 +50,7 @@ class TiledMatcher {
                     {x, y, std::min(request.tile_px, width() - x), std::min(request.tile_px, height() - y)});
     }
 
-    // All tiles, row by row; `take` is given the rows of each row of tiles.
+    // Matches all tiles, row by row; `take` receives the pixel rows of each row of tiles.
     template <typename Take>
     TiledMatch match(const RunLog& log, const Take& take) {
         std::vector<float> rows;
@@ -77,7 +77,7 @@ class TiledMatcher {
     MapRect window(const MapRect& tile) const {
         return window_of_tile(tile, {width(), height()}, whole_.config, request_.collar_px);
     }
-    // Beside the work on the tile before.
+    // Reads the pair of tile k, at the same time as the work on the tile before.
     std::future<StereoPair> read(std::size_t k) const {
         return start_work(threads_, [this, k] {
             const MapRect w = window(tiles_[k]);

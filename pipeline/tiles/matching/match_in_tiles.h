@@ -1,4 +1,4 @@
-// A pair of any size to its disparity map, tile by tile.
+// Matches a pair of any size to a disparity map, tile by tile.
 #pragma once
 
 #include <filesystem>
@@ -10,28 +10,28 @@
 namespace hexrelief {
 
 struct MatchRequest {
-    std::filesystem::path left, right;  // a rectified pair, as PictureWindows reads it
-    std::filesystem::path map;          // .tif, .tiff or .pfm, as MapWriter writes it
+    std::filesystem::path left, right;  // a rectified pair, in formats of PictureWindows
+    std::filesystem::path map;          // .tif, .tiff or .pfm, as for MapWriter
     int tile_px = 2048;                 // a tile's side, at least 16
     int collar_px = kCollar_px;
     Config config = {};  // checked and complete
 };
 
 struct TiledMatch {
-    int width = 0, height = 0;  // of the map
+    int width = 0, height = 0;  // size of the map
     int tiles = 0;
-    double matched_share = 0, known_share = 0;  // of its pixels
+    double matched_share = 0, known_share = 0;  // share of the map's pixels
 };
 
-// Writes the left picture's disparities in px, as compute_disparity() finds them in each tile and its collar,
-// as 32-bit floats; +infinity is unknown, as are the left picture's transparent pixels where
-// input.mask.alpha says so. The whole map appears at the end, or none. Memory: a row of tiles of the map, two
-// windows of the pair (window_of_tile()), and what compute_disparity() takes for one. The same bytes for any
-// number of threads and on any backend.
+// Writes the left picture's disparities in px as 32-bit floats, as compute_disparity() finds them in each
+// tile and its collar. +infinity is unknown; the left picture's transparent pixels are unknown if
+// input.mask.alpha is set. The map appears as a whole at the end, or not at all. Memory: a row of tiles of
+// the map, two windows of the pair (window_of_tile()), and what compute_disparity() takes for one window. The
+// result is the same for any number of threads and on any backend.
 //
-// Throws Error(usage) for settings that tiles cannot have and as MapWriter; Error(input) as
-// PictureWindows and compute_disparity(), where nothing matches, and where the calibration says that the pair
-// is not rectified; Error(output) as MapWriter.
+// Throws Error(usage) for settings that tiles do not support and as MapWriter does; Error(input) as
+// PictureWindows and compute_disparity() do, if nothing matches, and if the calibration says that the pair is
+// not rectified; Error(output) as MapWriter does.
 TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log);
 
 }  // namespace hexrelief

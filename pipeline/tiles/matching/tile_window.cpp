@@ -8,7 +8,8 @@
 namespace hexrelief {
 namespace {
 
-// Pictures with the largest range are halved five times; so all windows share these pixels, too.
+// Windows are aligned to this. Pictures with the largest range are halved five times, so all windows share
+// the pixels of the halved pictures.
 constexpr int kAligned_px = 32;
 int aligned_below(int px) {
     return std::max(0, px / kAligned_px * kAligned_px);
@@ -26,7 +27,7 @@ MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const Dispari
               reach_right = std::max(0, -least_px);
     int left = aligned_below(std::max(0, tile.x - collar_px - reach_left));
     int right = aligned_above(tile.x + tile.width + collar_px + reach_right, whole.width);
-    // The matcher takes no range that is wider than the pictures.
+    // The matcher does not accept a range wider than the pictures.
     const int least_width = std::max({16, count, std::abs(least_px) + 1});
     right = std::max(right, aligned_above(left + least_width, whole.width));
     left = std::min(left, aligned_below(std::max(0, right - least_width)));

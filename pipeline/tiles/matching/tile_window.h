@@ -1,4 +1,4 @@
-// Which part of a pair one tile of its map is matched in.
+// Chooses the part of a pair in which one tile of its map is matched.
 #pragma once
 
 #include "mesher/tiles/lattice_tiles.h"
@@ -6,17 +6,18 @@
 
 namespace hexrelief {
 
-// Pixels around a tile that are matched with it, and then left out: what lies farther away changes the tile's
-// disparities no more than EXPERIMENTS.md says.
+// Width of the margin of pixels around a tile that are matched with it and then dropped: EXPERIMENTS.md says
+// by how much pixels farther away can change the tile's disparities.
 inline constexpr int kCollar_px = 192;
 
 struct PairSize {
     int width = 0, height = 0;
 };
 
-// The same rectangle of both pictures: the tile with a collar around it, and with the columns of the right
-// picture that its disparities reach. It begins at even columns and rows, so that the pair at half size has
-// the same pixels in all windows; it is as wide as the range where the pair is. ranged: with a range.
+// Returns the window, the same in both pictures: the tile with a collar around it, and with the columns of
+// the right picture that its disparities reach. It begins at multiples of 32 px, so that the pair at half
+// size has the same pixels in all windows, and is as wide as the range if the pair is. ranged: a
+// configuration with a range.
 MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const DisparityConfig& ranged,
                        int collar_px = kCollar_px);
 

@@ -11,7 +11,7 @@
 namespace hexrelief {
 namespace {
 
-// The pair is looked at in at most as many pixels; the range is found in far fewer.
+// Most pixels of the shrunk pair; the range is found in far fewer.
 constexpr long long kShrunkPixels = 1 << 24;
 constexpr int kLeastColumns = 16;
 
@@ -31,7 +31,7 @@ StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
     return {std::move(left), right.get()};
 }
 
-// Pixels of the range at full size that the shrunk pair's stands for.
+// Converts the shrunk pair's range to a number of disparities at full size.
 int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const DisparityConfig& config,
                              int width) {
     const long long end = 1LL * by * (shrunk.min_disparity_px + shrunk.num_disparities_px);

@@ -1,5 +1,5 @@
-// What all tiles of a pair have in common: the range of disparities that is searched, and what is done to
-// the pictures before.
+// The settings that all tiles of a pair share: the range of disparities that is searched, and the
+// correction of the pictures.
 #pragma once
 
 #include "pipeline/data/calibration.h"
@@ -18,10 +18,10 @@ struct WholePair {
     PairCorrection correction;
 };
 
-// The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
-// by a whole number where it has more than 16 Mpx; the light is that of this pair, the noise that of the
-// whole one's middle. Pairs that are not shrunk get what choose_range() gives. Tells the log of it. Throws as
-// check_matchable().
+// Finds the settings. The range is the configuration's own, else the calibration's, else the one found in the
+// whole pair, shrunk by an integer factor if it has more than 16 Mpx. The light is found in this pair, the
+// noise in the middle of the full-size pictures. For pairs that are not shrunk the range is that of
+// choose_range(). Writes the range to the log. Throws what check_matchable() throws.
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
                         const DisparityConfig& config, int threads, RunLog& log);
 
