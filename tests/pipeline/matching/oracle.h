@@ -168,7 +168,7 @@ struct Views {
     Grid left, right;
 };
 struct Runs {
-    Grid far, near;  // the first disparities
+    Grid far, near;  // the runs' first disparities
     int length;
 };
 constexpr int kAnything = 32767;
@@ -209,7 +209,7 @@ Grid smooth(const Grid& map, const Picture& left);                              
 Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);               // 12
 Views match_views(const StereoPair& pair, const Settings& settings);  // 1 to 4, and 16
 Runs search_runs(const StereoPair& pair, const Settings& settings);   // 16
-// 16, of a picture of this size, from the winners at half size.
+// Step 16 for a picture of this size, from the winners at half size.
 Runs runs_around(const Grid& half, int width, int height, const Settings& settings);
 int searched_end(const Settings& settings);        // beyond the last disparity that a window may have
 StereoPair half_pair(const StereoPair& pair);      // 14
@@ -217,7 +217,7 @@ Settings half_settings(const Settings& settings);  // 14
 HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);  // 14
 void raise_segments(const Grid& matches, const Picture& left, const Settings& settings,
                     Grid& filled);  // 15
-// 5 to 13 and 15, and 14 with half_size, which may be null.
+// Steps 5 to 13 and 15, and step 14 unless half_size is null.
 Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half_size,
               const Settings& settings);
 
