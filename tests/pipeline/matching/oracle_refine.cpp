@@ -1,5 +1,4 @@
-// Steps 5 to 8 and 12 of the recipe in oracle.h: from winners to a map without unknown pixels,
-// and the whole recipe.
+// Steps 5 to 8, 13 and 14 of the recipe in oracle.h: from winners to a map without unknown pixels.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
