@@ -37,7 +37,7 @@ TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
         EXPECT_EQ("." + format_name(export_format("a" + extension)), extension);
 }
 
-// Every extension has a writer and a description of its own: each file is read as what it is.
+// Every extension has its own writer and description: each file is recognised as its format.
 TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(6, 5);
@@ -45,7 +45,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
         {".glb", "glTF"},  {".gltf", "{"},         {".drc", "DRACO"},  {".obj", "# "},
         {".ply", "ply\n"}, {".stl", "binary STL"}, {".usdz", "PK\3\4"}};
     for (const std::string& extension : export_extensions()) {
-        if (extension == ".html") continue;  // asks for more: viewer/html_test.cpp
+        if (extension == ".html") continue;  // needs more than the other formats: viewer/html_test.cpp
         const fs::path path = folder / ("a" + extension);
         export_scene({&mesh, nullptr, kGenerator, "{}"}, {}, path);
         std::ifstream file(path, std::ios::binary);
@@ -150,7 +150,7 @@ TEST_P(EveryFormat, FullDeviceIsOutputErrorAndLeavesNothing) {
 TEST_P(EveryFormat, FailureOfTheLastFileLeavesNone) {
     const auto paths = export_scene(scene_, {}, folder_ / name_);
     for (const fs::path& path : paths) fs::remove(path);
-    fs::create_directory(paths.back());  // what the last file would be called
+    fs::create_directory(paths.back());  // a folder with the name of the last file
     std::string message;
     EXPECT_EQ(kind_of([&] { export_scene(scene_, {}, folder_ / name_); }, message), ErrorKind::output);
     EXPECT_NE(message.find(paths.back().string()), std::string::npos) << message;

@@ -1,4 +1,4 @@
-// A small surface and folders to write it into, for the exporters' tests.
+// A small surface, and folders to write it to, for the exporters' tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 
 namespace hexrelief {
 
-// A wavy surface of columns x rows vertices, about 2 m in front of the camera, as the surface stage would
-// make it.
+// Returns a wavy surface of columns x rows vertices, about 2 m in front of the camera, like one
+// from the surface stage.
 inline SurfaceMesh sample_mesh(int columns, int rows) {
     SurfaceMesh mesh;
     for (int row = 0; row < rows; ++row) {
@@ -47,7 +47,7 @@ inline SurfaceMesh sample_mesh(int columns, int rows) {
     return mesh;
 }
 
-// A camera that sees that surface, with disparities of 2.8 to 3.8 px.
+// Returns a camera that sees that surface with disparities of 2.8 to 3.8 px.
 inline Calibration sample_camera() {
     Calibration camera;
     camera.focal_px = 64;
@@ -58,7 +58,7 @@ inline Calibration sample_camera() {
     return camera;
 }
 
-// Red grows to the right, green downwards, blue tells a checkerboard.
+// Returns a texture whose red grows to the right and green downwards; its blue is a checkerboard.
 inline Image sample_texture(int width, int height, int channels = 3) {
     Image image{width, height, channels, {}};
     for (int y = 0; y < height; ++y) {
@@ -74,7 +74,7 @@ inline Image sample_texture(int width, int height, int channels = 3) {
 
 inline constexpr const char* kGenerator = "hexrelief test";
 
-// A folder of its own, removed with all it holds.
+// A temporary folder, removed with its contents.
 class TemporaryFolder {
   public:
     TemporaryFolder() {

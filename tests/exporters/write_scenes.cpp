@@ -31,7 +31,7 @@ class Writer {
     }
     ~Writer() { put(folder_ / "expected.json", expected_.dump()); }
 
-    // vertex_by_vertex: expected.json tells what every vertex must come back as.
+    // vertex_by_vertex: expected.json lists the value of every vertex.
     void write(const std::string& name, const SurfaceMesh& mesh, const Image* texture,
                const ExportConfig& config, bool vertex_by_vertex = true,
                const std::vector<const SurfaceMesh*>& coarser = {}) {
@@ -118,7 +118,7 @@ void write_all(const std::filesystem::path& folder) {
         fine.tolerance_deg = 0.02;
         out.write(stem + "-fine.glb", small, &colour, fine);
         ExportConfig coarse = config;
-        coarse.tolerance_px = 0.6;  // 8 bits serve
+        coarse.tolerance_px = 0.6;  // 8 bits suffice
         coarse.tolerance_deg = 5;
         out.write(stem + "-coarse.glb", small, &colour, coarse);
         ExportConfig shapes = config;

@@ -1,4 +1,4 @@
-// Runs the built program, and gives each test a folder of its own.
+// Runs the built program, and gives each test a temporary folder.
 #pragma once
 
 #include <sys/types.h>
@@ -10,24 +10,24 @@
 namespace hexrelief::test {
 
 struct ProcessResult {
-    int exit_code = -1;  // -signal where the process died of one
+    int exit_code = -1;  // -signal if a signal ended the process
     std::string out, err;
 };
 
 ProcessResult run_program(const std::vector<std::string>& arguments);
 
-// Expects this exit code, one line on stderr that starts with the program's name and holds `part`, and
-// nothing on stdout.
+// Expects this exit code, a single line on stderr that starts with the program's name and contains `part`,
+// and nothing on stdout.
 void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part);
 
-// The exit code with standard output going to a file that exists.
+// Returns the exit code of a run whose standard output goes to an existing file.
 int run_program_into(const std::string& out, const std::vector<std::string>& arguments);
 
-// Starts it without waiting; output is dropped.
+// Starts the program without waiting; its output is dropped.
 pid_t start_program(const std::vector<std::string>& arguments);
 int wait_for_exit(pid_t process);
 
-// An empty folder, removed with all it holds at the end.
+// A temporary folder, removed with its contents at the end.
 class TemporaryFolder {
   public:
     TemporaryFolder();
@@ -45,10 +45,10 @@ class TemporaryFolder {
 std::string read_text(const std::filesystem::path& path);
 void write_text(const std::filesystem::path& path, const std::string& text);
 
-// A file of the synthetic pair: left.png, right.png, disparity.pfm, calib.txt.
+// Returns the path of a file of the synthetic pair: left.png, right.png, disparity.pfm, calib.txt.
 std::string sample(const std::string& name);
 
-// Arguments for the sample pair with what is given appended.
+// Returns the arguments for the sample pair, followed by `more`.
 std::vector<std::string> pair_arguments(const std::vector<std::string>& more);
 
 }  // namespace hexrelief::test

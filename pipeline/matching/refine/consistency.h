@@ -30,7 +30,8 @@ struct TrustedMatches {
     Raster<std::int32_t> nearest_seen;
 };
 
-// Returns the median of each pixel and its neighbours; unknown pixels stay unknown.
+// Returns the median of each pixel and its eight neighbours, like step::median_around(): an unknown pixel
+// becomes known if five or more neighbours are known.
 Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool);
 
 // Returns the matches that both views' medians agree on, without speckles.

@@ -37,8 +37,8 @@ HEXRELIEF_HD std::int16_t median_of_nine(std::int16_t v[9]) {
     return v[4];
 }
 
-// Returns the median of a pixel and its eight neighbours. Unknown neighbours count as the pixel itself; an
-// unknown pixel stays unknown.
+// Returns the median of a pixel and its eight neighbours. Unknown neighbours count as the pixel itself. An
+// unknown pixel counts as less than any disparity, so it becomes known if five or more neighbours are known.
 HEXRELIEF_HD std::int16_t median_around(const std::int16_t* at, std::ptrdiff_t stride) {
     const std::int16_t own = *at;
     std::int16_t v[9] = {at[-stride - 1], at[-stride],    at[-stride + 1], at[-1],        own,

@@ -30,7 +30,7 @@ std::vector<std::array<float, N>> values(const draco::Mesh& mesh, draco::Geometr
     return out;
 }
 
-// For each decoded vertex the index of the nearest given one.
+// Returns for each decoded vertex the index of the nearest given one.
 std::vector<std::size_t> nearest(const std::vector<std::array<float, 3>>& found,
                                  const std::vector<Vec3f>& given) {
     std::vector<std::size_t> out;
@@ -62,7 +62,7 @@ void fill_for_draco(const SurfaceMesh& mesh, draco::Mesh& out) {
     add(draco::GeometryAttribute::TEX_COORD, mesh.texcoords);
 }
 
-class DracoBits : public ::testing::TestWithParam<int> {};  // level
+class DracoBits : public ::testing::TestWithParam<int> {};  // the parameter is the level
 
 TEST_P(DracoBits, DrcHoldsTheMeshWithinQuantisation) {
     const TemporaryFolder folder;
@@ -86,7 +86,8 @@ TEST_P(DracoBits, DrcHoldsTheMeshWithinQuantisation) {
         EXPECT_NEAR(positions[i][1], p.y, 0.51f * step);
         EXPECT_NEAR(positions[i][2], p.z, 0.51f * step);
         EXPECT_NEAR(texcoords[i][0], mesh.texcoords[source[i]].x, 0.51f / 4095);
-        EXPECT_NEAR(texcoords[i][1], mesh.texcoords[source[i]].y, 0.51f / 4095);  // top left stays the origin
+        // The origin stays at the top left.
+        EXPECT_NEAR(texcoords[i][1], mesh.texcoords[source[i]].y, 0.51f / 4095);
         const Vec3f& n = mesh.normals[source[i]];
         EXPECT_GT(normals[i][0] * n.x + normals[i][1] * n.y + normals[i][2] * n.z, 0.999f);
     }
@@ -97,7 +98,7 @@ TEST_P(DracoBits, DrcHoldsTheMeshWithinQuantisation) {
         EXPECT_GT((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]), 0);
     }
     std::sort(source.begin(), source.end());
-    EXPECT_EQ(std::unique(source.begin(), source.end()), source.end());  // one to one
+    EXPECT_EQ(std::unique(source.begin(), source.end()), source.end());  // a one-to-one mapping
 }
 
 INSTANTIATE_TEST_SUITE_P(Levels, DracoBits, ::testing::Values(0, 3, 7, 10));
@@ -121,7 +122,8 @@ TEST(Draco, BoundsAreThoseOfTheDecodedPositions) {
     }
 }
 
-// Through Draco's own front door, with the predictions given; a prediction of -1000 is Draco's choice.
+// Encodes by Draco's own interface, with the given predictions; a prediction of -1000 leaves
+// the choice to Draco.
 std::size_t bytes_by_expert_encoder(const draco::Mesh& mesh, const DracoQuantisation& quantisation,
                                     int normals, int texcoords) {
     draco::ExpertEncoder encoder(mesh);
@@ -186,8 +188,7 @@ TEST(Draco, AttributesThatAreMissingStayMissing) {
     EXPECT_EQ(encoded.texcoord_id, -1);
 }
 
-// Two surfaces that touch in one vertex, an unused vertex and a triangle without area: the counts are the
-// decoder's.
+// The mesh has two surfaces that touch in one vertex, an unused vertex and a triangle without area.
 TEST(Draco, UnevenMeshesAreCountedAsDecoded) {
     SurfaceMesh mesh;
     mesh.positions = {{0, 0, -1}, {1, 0, -1}, {0, 1, -1}, {-1, 0, -1}, {0, -1, -1}, {5, 5, -5}};

@@ -1,4 +1,5 @@
-// Grids keep their tolerance, are no finer than they must be, and the smoothing only ever helps.
+// Checks that grids keep their tolerance and are no finer than necessary, and that smoothing
+// never makes them worse.
 #include <random>
 
 #include "exporters/compression/draco_plan.h"
@@ -11,7 +12,8 @@
 namespace hexrelief {
 namespace {
 
-// Noisy vertices near and far, and far from the axis: x, y in -1 .. 1 m, depths of 0.8 to 20 m.
+// Returns a mesh of noisy vertices near and far, and far from the axis: x, y in -1 .. 1 m, depths of
+// 0.8 to 20 m.
 SurfaceMesh rough_mesh(int columns, int rows) {
     SurfaceMesh mesh = sample_mesh(columns, rows);
     std::mt19937 random(3);
@@ -91,7 +93,8 @@ TEST(TexcoordGrid, KeepsTheTolerance) {
     }
 }
 
-// A vertex with next to no disparity may come much nearer, and must not make the grid coarser for the others.
+// A vertex with almost no disparity may be moved much nearer within the tolerance, so the grid need not
+// extend to its depth.
 TEST(PositionGridOfFarVertices, TakesFewBits) {
     SurfaceMesh mesh = sample_mesh(12, 9);
     const Calibration camera = camera_of(0);
@@ -104,7 +107,7 @@ TEST(PositionGridOfFarVertices, TakesFewBits) {
     EXPECT_EQ(plan.transform.translation, FileTransform().translation);
 }
 
-// Sum of |a + b - c - d| over all pairs of triangles with a common edge, found the slow way.
+// Returns the sum of |a + b - c - d| over all pairs of triangles with a common edge, by plain loops.
 long long unevenness(const std::vector<Triangle>& triangles, const std::vector<std::int32_t>& cells) {
     long long sum = 0;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -175,7 +178,7 @@ TEST(GridSmoothing, LowersTheUnevennessWithinTheRanges) {
     }
 }
 
-// In px, of what Draco gives back.
+// Returns the largest error in px of the values that Draco returns.
 double worst_decoded_px(const SurfaceMesh& mesh, const Calibration& camera, GridShape shape,
                         double tolerance_px) {
     const Scene scene{&mesh, nullptr, "", "", &camera};
@@ -206,7 +209,7 @@ TEST(DracoPlan, DecodedPositionsKeepTheTolerance) {
             EXPECT_LE(worst_decoded_px(rough_mesh(24, 18), camera_of(3), shape, tolerance), tolerance);
 }
 
-// The six decimals that Draco keeps by itself are not enough there.
+// The six decimals of Draco's default are not enough for small scenes.
 TEST(DracoPlan, SmallScenesKeepTheToleranceToo) {
     for (const float scale : {1e-3f, 1e-5f, 1e-10f, 1e-30f}) {
         SurfaceMesh mesh = rough_mesh(12, 9);
@@ -218,7 +221,7 @@ TEST(DracoPlan, SmallScenesKeepTheToleranceToo) {
     }
 }
 
-// Even in floats of less than 24 bits.
+// Refused even for denormal floats, which have less than 24 bits.
 TEST(DracoPlan, RefusesWhatADecoderWouldNotFindAgain) {
     SurfaceMesh mesh = sample_mesh(12, 9);
     for (Vec3f& p : mesh.positions) p = {p.x * 1e-40f, p.y * 1e-40f, p.z * 1e-40f};

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The message of the Error(output) that call throws.
+// Returns the message of the Error(output) that the call throws.
 std::string output_error(const std::function<void()>& call) {
     try {
         call();
@@ -164,7 +164,7 @@ TEST(FileTransaction, LeftoversGoButNotThoseOfTheLiving) {
     EXPECT_EQ(folder.entries(), 3);
 }
 
-// Ends as commit() would, killed after the first of two renames.
+// Ends like a commit() that is killed after the first of two renames.
 void kill_between_renames(const std::filesystem::path& folder) {
     const pid_t child = fork();
     if (child == 0) {
@@ -247,7 +247,7 @@ TEST(FileTransaction, ReadOnlyFileSystem) {
         std::string::npos);
 }
 
-// In a child that is not root, to whom permissions mean nothing.
+// Runs in a child that is not root, because permissions do not apply to root.
 TEST(FileTransactionDeathTest, ReadOnlyFileAndFolder) {
     const TemporaryFolder folder;
     put(folder / "a", "old");

@@ -1,6 +1,6 @@
 #include <draco/compression/decode.h>
 
-// As in exporters/formats/gltf/model.cpp: libdraco exports a tinygltf of another layout.
+// As in exporters/formats/gltf/model.cpp: libdraco exports a tinygltf with another layout.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_ENABLE_DRACO
 #define TINYGLTF_NO_STB_IMAGE
@@ -16,7 +16,7 @@
 namespace hexrelief {
 namespace {
 
-// Keeps the encoded bytes, which is all that these tests look at.
+// Keeps the encoded bytes, the only part that these tests examine.
 bool keep_image(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
                 const unsigned char* bytes, int size, void*) {
     image->image.assign(bytes, bytes + size);
@@ -36,7 +36,7 @@ tinygltf::Model load(const std::filesystem::path& path) {
     return model;
 }
 
-// The accessor's bytes, which the exporter writes without a stride.
+// Returns the accessor's bytes, which the exporter writes without a stride.
 const unsigned char* bytes_of(const tinygltf::Model& model, const tinygltf::Accessor& accessor) {
     const tinygltf::BufferView& view = model.bufferViews.at(accessor.bufferView);
     EXPECT_EQ((view.byteOffset + accessor.byteOffset) % 4, 0u);
@@ -103,7 +103,7 @@ TEST_P(Gltf, PlainMeshComesBackExactly) {
               TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
 }
 
-// A vertex that the calibration puts at a pixel is there in the glTF camera's picture, too.
+// A vertex that the calibration projects to a pixel is at that pixel in the glTF camera's picture, too.
 TEST_P(Gltf, CameraSeesWhatTheLeftCameraSaw) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     Calibration camera = sample_camera();
@@ -111,7 +111,7 @@ TEST_P(Gltf, CameraSeesWhatTheLeftCameraSaw) {
     camera.cy = 20;
     Scene scene{&mesh, nullptr, kGenerator, extras_, &camera};
     export_scene(scene, {}, path_);
-    EXPECT_TRUE(load(path_).cameras.empty());  // the image's size is not known
+    EXPECT_TRUE(load(path_).cameras.empty());  // because the image's size is unknown
     camera.width = 64;
     camera.height = 48;
     export_scene(scene, {}, path_);
@@ -168,7 +168,7 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
     }
 }
 
-// What the lights fall on has normals, unless it is said otherwise.
+// A mesh that lights fall on has normals, unless the configuration says otherwise.
 TEST_P(Gltf, MaterialDecidesAboutNormals) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     const Image texture = sample_texture(64, 48);
@@ -275,7 +275,7 @@ TEST_P(Gltf, DracoViewDecodesToWhatTheAccessorsSay) {
     EXPECT_EQ(json.at("accessors").size(), 4u);
     for (const auto& accessor : json.at("accessors")) EXPECT_FALSE(accessor.contains("bufferView"));
 
-    // tinygltf has decoded the mesh for itself by now.
+    // tinygltf has decoded the mesh itself by now.
     const tinygltf::Accessor& accessor = model.accessors.at(primitive.attributes.at("POSITION"));
     const std::vector<Vec3f> positions = read<Vec3f>(model, primitive.attributes.at("POSITION"));
     ASSERT_EQ(positions.size(), mesh.positions.size());

@@ -1,4 +1,4 @@
-// OBJ, PLY and STL, read back by small parsers of the tests' own.
+// Tests OBJ, PLY and STL by the tests' own small parsers.
 #include <cstring>
 #include <sstream>
 
@@ -102,7 +102,7 @@ TEST(Obj, TextureNeverTakesThePhotographsName) {
     EXPECT_EQ(contents(folder / "photo.jpg"), "the input");
 }
 
-// Bilinear with pixel centres at +0.5, straight from the definition.
+// Returns a bilinearly sampled colour; pixel centres are at +0.5. Written straight from the definition.
 double colour_at(const Image& image, const Vec2f& t, int channel) {
     const double x = std::clamp(t.x * image.width - 0.5, 0.0, image.width - 1.0);
     const double y = std::clamp(t.y * image.height - 0.5, 0.0, image.height - 1.0);
@@ -116,7 +116,8 @@ double colour_at(const Image& image, const Vec2f& t, int channel) {
     return sum;
 }
 
-class Ply : public ::testing::TestWithParam<int> {};  // channels of the texture, 0 = none
+// The parameter is the number of the texture's channels, 0 = no texture.
+class Ply : public ::testing::TestWithParam<int> {};
 
 TEST_P(Ply, ComesBackWithColours) {
     const TemporaryFolder folder;

@@ -1,4 +1,4 @@
-// USDZ, read back by a small parser of the test's own. tests/clients/ shows the files in other programs.
+// Tests USDZ by the test's own small parser. tests/clients/ shows the files in other programs.
 #include <cstring>
 #include <sstream>
 
@@ -11,7 +11,7 @@ struct StoredFile {
     std::string name, bytes;
 };
 
-// Walks from header to header, as the archive has nothing between its files.
+// Walks from header to header, since the archive has nothing between its files.
 std::vector<StoredFile> read_archive(const std::string& archive) {
     std::vector<StoredFile> files;
     std::size_t at = 0;
@@ -85,7 +85,7 @@ TEST(Usdz, MaterialsAndTextures) {
     const SurfaceMesh mesh = sample_mesh(4, 4);
     const Image texture = sample_texture(16, 16);
     ExportConfig config;
-    config.texture = TextureFormat::webp;  // which no USDZ may hold
+    config.texture = TextureFormat::webp;  // USDZ must not contain WebP
     export_scene({&mesh, &texture, "a \"b\"\n", ""}, config, folder / "a.usdz");
     std::vector<StoredFile> files = read_archive(contents(folder / "a.usdz"));
     EXPECT_EQ(files.at(1).name, "texture.jpg");

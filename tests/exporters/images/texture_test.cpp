@@ -1,4 +1,4 @@
-// Which part of the picture goes into the file, and at what size.
+// Tests which part of the picture goes into the file, and its size.
 #include "exporters/images/texture.h"
 
 #include <webp/decode.h>
@@ -21,7 +21,7 @@ TEST(Texture, IsCroppedToWhatTheMeshShows) {
     const Image image = sample_texture(64, 48);
     const TexturedMesh out = textured_mesh({&mesh, &image, "", ""}, {});
     const Image texture = texture_of(image, out);
-    // x 16 .. 32 px and y 24 .. 36 px, and two px around it.
+    // The part is x 16 .. 32 px and y 24 .. 36 px, with a margin of two px.
     ASSERT_EQ(texture.width, 20);
     ASSERT_EQ(texture.height, 16);
     for (int y = 0; y < 16; ++y)
@@ -73,7 +73,7 @@ TEST(Texture, SizeCapAveragesAreas) {
             EXPECT_NEAR(*out.at(x, y), sum / 9.0, 0.51);
         }
     }
-    config.texture_max_px = 4;  // pixels that are shared between two: the mean stays
+    config.texture_max_px = 4;  // pixels are shared between two, but the mean is unchanged
     const Image shared = texture();
     EXPECT_EQ(shared.width, 4);
     EXPECT_EQ(shared.height, 3);
@@ -101,7 +101,7 @@ TEST(Texture, AttributesAreOptional) {
     EXPECT_TRUE(out.mesh.texcoords.empty() && !out.textured);
 }
 
-class WebpQuality : public ::testing::TestWithParam<int> {};  // channels
+class WebpQuality : public ::testing::TestWithParam<int> {};  // the parameter is the number of channels
 
 TEST_P(WebpQuality, ComesBackNearlyAsItWas) {
     const Image image = sample_texture(64, 48, GetParam());

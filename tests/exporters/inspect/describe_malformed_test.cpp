@@ -1,4 +1,4 @@
-// Whatever a file holds, describe_mesh() returns or throws an Error that names it.
+// Tests that describe_mesh() returns or throws an Error that names the file, whatever the file holds.
 #include <sys/stat.h>
 
 #include <csignal>
@@ -58,7 +58,7 @@ TEST_P(Malformed, Truncated) {
     ASSERT_NO_THROW(describe_mesh(path_));
     for (const double share : {0.01, 0.1, 0.3, 0.5, 0.7, 0.9}) {
         put(path_, bytes.substr(0, static_cast<std::size_t>(bytes.size() * share)));
-        // A text cut between two lines is a shorter OBJ, and only its faces can tell.
+        // An OBJ cut between two lines is a valid shorter OBJ; only the number of its faces differs.
         if (path_.extension() == ".obj") {
             try {
                 EXPECT_LT(describe_mesh(path_).triangles, 176);
@@ -122,7 +122,7 @@ TEST(MalformedFile, HugeClaims) {
         R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + chain + "{}]}");
     EXPECT_EQ(describe_mesh(folder / "g.gltf").vertices, 0) << "a chain of nodes";
     std::ofstream(folder / "huge.obj").close();
-    std::filesystem::resize_file(folder / "huge.obj", std::uintmax_t{3} << 30);  // sparse
+    std::filesystem::resize_file(folder / "huge.obj", std::uintmax_t{3} << 30);  // a sparse file
     expect_input_error(folder / "huge.obj", "3 GiB");
 }
 
@@ -138,7 +138,7 @@ TEST(MalformedFile, ObjNumbersAndIndices) {
 
 TEST(MalformedFile, ObjLibrariesThatAreNoFiles) {
     const TemporaryFolder folder;
-    ASSERT_EQ(mkfifo((folder / "pipe.mtl").c_str(), 0600), 0);  // opening it would wait for ever
+    ASSERT_EQ(mkfifo((folder / "pipe.mtl").c_str(), 0600), 0);  // opening it would block for ever
     put(folder / "a.obj", "mtllib pipe.mtl\nmtllib /dev/zero\nv 0 0 0\n");
     EXPECT_EQ(describe_mesh(folder / "a.obj").texture_bytes, 0);
 }
@@ -151,7 +151,7 @@ TEST(MalformedFile, MissingBufferFile) {
     expect_input_error(paths[0], "a missing .bin");
 }
 
-// Thousands of primitives in thousands of places: their boxes are not looked at one by one.
+// There are too many primitives in too many places to examine each box.
 TEST(DescribeGltf, ManyPrimitivesInManyPlaces) {
     std::string nodes, roots, primitives;
     for (int i = 0; i < 20000; ++i) {
@@ -174,7 +174,7 @@ std::string word(std::uint32_t value) {
     return std::string(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// What it says of its JSON's length cannot be held against that.
+// The length that such a file states for its JSON cannot be compared with the header's.
 TEST(MalformedFile, AGlbShorterThanItsHeader) {
     const TemporaryFolder folder;
     for (const std::uint32_t length : {0u, 12u, 19u}) {
@@ -227,7 +227,7 @@ TEST(Limited, WildWorkEndsAlone) {
               std::string::npos);
     EXPECT_NE(refusal({1, 1u << 30, 10},
                       []() -> WorkBytes {
-                          raise(SIGXCPU);  // as the kernel does, once the time is up
+                          raise(SIGXCPU);  // as the kernel does when the time is up
                           return {};
                       })
                   .find("more than 1 s"),

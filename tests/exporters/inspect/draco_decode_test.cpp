@@ -19,7 +19,7 @@ TEST(DracoDecode, GivesBackPositionsAndTriangles) {
     ASSERT_EQ(back.positions.size(), mesh.positions.size());
     ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
     const auto area_sum = [](const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles) {
-        double sum = 0;  // as seen from the camera; a wrong corner or turned triangle would show
+        double sum = 0;  // as seen from the camera; sensitive to wrong corners and reversed triangles
         for (const Triangle& t : triangles) {
             const Vec3f &a = positions[t[0]], &b = positions[t[1]], &c = positions[t[2]];
             sum += double(b.x - a.x) * (c.y - a.y) - double(b.y - a.y) * (c.x - a.x);

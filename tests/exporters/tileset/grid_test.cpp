@@ -15,7 +15,7 @@ namespace {
 using Place = std::array<double, 3>;
 using Bytes = std::vector<std::uint8_t>;
 
-// A GLB's positions as its node places them, in double.
+// The positions of a GLB as its node places them, in double precision.
 class GlbPositions {
   public:
     explicit GlbPositions(const std::filesystem::path& path) {
@@ -150,7 +150,7 @@ std::vector<GridCase> grid_cases() {
         cases.push_back({name, compression, 0x1p-10, {0, 0, -4'000'000}, 20});
         cases.push_back({name, compression, 0x1p-10, far, 20});
         cases.push_back({name, compression, 0x1p-10, far, 200});                // more than 16 bits
-        cases.push_back({name, compression, 0x1p-30, {0, 0, -4'000'000}, 20});  // of a microscope
+        cases.push_back({name, compression, 0x1p-30, {0, 0, -4'000'000}, 20});  // a microscope's
         cases.push_back({name, compression, 4, far, 20});
     }
     return cases;
@@ -158,7 +158,7 @@ std::vector<GridCase> grid_cases() {
 
 INSTANTIATE_TEST_SUITE_P(Compressions, ExactGrid, ::testing::ValuesIn(grid_cases()));
 
-// A .drc keeps positions from the mesh's own origin, as exactly.
+// A .drc keeps positions relative to the mesh's own origin, with the same precision.
 TEST(ExactGridInDrc, EveryPositionIsItsCell) {
     TemporaryFolder folder;
     const GridTile tile = grid_tile({0, 0}, {20, 4}, 1, 0x1p-30, {0, 0, -4'000'000});

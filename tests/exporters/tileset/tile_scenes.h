@@ -1,4 +1,4 @@
-// Made-up neighbouring tiles, each with an origin of its own, whose borders share their vertices.
+// Synthetic neighbouring tiles, each with its own origin, whose borders share their vertices.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace hexrelief {
 
-// A vertex in space, in whole steps.
+// A vertex in space, in integer steps.
 using Cell = std::array<std::int64_t, 3>;
 
 struct GridTile {
@@ -19,8 +19,8 @@ struct GridTile {
     std::array<double, 3> low_m = {}, high_m = {};  // of the positions in space
 };
 
-// A surface of hills, of which a tile takes the vertices of the columns and rows [first, last], each `every`
-// lattice points apart. far: the steps from the origin of space to that of the surface.
+// Returns a tile of a hilly surface: the vertices of its columns and rows [first, last], taken every `every`
+// lattice points. far: the steps from the origin of space to that of the surface.
 inline GridTile grid_tile(std::array<int, 2> first, std::array<int, 2> last, int every, double step_m,
                           const Cell& far) {
     constexpr std::int64_t kSpacing = 640;  // steps between lattice points

@@ -22,7 +22,7 @@ std::string name_of(int level, int x, int y) {
     return "t/" + std::to_string(level) + "/" + std::to_string(x) + "/" + std::to_string(y) + ".glb";
 }
 
-// Tiles of unequal sizes; of the finest level some are missing, and the root has nothing to show.
+// Returns tiles of unequal sizes; some tiles of the finest level are missing, and the root has no content.
 std::vector<TilesetTile> made_up_tiles() {
     std::vector<TilesetTile> tiles;
     for (int level = 0; level < kLevels; ++level) {
@@ -40,7 +40,7 @@ std::vector<TilesetTile> made_up_tiles() {
     return tiles;
 }
 
-// Of a box that is not turned, in a tileset's axes.
+// Returns the corners of an axis-aligned box, in a tileset's axes.
 Corners corners(const Box& box) {
     Corners out;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -87,7 +87,7 @@ TEST(Tileset, ExplicitFormHasEveryTile) {
     for (const TilesetTile& tile : tiles) {
         const std::string name = tile.has_content ? name_of(tile.level, tile.x, tile.y) : "";
         ASSERT_TRUE(told.count(name)) << name;
-        // glTF's y is up, a tileset's z.
+        // Up is y in glTF and z in a tileset.
         const auto& [low, high] = std::pair{tile.low_m, tile.high_m};
         EXPECT_TRUE(holds(corners(told[name].box), {{low[0], -high[2], low[1]}, {high[0], -low[2], high[1]}}))
             << name;
@@ -95,7 +95,7 @@ TEST(Tileset, ExplicitFormHasEveryTile) {
     }
 }
 
-// A subtree file as 3D Tiles 1.1 has it.
+// A subtree file, parsed by the definition of 3D Tiles 1.1.
 class Subtree {
   public:
     explicit Subtree(const std::vector<std::uint8_t>& bytes) {
@@ -141,7 +141,7 @@ class Subtree {
     std::vector<std::uint8_t> data_;
 };
 
-// The bits of x and y in turn, those of x in the even places.
+// Interleaves the bits of x and y, those of x in the even places.
 std::size_t morton(int x, int y) {
     std::size_t out = 0;
     for (int bit = 0; bit < 16; ++bit)
@@ -161,7 +161,7 @@ TEST(Tileset, ImplicitFormSaysTheSame) {
     EXPECT_EQ(tiling["availableLevels"], kLevels);
     EXPECT_EQ(tiling["subtrees"]["uri"], "subtrees/{level}/{x}/{y}.subtree");
     const int levels = tiling["subtreeLevels"];
-    ASSERT_LT(levels, kLevels);  // the made-up tree has subtrees below the first
+    ASSERT_LT(levels, kLevels);  // the tree has subtrees below the first
     std::map<std::string, Subtree> subtrees;
     for (const auto& [name, bytes] : halved.subtrees) subtrees.emplace(name, Subtree(bytes));
 

@@ -49,8 +49,8 @@ TEST_F(Page, HoldsTheMeshInAllLevels) {
     scene_.coarser = {&half_};
     const auto path = folder_ / "a.html";
     ExportConfig config;
-    config.compression = Compression::draco;   // the page's own is meshopt
-    config.lod_storage = LevelStorage::files;  // it holds all levels
+    config.compression = Compression::draco;   // the page itself uses meshopt
+    config.lod_storage = LevelStorage::files;  // the page itself holds all levels
     EXPECT_EQ(export_scene(scene_, config, path).size(), 1u);
     const MeshDescription seen = describe_mesh(path);
     EXPECT_EQ(seen.format, "html");
@@ -75,7 +75,7 @@ TEST_F(Page, NamesAndTextsAreEscaped) {
 }
 
 TEST_F(Page, IsSmallWithoutItsMesh) {
-    // Noise is what compresses worst.
+    // Noise compresses worst.
     Image noise = sample_texture(130, 130);
     std::uint32_t state = 1;
     for (std::uint8_t& sample : noise.pixels)

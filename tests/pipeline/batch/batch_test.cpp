@@ -1,4 +1,4 @@
-// Units by several processes, with the jobs' own requests in place of a command line's.
+// Tests batches of several processes, with RunRequests made by the test instead of from a command line.
 #include "pipeline/batch/batch.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
-// A unit's words: its output, the map, and what is to happen to its process.
+// Makes a request from a unit's words: its output, the map, and what happens to its process.
 RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
@@ -78,7 +78,7 @@ TEST(RunUnits, NoUnitStopsTheOthers) {
     EXPECT_EQ(result.units[3].message, "internal error: not even an Error");
 }
 
-// The first time that a unit's words are read is here, for its memory; the second time in a worker.
+// A unit's words are read twice: first in this process, to estimate its memory, then in a worker.
 TEST(RunUnits, AKilledWorkerIsReplaced) {
     const TemporaryFolder folder;
     std::vector<BatchUnit> units = sample_units(folder, 4);

@@ -1,4 +1,4 @@
-// Manifests and folders as the command lines that they stand for.
+// Tests the command lines that manifests and folders become.
 #include "pipeline/batch/manifest.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ std::vector<BatchUnit> read_units(const TemporaryFolder& folder, const std::stri
     return read_manifest(folder / name, {.output = "out"});
 }
 
-// What is wrong with the one row of a manifest.
+// Returns the error in the only row of a manifest.
 std::string wrong_of(const std::string& name, const std::string& text) {
     const TemporaryFolder folder;
     const std::vector<BatchUnit> units = read_units(folder, name, text);
@@ -103,7 +103,7 @@ TEST(Manifest, RowsSayWhatIsWrongWithThem) {
     EXPECT_NE(wrong_of("m.jsonl", "{\"left\": }\n").find("not valid JSON"), std::string::npos);
     EXPECT_NE(wrong_of("m.jsonl", "[1]\n").find("not a JSON object"), std::string::npos);
     EXPECT_NE(wrong_of("m.yaml", "- left: {a: {b: {c: {d: {e: 1}}}}}\n").find("too deep"), std::string::npos);
-    // What a row says is told in one line.
+    // The error in a row is a single line.
     for (const std::string row : {"left,strict\na,\"x\ny\"\n", "left,\"x.\ny\",\"x.\ny\"\na,1,2\n"}) {
         const std::string wrong = wrong_of("m.csv", row);
         EXPECT_FALSE(wrong.empty() || wrong.find('\n') != std::string::npos) << wrong;

@@ -1,4 +1,4 @@
-// The table, the progress and the rule of memory of a batch.
+// Tests the table, the progress and the memory rule of a batch.
 #include "pipeline/batch/table.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// `hexrelief bench batch` on the sample pair, laid out as the data sets are.
+// Tests `hexrelief bench batch` on the sample pair, laid out like the data sets.
 #include "pipeline/bench/batch/batch.h"
 
 #include <gtest/gtest.h>

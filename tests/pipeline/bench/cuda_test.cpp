@@ -1,4 +1,4 @@
-// `hexrelief bench cuda` where there is no device: what it refuses, its scene and its rows.
+// Tests `hexrelief bench cuda` without a device: its refusals, its scene and its rows.
 #include "pipeline/bench/cuda.h"
 
 #include <gtest/gtest.h>
@@ -120,7 +120,7 @@ Row paper_row() {
     row.map = "conesM";
     row.solver = "paper";
     row.kernels = "multiple";
-    row.memory = "2-texture";  // a single character sets off a false warning of g++ 12
+    row.memory = "2-texture";  // a single character triggers a false warning of g++ 12
     row.block_extraction = 64;
     row.block_search = 8;
     row.block_learning = 256;

@@ -1,4 +1,4 @@
-// `hexrelief bench match` on small made-up pairs in the data sets' layout.
+// Tests `hexrelief bench match` on small synthetic pairs in the data sets' layout.
 #include "pipeline/bench/match/match.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 96, kHeight = 48;
 
-// A wall at 4 px with a box at 12 px in front of it, both with a texture of noise.
+// A wall at 4 px with a box at 12 px in front of it, both textured with noise.
 int true_disparity(int x, int y) {
     return x >= 40 && x < 70 && y >= 12 && y < 36 ? 12 : 4;
 }

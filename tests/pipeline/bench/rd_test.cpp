@@ -1,4 +1,5 @@
-// `hexrelief bench rd` on small made-up maps in the data sets' layout, and its arithmetic at equal bytes.
+// Tests `hexrelief bench rd` on small synthetic maps in the data sets' layout, and its
+// arithmetic at equal bytes.
 #include "pipeline/bench/rd.h"
 
 #include <gtest/gtest.h>
@@ -164,7 +165,7 @@ TEST_F(BenchRd, SaysWhatIsWrong) {
     EXPECT_EQ(failure([](auto& o) { o.json = o.data / "nowhere" / "t.json"; }).find("4: "), 0u);
 }
 
-// The whole venus of SetUp as one square of its floor.
+// SetUp()'s venus as one square of its floor.
 constexpr const char* kFloor =
     "# x y disparity\nv 0 0 7.5\nv 90 0 13\nv 90 72 22\nv 0 72 16.5\nv 5 5 5\nf 1//1 2//2 3//1 -2\n";
 
@@ -295,7 +296,7 @@ TEST(BenchRdMeshes, AGridTakesItsPixelsDisparities) {
     for (std::size_t i = 0; i < grid.disparities.size(); ++i)
         EXPECT_EQ(grid.disparities[i], map.at(int(grid.image_points[i].x), int(grid.image_points[i].y)));
     EXPECT_EQ(measure_surface_quality(grid, map, 0, 1).slack_coverage, 1);
-    // Background to the right: only triangles with a corner in the foreground stay.
+    // The right part is background: only triangles with a corner in the foreground remain.
     EXPECT_EQ(measure_surface_quality(rd::uniform_mesh(map, 10, 5), map, 10, 1).slack_coverage, 1);
     EXPECT_EQ(rd::uniform_mesh(map, 10, 5).triangles.size(), 4u * 6u * 2u);
     map.at(7, 7) = kUnknownDisparity;

@@ -1,4 +1,4 @@
-// `hexrelief bench sparse` on a small made-up scene in the data sets' layout.
+// Tests `hexrelief bench sparse` on a small synthetic scene in the data sets' layout.
 #include "pipeline/bench/sparse/sparse.h"
 
 #include <gtest/gtest.h>

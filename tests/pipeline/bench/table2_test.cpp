@@ -1,4 +1,4 @@
-// `hexrelief bench table2` on small made-up maps in the data sets' layout.
+// Tests `hexrelief bench table2` on small synthetic maps in the data sets' layout.
 #include "pipeline/bench/table2.h"
 
 #include <gtest/gtest.h>
@@ -148,7 +148,7 @@ TEST_F(BenchTable2, SaysWhatIsWrong) {
     EXPECT_EQ(failure([](auto& o) { o.json = o.data / "nowhere" / "t.json"; }).find("4: "), 0u);
 }
 
-// The paper prints each set's means: a slip in copying its table would show.
+// The paper prints each set's means, which reveal errors in copying its table.
 TEST(BenchTable2Paper, FiguresHaveThePapersMeans) {
     struct Means {
         const char* set;

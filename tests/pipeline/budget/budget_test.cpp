@@ -1,4 +1,4 @@
-// Budgets instead of a spacing, through the built program.
+// Tests budgets instead of a spacing, by the built program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ TEST(Budget, BytesAreThoseOfTheFile) {
     EXPECT_EQ(o.report["budget"]["tolerance_px"], o.report["config"]["export"]["tolerance_px"]);
 }
 
-// Pages hold pictures of the stages, and levels of detail are coarser than what they are levels of.
+// Pages contain pictures of the stages, and levels of detail are coarser than the mesh.
 TEST(Budget, BytesCountPicturesAndLevels) {
     const TemporaryFolder folder;
     const auto expect_within = [&](const char* file, int most, std::vector<std::string> extra) {
@@ -133,7 +133,7 @@ TEST(Budget, TheTextureTakesPart) {
     EXPECT_EQ(given.process.exit_code, 2) << "the texture alone is larger";
 }
 
-// Where no preset is named; what is set stays.
+// A budget chooses the preset `compact` if no preset is named; explicit settings are kept.
 TEST(Budget, ChoosesTheCompactPreset) {
     const TemporaryFolder folder;
     const auto config = [&](const std::vector<std::string>& extra) {
@@ -181,7 +181,7 @@ TEST(Budget, ErrorIsKept) {
     }
 }
 
-// The configuration in the report makes the same bytes again without the search.
+// The configuration in the report gives the same bytes again, without the search.
 TEST(Budget, TheSpacingFoundMakesTheSameFile) {
     const TemporaryFolder folder;
     const Outcome found = run_map(folder, "a.drc", {"--max-bytes", "6000"});
@@ -199,7 +199,8 @@ TEST(Budget, TheSpacingFoundMakesTheSameFile) {
     EXPECT_TRUE(plain.report["budget"].is_null());
 }
 
-// export.tolerance_share: as fine as the surface is exact, and never coarser than tolerance_px.
+// With export.tolerance_share the tolerance follows the surface's accuracy, and is
+// never coarser than tolerance_px.
 TEST(Tolerance, FollowsTheSurfacesOwnError) {
     const TemporaryFolder folder;
     const auto tolerance = [&](const std::string& share, const std::string& most) {
@@ -207,7 +208,7 @@ TEST(Tolerance, FollowsTheSurfacesOwnError) {
             run_map(folder, "a.drc",
                     {"--set", "export.tolerance_share=" + share, "--set", "export.tolerance_px=" + most});
         EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
-        // The surface itself has the same error in any file; only the .obj's report shows it.
+        // The surface has the same error in every file; only the report of the .obj shows it.
         const Outcome exact = run_map(folder, "exact.obj", {});
         return std::pair{o.report["config"]["export"]["tolerance_px"].get<double>(),
                          exact.report["surface"]["flat_rmse_px"].get<double>()};
@@ -223,7 +224,7 @@ TEST(Tolerance, FollowsTheSurfacesOwnError) {
     EXPECT_DOUBLE_EQ(tolerance("0", "5").first, 5);
 }
 
-// The tolerance that the report names makes the same bytes again.
+// The tolerance in the report gives the same bytes again.
 TEST(Tolerance, HoldsInABudget) {
     const TemporaryFolder folder;
     const Outcome found = run_map(folder, "a.drc", {"--config", "compact", "--max-bytes", "5000"});

@@ -1,4 +1,4 @@
-// search_spacing() on figures that are formulas.
+// Tests search_spacing() with figures given by formulas.
 #include "pipeline/budget/spacing_search.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ Outcome search(const SpacingSearch& search, const SpacingFigure& figure) {
 std::optional<double> vertices(double spacing_px) {  // of a lattice over 900 x 750
     return std::round(900 / spacing_px) * std::round(750 / spacing_px);
 }
-std::optional<double> bytes(double spacing_px) {  // a texture that does not shrink, a little unsteadiness
+std::optional<double> bytes(double spacing_px) {  // with a texture of constant size, and some unsteadiness
     return 20000 + 5e6 * std::pow(spacing_px, -1.6) * (1 + 0.02 * std::sin(40 * spacing_px));
 }
 std::optional<double> error(double spacing_px) {
@@ -45,7 +45,7 @@ TEST(SpacingSearch, FinestLatticeWithinTheVertices) {
         EXPECT_EQ(run.found->value, *vertices(run.found->spacing_px));
         EXPECT_LE(run.found->solves, 12);
         EXPECT_EQ(run.found->solves, static_cast<int>(run.tried.size()));
-        // A lattice that is 3 % finer each way would break the limit, or nearly.
+        // A lattice that is 3 % finer in each direction would break the limit, or nearly.
         EXPECT_GT(*vertices(run.found->spacing_px * 0.97), 0.97 * limit) << limit;
     }
 }

@@ -1,4 +1,4 @@
-// The texture that a limit on bytes leaves room for.
+// Tests the choice of a texture for a limit on bytes.
 #include "pipeline/budget/texture_choice.h"
 
 #include <gtest/gtest.h>

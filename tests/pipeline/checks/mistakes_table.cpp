@@ -1,5 +1,5 @@
-// Makes each mistake on purpose on every pair and map of a folder with Middlebury's sets, and prints how many
-// of them are noticed, and what the figures behind the checks are for right and wrong inputs.
+// Makes each deliberate mistake on every pair and map of a folder with Middlebury's sets. Prints how many are
+// noticed, and the figures behind the checks for correct and wrong inputs.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,7 +29,7 @@ Findings judge(const StereoPair& pair, const SearchedRange& range = {}) {
     return check_pair(pair, match_coarsely(pair, range.min_px, kThreads), range, kThreads);
 }
 
-// A map whose samples were read by the scene's own scale.
+// Checks a map whose samples were read with the scene's own scale.
 Findings judge_map(const TestScene& scene, const DisparityMap& map, const Image& left) {
     return check_map(map, left, MapKind::disparity, {scene.files->scale});
 }
@@ -236,7 +236,7 @@ void map_figures(const DisparityMap& map, const Image& left, bool right, const s
                  checks::kLeastDeviations);
 }
 
-// Maps that know few pixels, and disparities as depth maps give them: metric, or only up to scale and offset.
+// Adds sparse maps, and disparities made from depth maps, either metric or relative (up to scale and offset).
 void right_maps(const TestScene& scene, Table& table) {
     const Image& left = scene.pair.left;
     table.add("right map", scene.name, judge_map(scene, scene.map, left), {});

@@ -1,4 +1,4 @@
-// Middlebury's scenes, each with its pair, its map and its camera where they are published.
+// Middlebury's scenes, each with its pair, its map and its camera as far as these are published.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 namespace hexrelief::mistakes {
 
 struct SceneFiles {
-    const char *folder, *left, *right, *map;  // left, right: nullptr where there are none
+    const char *folder, *left, *right, *map;  // left, right: nullptr if there are none
     double scale;                             // of the map
     double focal_px, baseline_m, doffs_px;    // 0 = not published
 };
@@ -18,12 +18,12 @@ struct SceneFiles {
 struct TestScene {
     const SceneFiles* files;
     std::string name;
-    StereoPair pair;  // empty where there are no pictures
+    StereoPair pair;  // empty if there are no pictures
     DisparityMap map;
     double largest_px = 0;
 };
 
-// Those that are in the folder `data`, and whose names have `wanted` in them.
+// Loads the scenes in the folder `data` whose names contain `wanted`.
 std::vector<TestScene> load(const std::filesystem::path& data, const std::string& wanted);
 
 }  // namespace hexrelief::mistakes

@@ -1,4 +1,4 @@
-// What is noticed of each kind of input, and the figures behind it.
+// Counts how often each kind of input is noticed, and collects the figures behind it.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,13 @@ namespace hexrelief::mistakes {
 
 using Findings = std::vector<Finding>;
 
-// What one kind of input came to.
+// The counts of one kind of input.
 struct Tally {
     int tried = 0, noticed = 0, otherwise = 0, silent = 0;
     std::vector<std::string> exceptions;
 };
 
-// A figure's extremes: the one of all right inputs that is nearest to wrong ones, and the other way round.
+// A figure's extremes: the one of correct inputs that is nearest to wrong ones, and vice versa.
 struct Extremes {
     bool large_is_right = false;
     double threshold = 0;
@@ -30,7 +30,7 @@ struct Extremes {
 
 class Table {
   public:
-    // expected: what may be said of this input; empty for right ones.
+    // expected: the mistakes that may be found in this input; empty for correct ones.
     void add(const std::string& input, const std::string& scene, const Findings& findings,
              const std::vector<Mistake>& expected) {
         const auto known =

@@ -1,4 +1,4 @@
-// Which folders modules are opened from, and none else.
+// Tests that modules are opened from the right folders only.
 #include "pipeline/data/module.h"
 
 #include <gtest/gtest.h>

@@ -58,7 +58,7 @@ Image disc_picture() {
     return picture;
 }
 
-// Share of the pixels that are on the wrong surface; `blended` gets those that are on none.
+// Returns the share of the pixels that are on the wrong surface; `blended` gets those that are on neither.
 double wrong_share(const DisparityMap& map, double& blended) {
     int wrong = 0, between = 0;
     for (int y = 0; y < map.height; ++y)
@@ -99,7 +99,7 @@ TEST(Sparsity, NothingAndNearlyNothingAreNotSparse) {
     EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, [](int x, int y) { return x == 9 && y == 9; })));
 }
 
-// Plain loops over all measurements, and over the squares of a closing.
+// Compares with plain loops over all measurements, and over the squares of a closing.
 TEST(Densify, DistancesAndReachAreThoseOfPlainLoops) {
     const DisparityMap map = sampled(90, 80, slanted, [](int x, int y) {
         return percent_at(x, y) < 12 && !(x > 20 && x < 70 && y > 10 && y < 60);
@@ -176,7 +176,7 @@ TEST(Densify, StepsAreSharpWithoutAPicture) {
     }
 }
 
-// Not bent by where the measurements happen to lie.
+// A straight step must not be bent by the positions of the measurements.
 TEST(Densify, StraightStepsStayStraightWithoutAPicture) {
     const auto step = [](int x, int y) { return 2 * x + y > 160 ? 40.0 : 10.0; };
     const DisparityMap dense = densify(sampled(120, 90, step, random_share(20)), {}, 1);
@@ -189,7 +189,7 @@ TEST(Densify, StraightStepsStayStraightWithoutAPicture) {
 TEST(Densify, PicturesAreSmoothedByOneTwoOne) {
     ThreadPool pool(2);
     const Image smooth = smoothed({3, 2, 1, {0, 160, 0, 0, 0, 32}}, pool);
-    // by hand: the picture's edges are repeated
+    // Computed by hand: the picture's edges are repeated.
     EXPECT_EQ(smooth.pixels, (std::vector<std::uint8_t>{30, 62, 36, 10, 26, 28}));
     EXPECT_TRUE(smoothed({}, pool).empty());
 }
@@ -203,7 +203,7 @@ TEST(Densify, SkyAndWhatLiesFarFromMeasurementsStayUnknown) {
     }
 }
 
-// 64 scan lines of a street and a box, with a fifth of the pixels below the horizon; nothing of the sky.
+// 64 scan lines of a street and a box, with a fifth of the pixels below the horizon and none in the sky.
 TEST(Densify, ALaserLeavesTheSkyAndInventsNoDepth) {
     constexpr int kTop = 64, kApart = 2;
     const auto street = [](int x, int y) {
@@ -226,7 +226,7 @@ TEST(Densify, ALaserLeavesTheSkyAndInventsNoDepth) {
     EXPECT_LT(wrong, 240 * 64 * kApart / 50);
 }
 
-// Measurements on both sides, and above and below at the far ends, do not make a hole a gap.
+// A hole with measurements on both sides, and above and below at the far ends, is not a gap.
 TEST(Densify, LargeHolesStayUnknown) {
     for (const Keeps& keeps : {random_share(20), random_share(5), every_row(5)}) {
         const DisparityMap towers = sampled(

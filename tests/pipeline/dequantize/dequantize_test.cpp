@@ -35,7 +35,8 @@ double rmse_inside(const DisparityMap& map, const DisparityMap& truth, int borde
     return std::sqrt(sum / count);
 }
 
-// Slanted surfaces, bumps, discontinuities of 2 px and more, holes, single pixels, and disparities of 0.
+// Returns a map with slanted surfaces, bumps, discontinuities of 2 px and more, holes, single pixels,
+// and disparities of 0.
 DisparityMap made_up(int width, int height, unsigned seed, double quantum_px) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> share(0, 1);
@@ -79,7 +80,7 @@ TEST(Dequantize, KeepsAStepOfThreeQuanta) {
     EXPECT_EQ(dequantize(map, 1, 1).values, map.values);
 }
 
-// The surface stage cuts where neighbours differ by more than 1 px.
+// The surface stage cuts between neighbours that differ by more than 1 px.
 TEST(Dequantize, KeepsTheDiscontinuitiesOfWholePixels) {
     for (unsigned seed = 0; seed < 5; ++seed) {
         const DisparityMap map = made_up(91, 67, seed, 1), smooth = dequantize(map, 1, 1);

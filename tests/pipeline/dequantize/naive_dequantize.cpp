@@ -8,7 +8,7 @@
 namespace hexrelief::naive {
 namespace {
 
-// Pixels i of a term and what each is multiplied by; the term's energy is weight / 2 * sum^2.
+// A term of the energy, weight / 2 * sum^2: its pixels i and their factors in the sum.
 struct Term {
     std::vector<std::pair<int, double>> parts;
     double weight;
@@ -23,7 +23,7 @@ struct Level {
     int at(int x, int y) const { return y * width + x; }
     bool joins_right(int x, int y) const { return x >= 0 && x + 1 < width && right[at(x, y)]; }
     bool joins_below(int x, int y) const { return y >= 0 && y + 1 < height && below[at(x, y)]; }
-    // the square to the right and below
+    // True if the pixel is the first one of a square of four joined pixels.
     bool is_square(int x, int y) const {
         return x + 1 < width && y + 1 < height && right[at(x, y)] && right[at(x, y + 1)] && below[at(x, y)] &&
                below[at(x + 1, y)];
@@ -116,8 +116,8 @@ void relax(Level& level, double pull, double half) {
     }
 }
 
-// How much the surface rises from a coarse pixel towards one side: to the joined neighbour there, else as
-// from the opposite one.
+// Returns the rise of the surface from a coarse pixel towards one side: to the joined neighbour there, else
+// the rise from the opposite neighbour.
 double rise(const Level& level, int i, bool is_joined, int neighbour, bool is_opposite_joined, int opposite) {
     if (is_joined) return level.smooth[neighbour] - level.smooth[i];
     return is_opposite_joined ? level.smooth[i] - level.smooth[opposite] : 0;

@@ -25,7 +25,8 @@ TEST(Evaluation, CountsBadPixelsAndCoverage) {
     const DisparityMap map{3, 2, {10.5f, 9, 13, kNo, 15, 99}};
     const DisparityEvaluation e = evaluate_disparity(map, truth);
     EXPECT_EQ(e.truth_pixels, 5);
-    EXPECT_DOUBLE_EQ(e.bad_percent[0], 80);  // exactly 0.5 px off is not above 0.5 px; unknown is bad
+    // An error of exactly 0.5 px is not above 0.5 px; unknown pixels are bad.
+    EXPECT_DOUBLE_EQ(e.bad_percent[0], 80);
     EXPECT_DOUBLE_EQ(e.bad_percent[1], 60);
     EXPECT_DOUBLE_EQ(e.bad_percent[2], 60);
     EXPECT_DOUBLE_EQ(e.bad_percent[3], 40);
@@ -52,8 +53,8 @@ TEST(Evaluation, NoughtIsUnknown) {
 }
 
 TEST(Evaluation, NonoccludedByWhatTheTruthHides) {
-    // Columns 6 and 7, 3 px nearer, land on the right view's columns of 3 and 4, which are hidden; columns 0
-    // and 1 land outside of it.
+    // Columns 6 and 7, 3 px nearer, match the right view's columns 1 and 2, as do columns 3 and 4, which are
+    // therefore hidden; columns 0 and 1 match outside the right view.
     const DisparityMap truth{9, 1, {2, 2, 2, 2, 2, 2, 5, 5, kNo}};
     const DisparityMap map{9, 1, {9, 9, 2, 9, kNo, 9, 5, 5, 5}};
     const DisparityEvaluation e = evaluate_disparity(map, truth);
@@ -63,7 +64,7 @@ TEST(Evaluation, NonoccludedByWhatTheTruthHides) {
 }
 
 TEST(Evaluation, NonoccludedByTheRightViewsTruth) {
-    const DisparityMap truth{5, 1, {2, 2, 2.5f, 2, 2}};  // land at -2, -1, 0, 1, 2: 2.5 rounds to 2
+    const DisparityMap truth{5, 1, {2, 2, 2.5f, 2, 2}};  // match columns -2, -1, 0, 1, 2: 2.5 rounds to 2
     const DisparityMap right{5, 1, {3.5f, 4, kNo, 2, 2}};
     const DisparityMap map{5, 1, {9, 9, 9, 9, 2}};
     EvaluationConfig config;
@@ -78,7 +79,7 @@ TEST(Evaluation, EdgesCountWrongSidesAndUnknownPixels) {
         return make_map(20, 9, [=](int x, int) { return x < edge ? 10 : 20; });
     };
     const DisparityMap truth = step_at(10);
-    // Windows of 7 columns that hold both 9 and 10 are those around 7 to 12.
+    // The windows of 7 columns that contain both 9 and 10 are those around 7 to 12.
     DisparityEvaluation e = evaluate_disparity(step_at(11), truth);
     EXPECT_EQ(e.edge_pixels, 6 * 9);
     EXPECT_DOUBLE_EQ(e.edge_wrong_percent, 100.0 / 6);
@@ -101,7 +102,8 @@ TEST(Evaluation, RoughnessOfAChequeredPlane) {
         make_map(21, 17, [&](int x, int y) { return plane(x, y) + ((x + y) % 2 ? 0.25 : -0.25); });
     DisparityEvaluation e = evaluate_disparity(chequered, truth);
     EXPECT_EQ(e.roughness_windows, 4 * 3);
-    // Of 81 pixels 41 are off by one amount and 40 by the other: the plane lies 1/81 of it beside the middle.
+    // 41 of 81 pixels are off by one amount and 40 by another: the plane is 1/81 of the amount
+    // away from the middle.
     EXPECT_NEAR(e.roughness_px, 0.25 * std::sqrt(1 - 1 / (81.0 * 81)), 1e-12);
     EXPECT_EQ(evaluate_disparity(truth, truth).roughness_px, 0);
 
@@ -196,7 +198,8 @@ TEST(Evaluation, AgreesWithTheDefinitions) {
     }
 }
 
-// A plane by Cramer's rule on the normal equations of its pixels' own coordinates.
+// Returns a pixel's deviation from a plane found by Cramer's rule on the normal
+// equations, in absolute coordinates.
 double deviation_from_plane(const DisparityMap& map, int left, int top, int x, int y) {
     double s[3][4] = {};
     for (int py = top; py < top + 9; ++py)

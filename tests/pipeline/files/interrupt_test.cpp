@@ -1,4 +1,4 @@
-// Ctrl-C and termination leave nothing behind.
+// Tests that Ctrl-C and termination leave nothing behind.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -10,7 +10,7 @@
 namespace hexrelief::test {
 namespace {
 
-// Long enough to be met at work: a fine lattice and many iterations.
+// Long enough to be interrupted at work: a fine lattice and many iterations.
 std::vector<std::string> long_job(const TemporaryFolder& folder) {
     return pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "--report", folder / "r.json",
                            "--save-stages", folder / "stages", "--set", "mesh.spacing_px=2", "--set",
@@ -32,7 +32,7 @@ TEST_P(Interrupt, EndsTheLongStageAtOnceWithoutFiles) {
 
 INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM));
 
-// At whatever moment it comes, there is all or nothing.
+// Whenever the signal comes, all files are there or none.
 TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
     constexpr std::size_t kAll = 5 + 10;  // glb, obj, mtl, texture, report; the folder and its nine
     int interrupted = 0;
@@ -47,9 +47,9 @@ TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
         if (code == 0) {
             EXPECT_EQ(folder.entries(), kAll) << delay_ms;
         } else {
-            // Before the program has installed its handling, a signal ends it in the ordinary way.
+            // Before the program has installed its handlers, a signal ends it in the default way.
             EXPECT_TRUE(code == 130 || code == -SIGINT) << code;
-            // After the last file is in place, an interrupt ends the process but takes nothing back.
+            // After the last file is in place, an interrupt ends the process but undoes nothing.
             EXPECT_TRUE(folder.entries() == 0 || folder.entries() == kAll)
                 << delay_ms << " " << folder.entries();
             ++interrupted;

@@ -1,4 +1,4 @@
-// The files of a run: in place together, or nothing is changed.
+// Tests that the files of a run are put in place together, or nothing changes.
 #include "pipeline/files/output_set.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(OutputSet, WithoutCommitItsFoldersGo) {
     EXPECT_EQ(folder.entries(), 0u);
 }
 
-// The first made the folder; the second needs it.
+// The first set made the folder; the second one needs it.
 TEST(OutputSet, AFolderStaysForTheOtherSet) {
     const test::TemporaryFolder folder;
     const fs::path path = folder / "new/b.glb";

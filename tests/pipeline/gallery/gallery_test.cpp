@@ -9,7 +9,7 @@
 namespace hexrelief {
 namespace {
 
-// What matters of a page, and of a report whose run wrote `output`.
+// The relevant parts of a page, and of a report whose run wrote `output`.
 std::string page_text(const std::string& triangles) {
     return R"(<script id="facts">{"levels":[{"vertices":30,"triangles":)" + triangles +
            R"(}],"figures":[{"name":"%cost","value":1.5},5],)"

@@ -1,4 +1,4 @@
-// Between the oracle's values and those of pipeline/matching.
+// Converts between the oracle's values and those of pipeline/matching, and compares them.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ Grid grid_of(const Raster<T>& raster) {
         for (int x = 0; x < grid.width; ++x) grid.at(x, y) = static_cast<int>(raster.view().at(x, y));
     return grid;
 }
-// Outside of the grid: `outside`.
+// Converts a grid; the border gets the value `outside`.
 template <typename T>
 Raster<T> raster_of(const Grid& grid, T outside) {
     Raster<T> raster(grid.width, grid.height, outside);
@@ -45,13 +45,14 @@ inline MatchingConfig config_of(const Settings& settings) {
         {settings.min_px, settings.limit, settings.speckle_pixels, settings.speckle_step, settings.least}};
 }
 
-// Scenes that a test looks at; the environment variable HEXRELIEF_ORACLE_SCENES asks for more of them.
+// Returns the number of scenes that a test uses; the environment variable
+// HEXRELIEF_ORACLE_SCENES sets another one.
 inline int scene_count() {
     const char* asked = std::getenv("HEXRELIEF_ORACLE_SCENES");
     return asked ? std::max(1, std::atoi(asked)) : 40;
 }
 
-// Empty where they agree, else the first difference.
+// Returns the first difference; empty if the grids are equal.
 inline std::string difference(const Grid& oracle, const Grid& matcher) {
     if (oracle.width != matcher.width || oracle.height != matcher.height) return "another size";
     for (int y = 0; y < oracle.height; ++y)
@@ -79,7 +80,8 @@ inline Runs runs_of(const SearchWindows& windows, int length) {
         }
     return runs;
 }
-// What is searched, pixel by pixel, as a MatchingVolume has it; the volume may begin below the runs' top.
+// Returns the searched entries, pixel by pixel, in the order of a MatchingVolume. The volume may begin below
+// the runs' first row.
 inline std::vector<int> entries_of(const Volume& volume, const Runs& runs, int first_row = 0) {
     std::vector<int> entries;
     for (int y = 0; y < volume.height; ++y)
@@ -90,7 +92,7 @@ inline std::vector<int> entries_of(const Volume& volume, const Runs& runs, int f
     return entries;
 }
 
-// Made up, and known everywhere.
+// Returns random winners at half size, known everywhere.
 inline Grid any_half_winners(const Scene& scene, int number) {
     Random random(3000 + number);
     const int most = 16 * (half_settings(scene.settings).count - 1);
@@ -100,7 +102,7 @@ inline Grid any_half_winners(const Scene& scene, int number) {
     return half;
 }
 
-// The volume of a picture's rows whose vertical paths begin at its first and last row.
+// Aggregates a volume of a picture's rows as if vertical paths began at its first and last row.
 inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, ThreadPool& pool) {
     PathRows ends(2, static_cast<std::size_t>(volume.width) * volume.searched);
     ends.begin(0, volume.first_row);

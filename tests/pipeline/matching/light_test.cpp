@@ -1,4 +1,4 @@
-// The right picture in the left one's light.
+// Tests the correction of the right picture's light.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// How noisy a picture is, and what is done about it.
+// Tests the measurement and the reduction of a picture's noise.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 Image noisy(Image image, double deviation, unsigned seed = 1) {
     std::mt19937 random(seed);
     for (std::uint8_t& level : image.pixels) {
-        double sum = -6;  // of twelve: nearly normal, the same with every library
+        double sum = -6;  // sum of twelve: nearly normal, and the same with every library
         for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
         level = static_cast<std::uint8_t>(std::clamp(std::lround(level + deviation * sum), 0L, 255L));
     }
@@ -42,7 +42,7 @@ TEST(Noise, IsNotToldByBlackWhiteOrVerySmallPictures) {
     EXPECT_EQ(find_noise(plain(1, 1, 1, 90)), 0);
 }
 
-// Pixel by pixel.
+// Denoises pixel by pixel.
 Image slowly_denoised(const Image& image, int other_color) {
     constexpr int kNearness[9] = {16, 13, 10, 0, 7, 5, 0, 0, 3};
     Image result = image;

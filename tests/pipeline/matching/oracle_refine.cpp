@@ -1,4 +1,4 @@
-// Steps 5 to 8 and 12 of the recipe in oracle.h: from winners to a map without unknown pixels, and the whole.
+// Steps 5 to 8, 13 and 14 of the recipe in oracle.h: from winners to a map without unknown pixels.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 namespace hexrelief::oracle {
 namespace {
 
-// The one of the other view that says the same, or unknown.
+// Returns the disparity if the other view agrees with it, else kUnknown.
 int agreed(int disparity, const Grid& other, int column, int y, int limit) {
     if (disparity == kUnknown) return kUnknown;
     const int there = other.at_or(column, y, kUnknown);
@@ -47,7 +47,7 @@ void remove_speckles(Grid& map, const Settings& settings) {
     map = result;
 }
 
-// Of the line of least squares through the pixel's run along (dx, dy).
+// Returns the slope of the least squares line through the pixel's run along (dx, dy).
 int line_slope(const Grid& map, int x, int y, int dx, int dy) {
     if (map.at(x, y) == kUnknown) return 0;
     int n = 1, t = 0, v = 0, tt = 0, tv = 0;
@@ -80,7 +80,7 @@ int window_mean(const Grid& map, const Grid& lines, int x, int y) {
     return rounded(sum, n);
 }
 
-// The nearest known pixel's plane in a direction, -1 without one.
+// Returns the disparity of the nearest known pixel's plane in a direction, -1 if there is none.
 int candidate(const Grid& map, const Planes& slopes, int x, int y, int dx, int dy) {
     for (int k = 1; map.inside(x + k * dx, y + k * dy); ++k) {
         const int known_x = x + k * dx, known_y = y + k * dy, far = std::min(k, 16);
@@ -96,7 +96,7 @@ int median(std::vector<int> values) {
     return values[values.size() / 2];
 }
 
-// -1 where the frame's rule says nothing. east: the candidates of E, NE, SE.
+// Returns the frame rule's disparity, -1 if the rule does not apply. east: the candidates of E, NE, SE.
 int beyond_frame(int x, int min_px, const std::vector<int>& east) {
     std::vector<int> beyond;
     const auto is_beyond = [&](int d) { return x - min_px - d / 16.0 < 0.5; };
@@ -106,7 +106,8 @@ int beyond_frame(int x, int min_px, const std::vector<int>& east) {
     return median(beyond);
 }
 
-// Of the colours of 3x3 pixels around (x, y) and around its match, which is inside.
+// Returns the difference of colours of the 3x3 pixels around (x, y) and around its match,
+// which must be inside.
 int window_difference(const Pictures& pictures, int x, int y, int position) {
     const int column = position / 16, part = position % 16;
     int sum = 0;
@@ -122,7 +123,8 @@ int window_difference(const Pictures& pictures, int x, int y, int position) {
     return pictures.left.channels.size() == 1 ? 3 * sum : sum;
 }
 
-// Of sorted disparities, none of which is hidden or matched.
+// Returns the disparity with the most similar colours. `sorted` holds candidates, none of
+// them hidden or matched.
 int most_alike(const std::vector<int>& sorted, const Pictures& pictures, int x, int y, int min_px) {
     const int guess = sorted.size() >= 5 ? sorted[1] : sorted[0];
     std::vector<std::pair<int, int>> inside;  // difference, disparity
@@ -164,7 +166,7 @@ int filled(const Trusted& matches, const Planes& slopes, const Pictures& picture
     return most_alike(visible, pictures, x, y, min_px);
 }
 
-// Of a pixel that was filled.
+// Returns the weight of a filled pixel as a voter.
 int voter_weight(const Trusted& matches, const Pictures& pictures, int disparity, int x, int y, int min_px) {
     const int position = 16 * (x - min_px) - disparity;
     if (position < 8) return 3;

@@ -11,7 +11,7 @@ struct Pair {
     int step, first, second;
 };
 
-// Of the pixels of a cell and those around it.
+// Returns the mean of the pixels of a cell and those around it.
 int mean_color(const Grid& channel, int column, int row, int size) {
     int sum = 0;
     for (int y = row * size - 1; y <= (row + 1) * size; ++y)
@@ -37,7 +37,7 @@ std::vector<Pair> neighbours(const std::vector<Grid>& colors) {
     return pairs;
 }
 
-// The segment of each cell; those that are joined are renamed one by one.
+// Returns the segment of each cell; joined segments are renamed cell by cell.
 Grid find_segments(const std::vector<Grid>& colors) {
     Grid names(colors[0].width, colors[0].height, 0);
     std::vector<int>& name = names.values;

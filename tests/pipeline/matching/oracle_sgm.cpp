@@ -25,8 +25,8 @@ int large_step_penalty(const Settings& settings, int step) {
     return std::max(least, settings.p2 - (settings.p2 - least) * step / 25);
 }
 
-// Adds the paths' costs that come from (x - dx, y - dy) to the sums. Rows above first_row are no part of the
-// picture here.
+// Adds to the sums the costs of the paths that come from (x - dx, y - dy). Rows above first_row do not belong
+// to the picture here.
 void add_path(const Picture& left, const Volume& costs, int first_row, const Settings& settings, int dx,
               int dy, Volume& sums) {
     Volume path = costs;
@@ -56,7 +56,7 @@ void add_path(const Picture& left, const Volume& costs, int first_row, const Set
         }
 }
 
-// The winner among sums by disparity, kNotSearched where there is no candidate.
+// Returns the disparity with the least sum, kNotSearched if there is no candidate.
 int winner(const std::vector<int>& sums) {
     int best = -1;
     for (int d = 0; d < static_cast<int>(sums.size()); ++d)

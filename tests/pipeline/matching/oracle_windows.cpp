@@ -1,4 +1,4 @@
-// Steps 14 and 16 of the recipe in oracle.h, as far as they concern the search, and steps 1 to 4 with them.
+// Steps 14 and 16 of the recipe in oracle.h, as far as they concern the search, with steps 1 to 4.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +26,7 @@ Image half_of(const Image& image) {
     return half;
 }
 
-// Where the runs begin by themselves, whatever the range's ends are.
+// Returns the runs' first disparities, not yet limited by the ends of the range.
 std::array<int, 2> free_runs(int own, int least, int largest) {
     if (largest - least <= 20) {
         const int far = fours((least + largest) / 2 - 14);

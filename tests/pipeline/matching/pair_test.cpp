@@ -1,4 +1,4 @@
-// The matcher from end to end against the oracle, which shares no code with it.
+// Tests the whole matcher against the oracle, which shares no code with it.
 #include <gtest/gtest.h>
 
 #include <filesystem>

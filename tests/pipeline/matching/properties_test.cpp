@@ -1,4 +1,4 @@
-// What a matcher should find, whatever its recipe.
+// Tests properties that any matcher should have, independent of its recipe.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@
 namespace hexrelief::oracle {
 namespace {
 
-// Both pictures of a surface with a smooth random texture, whose disparity at column x of the left one is
-// constant + gradient * x.
+// Returns both pictures of a surface with a smooth random texture; its disparity at column x of the left one
+// is constant + gradient * x.
 StereoPair slanted_pair(int width, int height, double constant, double gradient) {
     Random random(5);
     const Image knots = make_noise(width + 64, height, 1, random);
@@ -35,7 +35,7 @@ StereoPair slanted_pair(int width, int height, double constant, double gradient)
     return pair;
 }
 
-// A square of the given disparity in front of a plane; both with random textures.
+// A square with the given disparity in front of a plane, both with random textures.
 struct Box {
     int size, x0, x1, y0, y1, disparity, behind;
 };
@@ -64,7 +64,7 @@ TEST(Matcher, GivesTheSameBytesOnAnyNumberOfThreads) {
     }
 }
 
-// To 1/16 px, but near the border, where windows reach over it.
+// Exact to 1/16 px, except near the border, which windows overlap.
 TEST(Matcher, FindsAConstantShift) {
     const int width = 80, height = 40, border = 8;
     for (const int min_px : {-4, 0, 3}) {
@@ -79,8 +79,8 @@ TEST(Matcher, FindsAConstantShift) {
     }
 }
 
-// On a floor that comes nearer from row to row stands a thing of one colour, left of what the right picture
-// shows. It is as near as the floor at its foot, not as far as what lies behind its top.
+// On a floor that comes nearer from row to row stands an object of one colour, left of the part that the
+// right picture shows. It is as near as the floor at its foot, not as far as the surfaces behind its top.
 TEST(Matcher, TakesWhatStandsBeyondTheFrameForOneThing) {
     Random random(9);
     const int width = 120, height = 96, thing_columns = 12, top = 20, foot = 84;
@@ -122,7 +122,7 @@ TEST(Matcher, GivesHiddenPixelsTheBackgroundsDisparity) {
         }
 }
 
-// More of the range lies between both surfaces than a pixel's window holds.
+// More of the range lies between the two surfaces than a pixel's window can hold.
 TEST(Matcher, FindsSurfacesFarApart) {
     const Box box{320, 210, 290, 60, 140, 168, 16};
     const MatchedMap map = match_pair(box_pair(box), config_of({0, 200}), 2);
@@ -197,8 +197,8 @@ TEST(Matcher, BandsKeepEachRowOnce) {
     }
 }
 
-// Bands as match_views() takes of a large picture, each with margins: away from their borders, and as it
-// turns out at them, the winners are those of the whole.
+// Uses bands like those of match_views() for a large picture, with margins. Away from the bands' borders, and
+// in fact at them as well, the winners are those of the whole picture.
 TEST(Matcher, FindsTheSameInBandsOfRows) {
     ThreadPool pool(2);
     const int width = 40, height = 230, kept = 40;
@@ -221,7 +221,7 @@ TEST(Matcher, FindsTheSameInBandsOfRows) {
     EXPECT_EQ("", difference(grid_of(whole.right), grid_of(bands.right)));
 }
 
-// Blocks between which the vertical paths go on.
+// The vertical paths continue from block to block.
 TEST(Matcher, FindsTheSameInBlocksOfAnySize) {
     ThreadPool pool(2);
     const int width = 40, height = 230;

@@ -1,4 +1,4 @@
-// The refinement, step by step, against the oracle, on maps that no matcher would find.
+// Tests the refinement step by step against the oracle, on maps that no matcher would produce.
 #include <gtest/gtest.h>
 
 #include "compare.h"
@@ -14,7 +14,7 @@
 namespace hexrelief::oracle {
 namespace {
 
-// A picture, and maps of both views that need not go together.
+// A picture, and maps of both views that need not be consistent.
 struct Input {
     std::string name;
     Settings settings;
@@ -22,7 +22,7 @@ struct Input {
     Views views;
 };
 
-// What the matcher itself finds, without refinement.
+// Returns the matcher's own disparities, without refinement.
 Views matched_views(const Scene& scene) {
     ThreadPool pool(1);
     const MatchingConfig config = config_of(scene.settings);
@@ -52,7 +52,7 @@ ViewDisparities maps_of(const Views& views) {
     return {map_of(views.left), map_of(views.right)};
 }
 
-// The matcher's slopes mean nothing at unknown pixels.
+// Sets values at unknown pixels to 0: the matcher's slopes are undefined there.
 Grid where_known(Grid values, const Grid& map) {
     for (std::size_t i = 0; i < values.values.size(); ++i)
         if (map.values[i] == kUnknown) values.values[i] = 0;
@@ -87,8 +87,8 @@ TEST(RefineOracle, Slopes) {
     }
 }
 
-// Trusted matches of either view need not agree here.
-// All sums that a line's samples can have, and more: each side's are at most a step of kLineStep apart.
+// Covers all sums that a line's samples can have, and more: the samples of each side differ by at
+// most kLineStep per step.
 TEST(Slopes, ByReciprocalsAsByDivisions) {
     constexpr int kMost_v = 2 * step::kLineStep * 10, kMost_tv = 2 * step::kLineStep * 30;
     const step::LineFits fits = step::line_fits();

@@ -12,7 +12,7 @@ struct Surface {
     double at(int x, int y) const { return std::max(0.0, d + gx * x + gy * y); }
 };
 
-// A plane behind, and boxes in front of it.
+// Returns the disparities of a plane and of boxes in front of it.
 std::vector<double> any_surfaces(int width, int height, double most, Random& random) {
     const auto any = [&](double gradient) {
         return Surface{most * random.whole(101) / 100, gradient * random.between(-100, 100) / 100,
@@ -33,7 +33,7 @@ std::vector<double> any_surfaces(int width, int height, double most, Random& ran
     return map;
 }
 
-// Few levels make ties, neighbours alike make smooth pictures.
+// Returns a random texture: few levels give ties, equal neighbours give smooth pictures.
 Image any_texture(int width, int height, int channels, Random& random) {
     Image image = make_noise(width, height, channels, random);
     const int levels = random.any_of<int>({1, 2, 4, 40, 256, 256}), alike = random.any_of<int>({1, 1, 2, 5});
@@ -46,7 +46,8 @@ Image any_texture(int width, int height, int channels, Random& random) {
     return image;
 }
 
-// The right view: each pixel shows the nearest surface that lands there; the rest is something else.
+// Returns the right view: each pixel shows the nearest surface that is projected to it;
+// the others show noise.
 Image right_view(const Image& left, const std::vector<double>& map, int min_px, Random& random) {
     Image right = make_noise(left.width, left.height, left.channels, random);
     std::vector<double> nearest(map.size(), -1);
@@ -68,7 +69,7 @@ void add_noise(Image& image, int most, Random& random) {
         value = static_cast<std::uint8_t>(std::clamp(value + random.between(-most, most), 0, 255));
 }
 
-// Same channels thrice of a grey picture, the first one of a colour one.
+// Returns the picture with the other number of channels: the grey one three times, or the first one of three.
 Image with_other_channels(const Image& image) {
     Image other{image.width, image.height, 4 - image.channels, {}};
     for (int y = 0; y < image.height; ++y)
@@ -93,7 +94,8 @@ Settings any_settings(Random& random) {
     return settings;
 }
 
-// More than are searched at a pixel; mostly on both sides of 0, so that surfaces far apart are in both views.
+// Sets a range of more disparities than are searched at a pixel; mostly on both sides of 0, so that surfaces
+// far apart are in both views.
 void set_wide_range(Settings& settings, Random& random) {
     settings.count = random.any_of<int>({65, 72, 101, 128, 130, 150, 171, 200, 257, 300, 1920});
     if (!random.one_in(4)) settings.min_px = -settings.count / 2 + random.between(-9, 9);
@@ -113,7 +115,7 @@ bool is_wide(int number) {
 }
 
 Scene make_scene(int number) {
-    // The last two end a block of 32 and one of 256 pixels with a part of the next.
+    // The widths of the last two end a block of 32 and one of 256 pixels with a partial one.
     static const std::vector<std::array<int, 2>> sizes = {{16, 1}, {17, 9},  {61, 43}, {1, 1},  {1, 12},
                                                           {5, 30}, {40, 25}, {33, 33}, {65, 8}, {261, 5}};
     Random random(number);

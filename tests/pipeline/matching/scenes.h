@@ -1,4 +1,4 @@
-// Made-up pairs, maps and settings for the matcher's oracle, each from a number.
+// Synthetic pairs, maps and settings for the matcher's oracle, each made from a number.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ class Random {
     explicit Random(int seed) : state_(static_cast<std::uint64_t>(seed) * 2654435761u + 12345) {
         for (int i = 0; i < 4; ++i) whole(2);
     }
-    // 0 .. count - 1.
+    // Returns a random integer, 0 .. count - 1.
     int whole(int count) {
         state_ = state_ * 6364136223846793005u + 1442695040888963407u;
         return static_cast<int>((state_ >> 33) % static_cast<std::uint64_t>(count));
@@ -35,12 +35,13 @@ struct Scene {
     Settings settings;
 };
 Scene make_scene(int number);
-bool is_wide(int number);  // the scene's range has more disparities than a pixel's window
+bool is_wide(int number);  // true if the scene's range has more disparities than a pixel's window
 
-// Independent numbers 0 .. 255.
+// Returns a picture of independent numbers 0 .. 255.
 Image make_noise(int width, int height, int channels, Random& random);
 
-// Disparities of planes with steps between them, lumps and unknown pixels. most: the largest disparity.
+// Returns disparities of planes with steps between them, lumps and unknown pixels.
+// most: the largest disparity.
 Grid make_map(int width, int height, int most, Random& random);
 
 }  // namespace hexrelief::oracle

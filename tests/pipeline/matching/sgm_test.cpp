@@ -1,4 +1,4 @@
-// Semi-global matching, step by step, against the oracle.
+// Tests semi-global matching step by step against the oracle.
 #include <gtest/gtest.h>
 
 #include "compare.h"
@@ -16,7 +16,7 @@ std::vector<int> numbers(const LargeArray<T>& array, std::size_t count) {
     return {array.data(), array.data() + count};
 }
 
-// Every other wide scene is searched around disparities that are not its own, and jump more often.
+// Every other wide scene is searched around disparities that are not its own and that jump more often.
 Runs any_runs(const Scene& scene, int number) {
     if (!is_wide(number) || number % 8 == 3) return search_runs(scene.pair, scene.settings);
     return runs_around(any_half_winners(scene, number), scene.pair.left.width, scene.pair.left.height,
@@ -66,7 +66,7 @@ TEST(SgmOracle, CostsSumsAndWinners) {
     }
 }
 
-// From pixel to pixel, more often than they do at half size, and with the largest penalties.
+// Windows jump from pixel to pixel, more often than they do at half size, with the largest penalties.
 TEST(SgmOracle, WindowsThatJumpAnywhere) {
     ThreadPool pool(2);
     for (int number = 3; number < scene_count(); number += 8) {
@@ -85,7 +85,7 @@ TEST(SgmOracle, WindowsThatJumpAnywhere) {
     }
 }
 
-// Paths down and up begin at a band's first and last row.
+// Downward and upward paths begin at a band's first and last row.
 TEST(SgmOracle, PathsOfABandOfRows) {
     ThreadPool pool(2);
     for (int number = 2; number < scene_count(); number += 5) {

@@ -1,4 +1,4 @@
-// Which disparities are searched, against the oracle and by what windows should be.
+// Tests the choice of searched disparities against the oracle, and by properties that windows should have.
 #include <gtest/gtest.h>
 
 #include "compare.h"
@@ -10,7 +10,7 @@
 namespace hexrelief::oracle {
 namespace {
 
-// Pixels whose runs follow each other, and whose runs lie apart.
+// The numbers of pixels whose runs are adjacent, and of those whose runs are apart.
 struct Kinds {
     int together = 0, apart = 0;
     void count(const Runs& runs) {
@@ -24,7 +24,7 @@ SearchWindows found_windows(const Scene& scene, const Disparities16& half, Threa
                         half.view(), pool);
 }
 
-// Calls body(scene, winners at half size, windows) for made-up winners.
+// Calls body(scene, winners at half size, windows) for random winners.
 template <typename Body>
 void for_each_made_up(const Body& body) {
     ThreadPool pool(2);
@@ -47,7 +47,7 @@ TEST(WindowsOracle, AroundMadeUpDisparities) {
     EXPECT_GT(kinds.apart, 50000);
 }
 
-// As the matcher takes them: from its own winners at half size.
+// Uses the matcher's own winners at half size.
 TEST(WindowsOracle, AroundMatches) {
     ThreadPool pool(2);
     Kinds once, more;
@@ -105,7 +105,7 @@ TEST(Windows, HaveRunsInTheRangeThatDoNotOverlap) {
     });
 }
 
-// Paths go on between blocks whose windows differ.
+// Paths continue between blocks whose windows differ.
 TEST(Windows, GiveTheSameInBlocksOfAnySize) {
     ThreadPool one(1), two(2);
     for (int number = 3; number < 10 * scene_count(); number += 8) {

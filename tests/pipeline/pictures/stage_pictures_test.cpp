@@ -119,7 +119,7 @@ TEST(Raster, SegmentCoversItsLength) {
     EXPECT_EQ(picture.at(10, 0)[0], 0);
     EXPECT_EQ(picture.at(19, 2)[0], 0);
     draw_segment(picture, {-100, -100}, {100, 100}, {255, 0, 0}, 1,
-                 1);  // leaves the picture, writes only inside
+                 1);  // ends outside the picture; only pixels inside are written
     EXPECT_EQ(picture.at(3, 3)[0], 255);
 }
 

@@ -41,7 +41,7 @@ TEST(DescribeRaster, RefusesWhatIsAboveTheLimitByItsHeader) {
     const Folder folder;
     const ReaderLimits limits{8, "--most"};
     EXPECT_TRUE(describe_raster(folder.write("fits", make_pgm(4, 2, 255, Bytes(8))), {}, limits));
-    // Bytes that none of these decoders would take for samples.
+    // None of these decoders would accept these bytes as samples.
     for (const Bytes& bytes : {make_pgm(3, 3, 255, {}), make_pfm(3, 3, {}), make_png(3, 3, Bytes(9), {}),
                                make_jpeg(3, 3, Bytes(9), JpegKind::grey),
                                make_webp(3, 3, Bytes(36, 255), true), make_tiff(3, 3, Bytes(9), {})}) {

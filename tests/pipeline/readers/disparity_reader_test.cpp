@@ -117,7 +117,7 @@ TEST(ReadDisparity, RefusesTheWrongByteOrder) {
     EXPECT_NO_THROW(read(file));
     file[std::string("Pf\n20 10\n").size()] = ' ';  // the minus sign
     EXPECT_CONTAINS(error_for(file), "byte order");
-    for (float& value : values) value = std::floor(value);  // whole numbers turn into denormals
+    for (float& value : values) value = std::floor(value);  // byte-swapped integers are denormal
     file = make_pfm(20, 10, values, false);
     EXPECT_NO_THROW(read(file));
     const Bytes wrong = to_bytes("Pf\n20 10\n-1\n") + Bytes(file.end() - 800, file.end());

@@ -81,7 +81,7 @@ TEST(ReadPng, AlphaDarkensNothingAndIsKeptWhereAPixelIsTransparent) {
 }
 
 TEST(ReadPng, ExpandsPalettesAndFewBits) {
-    // two bits a pixel: 0 1 2 3
+    // Two bits per pixel: 0 1 2 3.
     const PngKind palette{.bits = 2,
                           .colour_type = 3,
                           .palette = {9, 8, 7, 1, 2, 3, 4, 5, 6, 250, 251, 252},
@@ -99,7 +99,7 @@ TEST(ReadPng, RefusesTruncatedFiles) {
     }
 }
 
-// A PNG of nothing but its header chunk (with its right checksum) and an empty IDAT.
+// Returns a PNG that has only its header chunk (with the correct checksum) and an empty IDAT.
 Bytes png_header_only(std::uint32_t width, std::uint32_t height) {
     Bytes header = {0, 0, 0, 13, 'I', 'H', 'D', 'R'};
     for (std::uint32_t side : {width, height}) {
@@ -121,7 +121,7 @@ Bytes png_header_only(std::uint32_t width, std::uint32_t height) {
 TEST(ReadPng, RefusesHugeAndZeroSizesBeforeAllocating) {
     EXPECT_CONTAINS(error_for(png_header_only(0x7fffffff, 0x7fffffff)), "limit");
     EXPECT_CONTAINS(error_for(png_header_only(20000, 20000)),
-                    "truncated");  // within the limit, not within the file
+                    "truncated");  // within the limit, but not within the file
     EXPECT_CONTAINS(error_for(png_header_only(0, 5)), "malformed PNG");
 }
 
@@ -180,7 +180,7 @@ TEST(ReadJpeg, GivesGreyAndColour) {
 }
 
 TEST(ReadJpeg, ConvertsInks) {
-    Bytes inks;  // Adobe's way, inverted: 255 is no ink
+    Bytes inks;  // inverted, as Adobe writes them: 255 is no ink
     for (int i = 0; i < 64; ++i) inks = std::move(inks) + Bytes{255, 128, 0, 200};
     const Image image = read(make_jpeg(8, 8, inks, JpegKind::cmyk));
     ASSERT_EQ(image.channels, 3);
@@ -204,7 +204,7 @@ TEST(ReadJpeg, RefusesHugeHeadersBeforeAllocating) {
     ASSERT_NE(frame, file.end());
     std::fill_n(frame + 5, 4, std::uint8_t{0xfa});
     EXPECT_CONTAINS(error_for(file), "limit");
-    frame[5] = 0x4e, frame[7] = 0x4e;  // 20218 x 20218: within the limit, not within the file
+    frame[5] = 0x4e, frame[7] = 0x4e;  // 20218 x 20218: within the limit, but not within the file
     EXPECT_CONTAINS(error_for(file), "truncated");
 }
 

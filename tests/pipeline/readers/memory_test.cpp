@@ -1,4 +1,4 @@
-// Files of a few bytes that promise hundreds of megapixels.
+// Tests files of a few bytes that claim hundreds of megapixels.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,7 +11,7 @@
 namespace hexrelief::test {
 namespace {
 
-// A TIFF of one strip that promises this picture and holds 20 zeros.
+// Returns a TIFF with one strip that claims a picture of this size and holds 20 zeros.
 Bytes empty_tiff(std::uint32_t side, std::uint32_t compression, bool inks) {
     const std::vector<std::array<std::uint32_t, 2>> tags = {
         {256, side},           {257, side},           {258, 8},
@@ -29,7 +29,7 @@ bool is_refused(const Bytes& bytes) {
     return !error_of([&] { read_image(folder.write("bad.bin", bytes)); }).empty();
 }
 
-// The most memory, in MiB, that a process of its own takes to refuse the file.
+// Returns the peak memory, in MiB, of a process that refuses the file.
 long peak_MiB(const Bytes& file) {
     const pid_t child = fork();
     if (child == 0) _exit(is_refused(file) ? 0 : 1);
@@ -48,7 +48,7 @@ TEST(ReadTiff, HeadersAloneTakeNoMemory) {
 }
 
 TEST(ReadWebp, HeadersAloneTakeNoMemory) {
-    // Lossless, 16383 x 16383 px, all codes without a bit.
+    // Lossless, 16383 x 16383 px, all codes of zero bits.
     const Bytes file = to_bytes(
         std::string_view("RIFF\x1a\0\0\0WEBPVP8L\x0e\0\0\0\x2f\xfe\xbf\xff\x0f\0\0\0\0\0\0\0\0\0", 34));
     EXPECT_LT(peak_MiB(file), peak_MiB({}) + 300);

@@ -1,4 +1,4 @@
-// The readers on Middlebury's own files, where HEXRELIEF_DATA names their folder.
+// Tests the readers on Middlebury's own files, if HEXRELIEF_DATA names their folder.
 #include <algorithm>
 #include <cstdlib>
 

@@ -1,4 +1,5 @@
-// Damaged files of every format: each either reads or is refused as input, and nothing else ever happens.
+// Tests damaged files of every format: each is either read or refused as an input error,
+// and nothing else happens.
 #include <functional>
 #include <random>
 
@@ -135,7 +136,7 @@ void require_stereo_calibration(const std::filesystem::path& path) {
         throw Error(ErrorKind::input, "it does not tell of two cameras");
 }
 
-// How many of the readers take the file.
+// Returns how many of the readers accept the file.
 int readers_accepting(const Folder& folder, const Bytes& bytes, const std::string& what) {
     const auto path = folder.write("damaged", bytes);
     return accepted([&] { read_image(path); }, what) +
@@ -162,7 +163,7 @@ TEST_P(Mutation, ReadsOrIsRefused) {
             bytes.resize(random() % bytes.size());
             what = "cut to " + std::to_string(bytes.size());
         } else {
-            // headers matter most: every other change falls into the first bytes
+            // Headers matter most: every other change is in the first bytes.
             const std::size_t at =
                 random() % (i % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 64));
             bytes[at] = static_cast<std::uint8_t>(random());

@@ -27,7 +27,7 @@ Folder::~Folder() {
 }
 
 std::filesystem::path Folder::write(const std::string& name, const Bytes& bytes) const {
-    // A new file each time: some file systems flush to disk when one that was cut to nothing is closed.
+    // A new file each time, because some file systems flush to disk when a truncated file is closed.
     std::filesystem::remove(path_ / name);
     std::ofstream file(path_ / name, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -15,7 +15,7 @@ namespace hexrelief::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A folder of its own for each test case, removed with all it holds.
+// A temporary folder for each test case, removed with its contents.
 class Folder {
   public:
     Folder();
@@ -42,7 +42,7 @@ struct PngKind {
     Bytes palette = {};        // RGB triples
     Bytes palette_alpha = {};  // tRNS
 };
-// rows: the packed rows one after the other, 16-bit samples big endian.
+// Makes a PNG. rows: the packed rows one after the other, 16-bit samples big endian.
 Bytes make_png(int width, int height, const Bytes& rows, const PngKind& kind);
 
 enum class JpegKind { grey, rgb, rgb_progressive, cmyk };
@@ -60,9 +60,9 @@ struct TiffKind {
     bool planes = false;
     bool big_endian = false;
     int orientation = 1;
-    std::string nodata = {};  // as GDAL says it; empty = not
+    std::string nodata = {};  // text of GDAL's tag; empty = no tag
 };
-// rows: as stored, in the machine's byte order; plane after plane where kind.planes.
+// Makes a TIFF. rows: as stored, in the machine's byte order; one plane after the other if kind.planes.
 Bytes make_tiff(int width, int height, const Bytes& rows, const TiffKind& kind);
 
 template <typename Sample>
@@ -72,10 +72,11 @@ Bytes bytes_of(const std::vector<Sample>& samples) {
 }
 
 Bytes make_pgm(int width, int height, int max_value, const Bytes& samples, char kind = '5');
-// values bottom row first, as the file holds them
+// Makes a PFM. values: bottom row first, as in the file.
 Bytes make_pfm(int width, int height, const std::vector<float>& values, bool little_endian = true);
 
-// One line of the Error that action throws; fails where it throws nothing, or another kind.
+// Returns the one-line message of the Error that the action throws; fails if it throws
+// nothing or another kind.
 template <typename Action>
 std::string error_of(Action&& action, ErrorKind kind = ErrorKind::input) {
     try {
@@ -94,7 +95,7 @@ std::string error_of(Action&& action, ErrorKind kind = ErrorKind::input) {
 
 }  // namespace hexrelief::test
 
-// Says that text holds part, showing both where it does not.
+// Expects that `text` contains `part`; shows both if not.
 #define EXPECT_CONTAINS(text, part)                                                                         \
     EXPECT_PRED2([](const std::string& a, const std::string& b) { return a.find(b) != std::string::npos; }, \
                  text, part)

@@ -1,4 +1,4 @@
-// Apart from the other formats: libtiff's names and libjpeg's do not mix.
+// Separate from the other formats, because libtiff's names conflict with libjpeg's.
 #include <tiffio.h>
 
 #include "tests/pipeline/readers/sample_files.h"
@@ -10,7 +10,7 @@ std::size_t row_bytes(int width, const TiffKind& kind) {
     return (static_cast<std::size_t>(width) * (kind.planes ? 1 : kind.samples) * kind.bits + 7) / 8;
 }
 
-// Tiles of whole bytes a pixel only, which is all that the tests need.
+// Writes tiles of whole bytes per pixel, the only kind that the tests need.
 void write_tiles(TIFF* tiff, int width, int height, const Bytes& rows, const TiffKind& kind, int plane) {
     const std::size_t pixel = static_cast<std::size_t>(kind.planes ? 1 : kind.samples) * kind.bits / 8;
     const std::size_t stride = row_bytes(width, kind);

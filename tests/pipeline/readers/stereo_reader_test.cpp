@@ -1,4 +1,4 @@
-// Both views in one file.
+// Tests files that hold both views.
 #include "pipeline/readers/stereo_reader.h"
 
 #include <random>
@@ -8,7 +8,7 @@
 namespace hexrelief::test {
 namespace {
 
-// 4x4, each pixel its number.
+// 4x4 pixels, each with its own value.
 const Bytes kSamples{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150};
 
 StereoPair read(const Bytes& bytes, const StereoFileConfig& config = {}) {
@@ -67,7 +67,8 @@ void put(Bytes& bytes, std::uint32_t value, int size) {
     for (int i = size - 1; i >= 0; --i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-// Two JPEG files with the index in the first one's APP2, big endian. `entries` is how many it lists.
+// Returns two JPEG files with the index in the first one's APP2, big endian. entries: the
+// number of pictures listed.
 Bytes make_mpo(const Bytes& first, const Bytes& second, std::uint32_t entries = 2) {
     Bytes index;
     put(index, 0x4d4d002a, 4);

@@ -1,4 +1,4 @@
-// Pairs of bright spots, projected by the models' formulas as they stand in OpenCV's documentation.
+// Tests pairs of bright spots, projected by the camera models' formulas from OpenCV's documentation.
 #include "pipeline/rectify/rectify.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ double distance(const Point& a, const Point& b) {
     return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
-// In pixels, the centre of pixel 0 at 0.
+// Returns a position in pixels; the centre of pixel 0 is at 0.
 Point project(const StereoCalibration::Camera& camera, bool is_fisheye, const Point& p) {
     const double x = p.x / p.z, y = p.y / p.z, r2 = x * x + y * y;
     const std::vector<double>& d = camera.distortion;
@@ -47,7 +47,7 @@ Point in_right_camera(const StereoCalibration& c, const Point& p) {
             r[6] * p.x + r[7] * p.y + r[8] * p.z + c.translation[2]};
 }
 
-// A grid of points between 2 and 3 m away, row after row.
+// Returns a grid of points between 2 and 3 m away, row after row.
 std::vector<Point> scene() {
     std::vector<Point> points;
     for (int row = 0; row < kRows; ++row)
@@ -78,7 +78,7 @@ StereoPair pair_of(const StereoCalibration& c) {
     return {picture_of(left), picture_of(right)};
 }
 
-// The centre of the light around a pixel, as Image counts.
+// Returns the centre of the light around a pixel, in Image's coordinates.
 Point centre_of(const Image& image, int peak_x, int peak_y) {
     constexpr int reach = 9;
     Point at{peak_x + 0.5, peak_y + 0.5, 0};
@@ -97,7 +97,7 @@ Point centre_of(const Image& image, int peak_x, int peak_y) {
     return at;
 }
 
-// Row after row, from left to right.
+// Returns the spots row after row, from left to right.
 std::vector<Point> spots_of(const Image& image) {
     std::vector<Point> spots;
     for (int y = 0; y < kHeight; ++y)
@@ -164,7 +164,7 @@ TEST_P(Rectified, RowsCoincideAndDistancesAreRight) {
     }
     EXPECT_GT(worst_before, 3) << "the pair was rectified before";
     EXPECT_LT(worst_row, 0.1);
-    // A rectified camera is turned, so that positions differ from the scene's by a rotation: distances do
+    // A rectified camera is rotated, so positions differ from the scene's by a rotation, but distances do
     // not. 0.1 px of disparity is 1.5 cm at 2.4 m.
     double worst = 0;
     for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -179,7 +179,7 @@ TEST_P(Rectified, SameBytesOnAnyNumberOfThreads) {
     const StereoCalibration cameras = GetParam() ? fisheye_cameras() : pinhole_cameras();
     const StereoPair taken = pair_of(cameras);
     const RectifiedPair one = rectify(taken, cameras, 1);
-    for (const int threads : {2, 7}) {  // OpenCV starts no more than the machine has processors
+    for (const int threads : {2, 7}) {  // OpenCV starts no more threads than the machine has processors
         const RectifiedPair more = rectify(taken, cameras, threads);
         EXPECT_EQ(one.pair.left.pixels, more.pair.left.pixels);
         EXPECT_EQ(one.pair.right.pixels, more.pair.right.pixels);
@@ -188,7 +188,7 @@ TEST_P(Rectified, SameBytesOnAnyNumberOfThreads) {
     }
 }
 
-// Of white pictures only what lies outside of them is black.
+// In rectified white pictures only the pixels outside of them are black.
 TEST_P(Rectified, WhatThePictureDoesNotShowIsNotSeen) {
     StereoCalibration cameras = GetParam() ? fisheye_cameras() : pinhole_cameras();
     cameras.rotation = rotation(0.2, -0.03, 0.2);

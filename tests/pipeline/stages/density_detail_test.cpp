@@ -1,4 +1,4 @@
-// density.detail: where the mesh's vertices go instead.
+// Tests where density.detail moves the mesh's vertices to.
 #include "pipeline/stages/density_detail.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ double mean(const std::vector<float>& density, int x0, int x1, int y0 = 20, int 
     return sum / ((x1 - x0) * (y1 - y0));
 }
 
-// A slanted wall at the left, near; ripples of a curvature up to 0.12 / px at the right, far.
+// A near slanted wall at the left; far ripples with a curvature of up to 0.12 / px at the right.
 double wall_and_ripples(double x, double y) {
     if (x < 80) return 40 + 0.1 * y + 0.2 * x;
     return 15 + 3 * std::sin(x / 5);
@@ -59,11 +59,11 @@ TEST(DensityDetail, CurvatureAndDiscontinuitiesWantMore) {
     }
 }
 
-// Cells that share c^2 A^2 evenly: density as curvature^(2/3).
+// Cells share c^2 A^2 evenly if their density is curvature^(2/3).
 TEST(DensityDetail, GrowsAsTheTwoThirdsPowerOfCurvature) {
     const DisparityMap map = map_of([](double x, double) {
         const double u = x - 40, v = x - 120;
-        if (x < 10) return 20.0;  // a plane, whose residuals are the noise that is taken off
+        if (x < 10) return 20.0;  // a plane, whose residuals are the noise that is subtracted
         return x < 80 ? 20 + 0.05 * u * u : 20 + 0.4 * v * v;
     });
     const std::vector<float> detail = detail_density(map, 1);
@@ -90,7 +90,7 @@ TEST(DensityDetail, BackgroundAndUnknownStayEmpty) {
         for (int x = 0; x < 60; ++x) EXPECT_EQ(detail[static_cast<std::size_t>(y) * kWidth + x], 0);
 }
 
-// Large images are put into blocks: the same scene four times as large has the same density.
+// Large images are divided into blocks: the same scene at four times the size has the same density.
 TEST(DensityDetail, ScalesWithTheImage) {
     const int scale = 8;
     const DisparityMap large = map_of(wall_and_ripples, scale);
@@ -112,7 +112,7 @@ TEST(Density, DetailIsAShareOfTheWhole) {
     const double cube = ripples_share(0), half = ripples_share(0.5), most = ripples_share(0.9);
     EXPECT_LT(cube, half);
     EXPECT_LT(half, most);
-    // Half of the sum is the cube's, half the detail's.
+    // Half of the sum is the cube's, half is the detail's.
     const std::vector<float> detail = detail_density(map, compute_density(map, {}).background_px);
     const double pure = mean(detail, 84, kWidth) * (kWidth - 84) / (mean(detail, 0, kWidth) * kWidth);
     EXPECT_NEAR(half, 0.5 * (cube + pure), 0.02);

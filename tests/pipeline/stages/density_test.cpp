@@ -40,7 +40,7 @@ TEST(Density, TakesAnyExponent) {
     }
 }
 
-// `scale` enlarges the image and, with it, the disparities.
+// Returns a scene; `scale` enlarges the image and the disparities.
 DisparityMap scene(int scale, const std::function<double(double x, double y)>& disparity) {
     DisparityMap map{160 * scale, 120 * scale, {}};
     for (int y = 0; y < map.height; ++y)
@@ -53,7 +53,7 @@ double far_wall(double x, double) {
     return 4 + 0.02 * x;
 }
 
-// A floor that runs from the lower edge to the farthest distance.
+// A floor that extends from the lower edge to the farthest distance.
 double floor_to_the_back(double, double y) {
     return 2 + 0.5 * std::max(0.0, y - 20);
 }
@@ -104,7 +104,7 @@ TEST(Density, AutomaticDoesNotCutThroughSurfaces) {
     }
 }
 
-// Two planes that are parted by a step of a third of the nearer one's disparity, as two sheets of paper are.
+// Two planes separated by a step of a third of the nearer one's disparity, like two sheets of paper.
 TEST(Density, AutomaticKeepsWhatIsNotFarBehind) {
     const DisparityMap map = scene(1, [](double x, double y) {
         if (x > 100) return 40.0;
@@ -113,7 +113,7 @@ TEST(Density, AutomaticKeepsWhatIsNotFarBehind) {
     EXPECT_EQ(compute_density(map, {}).background_px, 0);
 }
 
-// Unknown pixels alone are no border: not where a floor is full of holes, nor where one cuts it in two.
+// Unknown pixels by themselves form no border, neither in a floor full of holes nor across a whole floor.
 TEST(Density, AutomaticLooksAcrossUnknownPixels) {
     std::mt19937 random(5);
     DisparityMap sparse = scene(1, floor_to_the_back), band = sparse;
@@ -123,7 +123,7 @@ TEST(Density, AutomaticLooksAcrossUnknownPixels) {
         for (int x = 0; x < band.width; ++x) band.at(x, y) = kUnknownDisparity;
     EXPECT_EQ(compute_density(sparse, {}).background_px, 0);
     EXPECT_EQ(compute_density(band, {}).background_px, 0);
-    // What only the left camera sees is unknown, as wide as the disparity steps by.
+    // Pixels that only the left camera sees are unknown; the gap is as wide as the step in disparity.
     DisparityMap object = scene(1, [](double x, double y) {
         const bool hidden = !on_object(x, y) && on_object(x + 40, y);
         return hidden ? kUnknownDisparity : object_or(far_wall(x, y), x, y);
@@ -131,8 +131,9 @@ TEST(Density, AutomaticLooksAcrossUnknownPixels) {
     EXPECT_GT(compute_density(object, {}).background_px, 8);
 }
 
-// The only border lies between the columns of two threads, once with unknown pixels on it, and is no step in
-// depth: nothing is removed. Without it no border at all were left, and the far side would go.
+// The only border lies between the columns of two threads, once with unknown pixels on it, and has no
+// step in depth, so nothing is removed. If it were missed, there would be no border at all, and the far
+// side would be removed.
 TEST(Density, BordersBetweenThreadsCount) {
     for (const int unknown : {0, 3}) {
         DisparityMap map{100, 20, std::vector<float>(2000, 11.0f)};
@@ -163,7 +164,7 @@ TEST(Density, SameForAnyNumberOfThreads) {
 TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
     const DisparityMap map = scene(1, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
     DisparityMap wrong = map;
-    for (int i = 0; i < 30; ++i) wrong.values[std::size_t(i) * 631] = 500;  // 0.16 % of all
+    for (int i = 0; i < 30; ++i) wrong.values[std::size_t(i) * 631] = 500;  // 0.16 % of all pixels
     const DensityMap density = compute_density(map, {}), same = compute_density(wrong, {});
     EXPECT_NEAR(same.background_px, density.background_px, 0.02 * density.background_px);
     EXPECT_LE(*std::max_element(same.values.begin(), same.values.end()), 1);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kNone = kUnknownDepth;
 
-// A ramp from 1 m on, 1 cm a pixel.
+// Returns a ramp that begins at 1 m and rises by 1 cm per pixel.
 DepthMap ramp(int width, int height) {
     DepthMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * height)};
     for (std::size_t i = 0; i < map.values.size(); ++i) map.values[i] = 1 + 0.01f * static_cast<float>(i);
@@ -27,7 +27,7 @@ TEST(Depth, DisparitiesAreFocalTimesBaselineOverDepthWithoutTheOffset) {
 }
 
 TEST(Depth, RaysAreProjectedOnTheAxis) {
-    // A sphere around the camera: every point 5 m away.
+    // A sphere around the camera: every point is 5 m away.
     DepthMap map{40, 30, std::vector<float>(40 * 30, 5.0f)};
     map.values[7] = kNone;
     const Calibration camera{.focal_px = 30, .cx = 19.5, .cy = 10.5};

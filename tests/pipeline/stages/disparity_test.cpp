@@ -14,7 +14,7 @@
 namespace hexrelief {
 namespace {
 
-// Measured plus a margin. Most of what is bad is hidden in the right view and rightly unknown.
+// Limits: measured values plus a margin. Most bad pixels are hidden in the right view and correctly unknown.
 constexpr double kBad1Limit_percent = 6, kWrong2Limit_percent = 3.2, kAverageLimit_px = 0.75;
 
 struct Sample {
@@ -29,7 +29,7 @@ const Sample& sample() {
     return files;
 }
 
-// A grey pair of random texture, the right view shifted by `shift` px everywhere.
+// Returns a grey pair of random texture, the right view shifted by `shift` px everywhere.
 StereoPair shifted_pair(int width, int height, int shift) {
     StereoPair pair;
     pair.left = pair.right =
@@ -49,8 +49,8 @@ StereoPair shifted_pair(int width, int height, int shift) {
     return pair;
 }
 
-// The truth without what another surface hides in the right view, or what lies outside it: there is no match
-// to find.
+// Returns the truth without pixels that another surface hides in the right view or that lie outside it, since
+// they have no match.
 DisparityMap visible_truth() {
     DisparityMap truth = sample().disparity;
     for (int y = 0; y < truth.height; ++y) {
@@ -75,7 +75,7 @@ double share_at(const DisparityMap& map, int from, int to, float value) {
     return static_cast<double>(good) / map.height / (to - from);
 }
 
-// StereoSGBM as it is, without the refinement.
+// Returns the configuration of plain StereoSGBM, without the refinement.
 DisparityConfig sgbm() {
     DisparityConfig config;
     config.method = DisparityMethod::sgbm;
@@ -134,7 +134,7 @@ TEST(Disparity, NoiseIsAveragedOut) {
     std::uint32_t state = 1;
     for (Image* image : {&pair.left, &pair.right})
         for (std::uint8_t& level : image->pixels) {
-            int sum = 0;  // of four: a standard deviation of 18 levels
+            int sum = 0;  // sum of four: a standard deviation of 18 levels
             for (int i = 0; i < 4; ++i)
                 sum += static_cast<int>((state = state * 1664525u + 1013904223u) >> 24) % 31;
             level = static_cast<std::uint8_t>(std::clamp(level + sum - 60, 0, 255));
@@ -161,7 +161,7 @@ TEST(Disparity, StereoSgbmFindsTheSampleScene) {
     RecordProperty("coverage", std::to_string(e.coverage_percent));
     EXPECT_LT(e.bad_percent[1], kBad1Limit_percent);
     EXPECT_LT(e.bad_percent[2] - (100 - e.coverage_percent),
-              kWrong2Limit_percent);  // wrong among what it claims to know
+              kWrong2Limit_percent);  // known but wrong
     EXPECT_LT(e.average_error_px, kAverageLimit_px);
 }
 
@@ -193,7 +193,8 @@ TEST(Disparity, KeepsTheLeftBand) {
     const StereoPair pair = shifted_pair(200, 60, shift);
     const DisparityMap map = compute_disparity(pair, sgbm(), 1);
     EXPECT_GT(share_at(compute_disparity(pair, {}, 1), 0, 64, shift), 0.94);  // filled beyond the frame
-    EXPECT_GT(share_at(map, shift + 2, 64, shift), 0.97);  // matched, though the search range is wider than x
+    // Matched, although the search range is wider than x.
+    EXPECT_GT(share_at(map, shift + 2, 64, shift), 0.97);
     for (int y = 0; y < map.height; ++y) {
         for (int x = 0; x + 1 < shift; ++x) {
             EXPECT_TRUE(!DisparityMap::known(map.at(x, y)) || map.at(x, y) <= x + 1)
@@ -248,8 +249,8 @@ TEST(Disparity, LeavesUnknownWhatTheRightViewDoesNotShow) {
     for (const float d : map.values) EXPECT_FALSE(std::isnan(d));
 }
 
-// A scene at 40 px, and a patch that both views show 2 px apart, as what the cameras see of different things
-// may look alike.
+// A scene at 40 px, and a patch that both views show 2 px apart, because different surfaces seen by the two
+// cameras may look alike.
 TEST(Disparity, DropsSmallPatchesBeyondTheScene) {
     constexpr int kScene_px = 40, kPatch_px = 2;
     StereoPair pair = shifted_pair(800, 200, kScene_px);
@@ -268,7 +269,7 @@ TEST(Disparity, DropsSmallPatchesBeyondTheScene) {
     EXPECT_GT(least_of(config), kScene_px - 3);
     config.farthest_px = 0;
     EXPECT_NEAR(least_of(config), kPatch_px, 1);
-    config.farthest_px = kScene_px + 10;  // the scene is no small patch
+    config.farthest_px = kScene_px + 10;  // the scene is not a small patch
     EXPECT_EQ(find_range(pair, config, 2).config.farthest_px, kScene_px + 10);
     EXPECT_GT(share_at(compute_disparity(pair, config, 2), 50, 450, kScene_px), 0.95);
 }
@@ -282,7 +283,7 @@ TEST(Disparity, MatchesGreyWithColour) {
     }
     pair.right = grey;
     DisparityConfig config = sgbm();
-    config.color = true;  // cannot be had with one grey image
+    config.color = true;  // impossible with one grey image
     EXPECT_LT(evaluate_disparity(compute_disparity(pair, {}, 1), sample().disparity).bad_percent[1], 8);
     EXPECT_LT(evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
               kBad1Limit_percent);

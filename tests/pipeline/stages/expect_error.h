@@ -1,4 +1,4 @@
-// Expects an Error of one kind whose message says a certain thing.
+// Expects an Error of one kind whose message contains a given text.
 #pragma once
 
 #include <gtest/gtest.h>

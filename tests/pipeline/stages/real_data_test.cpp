@@ -1,4 +1,4 @@
-// Real pairs, where the environment variable HEXRELIEF_DATA names a folder that holds Middlebury's.
+// Tests on real pairs, if the environment variable HEXRELIEF_DATA names a folder with Middlebury's data sets.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -14,7 +14,7 @@ namespace {
 
 struct RealPair {
     const char* folder;
-    const char* images;  // extension
+    const char* images;  // file name extension
     const char* truth;
     double scale;
     double bad1_limit, bad2_limit;  // percent of the truth's pixels
@@ -41,7 +41,7 @@ TEST_P(RealData, MatchesGroundTruth) {
     EXPECT_LT(e.bad_percent[2], real.bad2_limit);
 }
 
-// Limits: measured plus about one point.
+// Limits: the measured values plus about one point.
 INSTANTIATE_TEST_SUITE_P(
     Middlebury, RealData,
     testing::Values(RealPair{"middlebury2003/cones-quarter", "png", "disp.png", 4, 7.9, 6.4},

@@ -1,4 +1,4 @@
-// The committed sample files are what the generator makes.
+// Tests that the committed sample files are those that the generator makes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

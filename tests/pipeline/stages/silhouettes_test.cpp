@@ -1,4 +1,4 @@
-// Silhouettes moved to where the image shows them.
+// Tests that silhouettes are moved to where the image shows them.
 #include "pipeline/stages/silhouettes.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ double plane(double x, double y) {
     return 20 + 0.1 * x - 0.05 * y;
 }
 
-// A slanted plane; unknown to the left of x = 20 where `half` is set.
+// Returns a slanted plane; unknown to the left of x = 20 if `half` is set.
 DisparityMap slanted(bool half = false) {
     DisparityMap map{kWidth, kHeight, {}};
     for (int y = 0; y < kHeight; ++y)
@@ -25,7 +25,7 @@ DisparityMap slanted(bool half = false) {
     return map;
 }
 
-// A grid of squares of 8 px from (left, top) on, on the plane, each cut in two.
+// Returns a grid of squares of 8 px on the plane, from (left, top) on, each cut in two.
 DisparityMesh grid(float left, float top, int columns, int rows) {
     DisparityMesh mesh;
     for (int y = 0; y <= rows; ++y)
@@ -83,7 +83,7 @@ TEST(Silhouettes, StayWhereNothingIsWrong) {
     }
 }
 
-// A near square before a far plane, whose border lies a pixel too far out on one side.
+// A near square in front of a far plane, whose border lies a pixel too far out on one side.
 TEST(Silhouettes, DrawBackFromTheSurfaceBehind) {
     DisparityMap map{kWidth, kHeight, std::vector<float>(kWidth * kHeight, 8)};
     for (int y = 0; y < kHeight; ++y)

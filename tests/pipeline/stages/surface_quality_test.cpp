@@ -1,5 +1,5 @@
-// measure_surface_quality() against scenes whose figures follow from a line of arithmetic, and against a
-// naive oracle.
+// Tests measure_surface_quality() on scenes whose figures follow from simple arithmetic, and
+// against a naive oracle.
 #include "pipeline/stages/surface_quality.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ DisparityMap map_of(const std::function<double(int, int)>& disparity, int width 
     return map;
 }
 
-// Two triangles over [x0, x1] x [y0, y1], d0 at the left edge and d1 at the right one.
+// Adds two triangles over [x0, x1] x [y0, y1], with disparity d0 at the left edge and d1 at the right one.
 void add_strip(SurfaceMesh& mesh, double x0, double x1, double d0, double d1, double y0 = 0,
                double y1 = kHeight) {
     const auto first = static_cast<std::uint32_t>(mesh.disparities.size());
@@ -67,7 +67,8 @@ TEST(SurfaceQuality, AnErrorCountsUpToTheCap) {
     }
 }
 
-// Half the pixels at 10 px are wrong by 1 px, half at 20 px by 2 px: the near ones weigh 8 times as much.
+// Half of the pixels, at 10 px, are wrong by 1 px, the other half, at 20 px, by 2 px: the near ones have
+// 8 times the weight.
 TEST(SurfaceQuality, NearErrorsWeighMore) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 40, 11, 11);
@@ -107,7 +108,7 @@ TEST(SurfaceQuality, BackgroundAndUnknownAreNotScored) {
     EXPECT_EQ(q.hidden_pixels, 0) << "what lies behind unknown pixels is not known either";
 }
 
-// Wrong by 5 px only within 2 px of a discontinuity, whose pixels flat_rmse_px leaves out.
+// The surface is wrong by 5 px only within 2 px of a discontinuity, and flat_rmse_px ignores these pixels.
 TEST(SurfaceQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 38, 10, 10);
@@ -119,7 +120,8 @@ TEST(SurfaceQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
     EXPECT_GT(q.rmse_near_px, 1);
 }
 
-// A post at 20 px before a wall at 10 px hides 10 px of the wall from the left camera, right of the post.
+// A post at 20 px in front of a wall at 10 px hides 10 px of the wall from the left camera,
+// right of the post.
 DisparityMap post() {
     return map_of([](int x, int) { return x >= 30 && x < 60 ? 20 : 10; });
 }
@@ -143,8 +145,8 @@ TEST(SurfaceQuality, ARubberSheetIsSeenFromTheOtherSide) {
     EXPECT_EQ(cut.sheet_share, 0);
     EXPECT_NEAR(cut.duo_rmse_near_px, 0, 1e-6);
 
-    // In the right view the mesh falls from 20 to 10 px between x = 39.5 and 50.5, over the centres 40.5
-    // .. 49.5.
+    // In the right view the mesh falls from 20 to 10 px between x = 39.5 and 50.5, over the pixel
+    // centres 40.5 .. 49.5.
     const SurfaceQuality bridged = measure_surface_quality(post_mesh(true), post(), 0, 1);
     double weight = 0, squares = 0;
     int rubber_sheet = 0;
@@ -155,7 +157,7 @@ TEST(SurfaceQuality, ARubberSheetIsSeenFromTheOtherSide) {
         weight += near;
         squares += near * error * error;
     }
-    weight += 30 + 50 / 8.0;  // the left view's pixels, none of them wrong
+    weight += 30 + 50 / 8.0;  // the left view's pixels, none of which is wrong
     EXPECT_EQ(rubber_sheet, 9);
     EXPECT_DOUBLE_EQ(bridged.sheet_share, 0.9);
     EXPECT_NEAR(bridged.duo_rmse_near_px, std::sqrt(squares / weight), 1e-5);
@@ -172,7 +174,7 @@ TEST(HiddenFromLeft, TheGapContinuesTheFartherSilhouette) {
     for (int x = 0; x < kWidth; ++x) EXPECT_EQ(hidden[x], x >= 40 && x < 50 ? 10 : 0) << x;
 }
 
-// ---- a naive oracle: every pixel asks every triangle ----
+// ---- a naive oracle: every pixel is tested against every triangle ----
 
 std::optional<double> disparity_at(const SurfaceMesh& mesh, bool right, double x, double y) {
     std::optional<double> top;

@@ -44,7 +44,7 @@ struct Example {
             }
         }
     }
-    // All triangles whose vertices have a disparity.
+    // Returns all triangles whose vertices have a disparity.
     DisparityMesh cut_mesh() const {
         DisparityMesh cut_mesh{mesh.positions, disparities, {}, {}};
         for (int row = 0; row + 1 < kRows; ++row)
@@ -79,7 +79,7 @@ void expect_sound(const SurfaceMesh& s) {
             image_area += double(p.x / p.z) * (q.y / q.z) - double(q.x / q.z) * (p.y / p.z);
         }
         EXPECT_GT(image_area, 0)
-            << "clockwise as the camera sees it";  // x/z and y/z both change sign: area keeps it
+            << "clockwise as the camera sees it";  // x/z and y/z both change sign, so the area keeps its sign
     }
     EXPECT_EQ(used.size(), count) << "isolated vertices";
     for (std::size_t i = 0; i < count; ++i) {
@@ -116,7 +116,7 @@ TEST(Surface, ReproducesAPlane) {
     }
 }
 
-// Against sums of unit normals times angles, as the library computes angles.
+// Compares with sums of unit normals times angles, with angles from the C library.
 TEST(Surface, WeighsNormalsByAngles) {
     std::uint32_t state = 7;
     Example e([&](double x, double y) {
@@ -193,7 +193,7 @@ TEST(Surface, DropsInvertedAndDegenerateTriangles) {
     const SurfaceMesh flat = e.build();
     EXPECT_EQ(flat.triangles.size(), all - 2);  // the two on the edge that has no length
     expect_sound(flat);
-    e.mesh.positions[e.mesh.index(10, 8)].x += 4;  // past its neighbour
+    e.mesh.positions[e.mesh.index(10, 8)].x += 4;  // beyond its neighbour
     const SurfaceMesh folded = e.build();
     EXPECT_LT(folded.triangles.size(), all);
     expect_sound(folded);
@@ -215,7 +215,7 @@ TEST(Surface, DropsSmallComponents) {
 }
 
 TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
-    // Two opposite sectors around one vertex: without the split, OpenMesh refuses faces there.
+    // Two opposite sectors around one vertex: without splitting the vertex, OpenMesh refuses faces there.
     Example e([](double, double) { return 20.0; });
     e.min_component = 0;
     const Vec2f centre = e.mesh.at(10, 8);
@@ -224,7 +224,8 @@ TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
         const bool sector = std::abs(p.y - centre.y) <= 0.5f * std::abs(p.x - centre.x);
         if (!sector && i != e.mesh.index(10, 8)) e.disparities[i] = std::numeric_limits<float>::infinity();
     }
-    // The neighbours left and right are in; above and below are out; fans need two vertices each side.
+    // The left and right neighbours belong to the surface, those above and below do not; a fan needs two
+    // vertices on each side.
     for (const int row : {7, 9}) {
         e.disparities[e.mesh.index(9, row)] = 20;  // left sector
         e.disparities[e.mesh.index(10, row)] = std::numeric_limits<float>::infinity();
@@ -265,7 +266,7 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
         expect_sound(s);
         EXPECT_EQ(s.triangles.size(), expected) << "faces were lost";
         EXPECT_GE(count_topology(s).boundary_loops, count_topology(s).components);
-        // Lattice order: row by row, left to right within a row.
+        // Vertices are in the lattice's order: row by row, left to right within a row.
         for (std::size_t i = 1; i < s.image_points.size(); ++i) {
             const Vec2f &a = s.image_points[i - 1], &b = s.image_points[i];
             EXPECT_TRUE(a.y < b.y || (a.y == b.y && a.x <= b.x));
@@ -285,7 +286,7 @@ TEST(Surface, IsTheSameWhereItIsKnownThatEachVertexHoldsOneFan) {
     EXPECT_EQ(known.triangles, unknown.triangles);
     EXPECT_EQ(known.positions, unknown.positions);
     EXPECT_EQ(known.image_points, unknown.image_points);
-    cut_mesh.disparities[kColumns + 1] = std::numeric_limits<float>::infinity();  // its triangles go
+    cut_mesh.disparities[kColumns + 1] = std::numeric_limits<float>::infinity();  // its triangles are dropped
     cut_mesh.has_one_fan_per_vertex = false;
     const SurfaceMesh torn = build();
     EXPECT_LT(torn.triangles.size(), unknown.triangles.size());

@@ -1,4 +1,4 @@
-// When a unit is up to date.
+// Tests when a unit is up to date.
 #include "pipeline/stamp/stamp.h"
 
 #include <gtest/gtest.h>
@@ -114,7 +114,7 @@ TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
     const TemporaryFolder folder;
     RunRequest request = map_request(folder);
     request.outputs = {folder / "one/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
-    request.color = test::sample("left.png");  // the last two share its texture
+    request.color = test::sample("left.png");  // the last two outputs share its texture
     run_stamped(request);
     EXPECT_EQ(stamp_request(request), UnitState::current);
     RunRequest elsewhere = request;

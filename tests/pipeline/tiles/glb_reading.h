@@ -1,4 +1,4 @@
-// The mesh of a GLB as any reader has to understand it, in double arithmetic.
+// Reads the mesh of a GLB as any reader has to interpret it, in double arithmetic.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@ struct SpaceMesh {
     std::vector<Triangle> triangles;
 };
 
-// Of files without compression, quantized, by meshopt and by Draco; of one node or of many, one after the
-// other.
+// Reads files without compression, quantized, by meshopt or by Draco; of one node or of
+// many, which are joined.
 SpaceMesh read_glb(const std::filesystem::path& path);
 
 }  // namespace hexrelief::test

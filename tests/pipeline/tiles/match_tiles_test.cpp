@@ -1,4 +1,4 @@
-// Maps of pairs that were matched in tiles, against the truth, and against those matched as a whole.
+// Tests the maps of pairs matched in tiles, against the truth and against pairs matched as a whole.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -25,7 +25,7 @@ namespace {
 
 using testing_mesher::uniform;
 
-// Value noise of several sizes, 0 to 1.
+// Returns value noise of several sizes, 0 to 1.
 float texture(float x, int y, std::uint32_t seed) {
     float sum = 0, weight = 0.5f;
     for (int cell = 16; cell >= 2; cell /= 2, weight *= 0.7f) {
@@ -44,8 +44,8 @@ struct MadePair {
     StereoPair pair;
 };
 
-// A ground that rises and falls, with discs and bars before it, all with a fine texture that is weak in
-// places, and noise. What the right camera alone sees has a texture of its own.
+// Returns a hilly ground with discs and bars in front of it, all with noise and a fine texture that is weak
+// in places. The parts that only the right camera sees have their own texture.
 MadePair make_pair(int width, int height) {
     MadePair made{{width, height, std::vector<float>(static_cast<std::size_t>(width) * height)},
                   {{width, height, 1, {}}, {width, height, 1, {}}}};
@@ -135,7 +135,7 @@ struct Errors {
     double bad2_percent = 0, rmse_px = 0;
 };
 
-// Of the pixels that are within 16 px of a tile's border, or of those that are not.
+// Returns the errors of the pixels within 16 px of a tile's border, or of the others.
 Errors errors(const DisparityMap& map, const DisparityMap& truth, int tile, bool near_border) {
     const auto is_near = [&](int at, int size) {
         const int border = (at + tile / 2) / tile * tile;
@@ -153,7 +153,7 @@ Errors errors(const DisparityMap& map, const DisparityMap& truth, int tile, bool
     return {100 * bad / pixels, std::sqrt(squares / pixels)};
 }
 
-// How much larger errors are near borders than elsewhere.
+// Returns by how much errors are larger near borders than elsewhere.
 Errors excess(const DisparityMap& map, const DisparityMap& truth, int tile) {
     const Errors near = errors(map, truth, tile, true), inside = errors(map, truth, tile, false);
     return {near.bad2_percent - inside.bad2_percent, near.rmse_px - inside.rmse_px};
@@ -165,8 +165,8 @@ double differing_percent(const DisparityMap& a, const DisparityMap& b) {
     return 100 * differing / static_cast<double>(a.values.size());
 }
 
-// What lies near a border is no worse than elsewhere, as far as it is not so in the map matched as a whole,
-// too. The same limits notice collars that are too small.
+// Errors near a border are no larger than elsewhere, except as far as they are so in the map matched as a
+// whole. The same limits detect collars that are too small.
 TEST(MatchTiles, BordersAreAsGoodAsTheInside) {
     constexpr int kTile_px = 192;
     constexpr double kBad2_percent = 0.05, kRmse_px = 0.02, kDiffering_percent = 8;
@@ -218,18 +218,18 @@ TEST(MatchTiles, AreTheSameBytesForAnyNumberOfThreads) {
 
 TEST(MatchTiles, WindowsHoldTileCollarAndReach) {
     DisparityConfig config;
-    config.num_disparities_px = 100;  // searched: 112
+    config.num_disparities_px = 100;  // 112 are searched
     const PairSize whole{5000, 3000};
     MapRect w = window_of_tile({2048, 1024, 512, 512}, whole, config, 51);
     EXPECT_EQ(w.x, (2048 - 51 - 112) / 32 * 32);
-    EXPECT_EQ(w.x + w.width, 2624);   // of 2611
-    EXPECT_EQ(w.y, 960);              // of 973
-    EXPECT_EQ(w.y + w.height, 1600);  // of 1587
+    EXPECT_EQ(w.x + w.width, 2624);   // 2611 unaligned
+    EXPECT_EQ(w.y, 960);              // 973 unaligned
+    EXPECT_EQ(w.y + w.height, 1600);  // 1587 unaligned
     config.min_disparity_px = -150;
     w = window_of_tile({2048, 1024, 512, 512}, whole, config, 50);
-    EXPECT_EQ(w.x, 1984);            // of 1998
-    EXPECT_EQ(w.x + w.width, 2784);  // of 2760
-    // As wide as the range, at either side of the picture.
+    EXPECT_EQ(w.x, 1984);            // 1998 unaligned
+    EXPECT_EQ(w.x + w.width, 2784);  // 2760 unaligned
+    // The window is as wide as the range, at either side of the picture.
     config.min_disparity_px = 0;
     config.num_disparities_px = 480;
     w = window_of_tile({0, 0, 64, 64}, whole, config, 10);
@@ -261,7 +261,7 @@ TEST(MatchTiles, TransparentPixelsAreUnknown) {
     EXPECT_EQ(known(), std::vector<bool>(seen.size(), true));
 }
 
-// That of the calibration, else the one that the pair is given as a whole; of a larger pair, nearly.
+// The range is that of the calibration, else that of the pair as a whole; for a larger pair, nearly so.
 TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const PairFolder folder(400, 300);
     const auto left = PictureWindows::open(folder / "left.pgm"),
@@ -286,7 +286,7 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     EXPECT_NE(told[2].find("96 px searched"), std::string::npos);
 }
 
-// Of 24 Mpx: each pixel of the small pair is 7 px wide and 7 px high.
+// The pair has 24 Mpx: each pixel of the small pair becomes 7 x 7 px.
 TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     const PairFolder folder(800, 600);
     const auto enlarged = [](const Image& image) {

@@ -1,5 +1,5 @@
-// tiles_quality PLAN: how well a plan's solved tiles are balanced and fit their map, beside one undivided
-// mesh of it. For maps that fit into memory, of up to 16,384 px a side.
+// tiles_quality PLAN: measures how well a plan's solved tiles are balanced and fit their map, compared with
+// one undivided mesh. For maps that fit into memory, of up to 16,384 px a side.
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -30,7 +30,7 @@ Balanced undivided(const TilePlan& plan, const DisparityMap& map, const DensityM
     return found;
 }
 
-// The blocks that the tiles were cut from, and the triangles of the tiles' files.
+// Returns the blocks that the tiles were cut from, and the triangles of the tiles' files.
 Balanced in_tiles(const TilePlan& plan, const DensityOfWindow& density, int threads) {
     const LatticeTiling tiling = plan.tiling();
     const MapRect whole{0, 0, plan.width, plan.height};

@@ -1,4 +1,5 @@
-// Plan, solve and merge: what neighbours share is the same bits in every format and level, whoever solves it.
+// Tests plan, solve and merge: data shared by neighbours is identical to the bit in every format and
+// level, whatever solves it.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -36,7 +37,7 @@ using testing_mesher::busy_map;
 using testing_mesher::busy_picture;
 using Point = std::array<double, 3>;
 
-constexpr int kWidth_px = 372, kHeight_px = 290, kTile = 78;  // 2 x 1 tiles, or with kRows 2 x 2
+constexpr int kWidth_px = 372, kHeight_px = 290, kTile = 78;  // 2 x 1 tiles, or 2 x 2 with kRows
 constexpr int kTall_px = 372;
 
 void write_map(const std::string& path, const DisparityMap& map) {
@@ -185,7 +186,7 @@ TEST(Tiles, OfMapsThatAreMostlyUnknown) {
     DisparityMap map = busy_map(kTall_px, kTall_px, 4);
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x)
-            // What is left is in two corners, so that the lattice covers all of the map.
+            // Only two corners have disparities, so that the lattice still covers the whole map.
             if (std::max(x, y) >= 140 && std::min(x, y) < 230) map.at(x, y) = std::nanf("");
     PlannedFolder folder(map);
     folder.solve();

@@ -1,4 +1,4 @@
-// Windows against crops of what the readers of whole maps read.
+// Tests windows against crops of the maps that the readers of whole maps return.
 #include "pipeline/windows/map_windows.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// Floats with all that means "not known" among them.
+// Returns floats that include all values that mean "unknown".
 std::vector<float> sample_floats(int count) {
     const std::vector<float> unknown = {kNaN, kUnknownDisparity, -kUnknownDisparity, 0, -3, 2e6f, -9999};
     std::mt19937 random(7);
@@ -51,7 +51,7 @@ void expect_crop(const DisparityMap& window, const DisparityMap& map, int x, int
             ASSERT_EQ(window.at(column, row), map.at(x + column, y + row)) << x + column << "," << y + row;
 }
 
-// The whole map, its corners, and windows anywhere.
+// Checks the whole map, its corners, and windows anywhere.
 void expect_windows(const fs::path& path, const MapWindowConfig& config, const DisparityMap& map) {
     const auto windows = MapWindows::open(path, config);
     ASSERT_EQ(windows->width(), map.width);
@@ -254,14 +254,14 @@ TEST(MapWindows, DamagedFilesAreRefused) {
     EXPECT_CONTAINS(open_error(make_tiff(8, 8, Bytes(3 * 64, 9), {.samples = 3, .photometric = 2})),
                     "3 samples a pixel");
 
-    // A compressed tile that holds something else.
+    // A compressed tile with other contents.
     kind = {.bits = 16, .compression = 8, .tile = 16};
     Bytes lying = make_tiff(16, 16, Bytes(512, 9), kind);
     std::fill_n(lying.begin() + 8, 12, 0xff);
     EXPECT_CONTAINS(read_error(lying), "malformed");
 }
 
-// Whose end was cut off after they had been opened.
+// Files whose ends are cut off after they have been opened.
 TEST(MapWindows, FilesThatShrinkAreRefused) {
     const Folder folder;
     const fs::path path = folder.write("map.raw", Bytes(400, 1));

@@ -1,4 +1,4 @@
-// Windows of pictures against crops of what read_image() reads.
+// Tests windows of pictures against crops of read_image()'s pictures.
 #include "pipeline/windows/picture_windows.h"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ void expect_crop(const Image& window, const Image& whole, int x, int y) {
     EXPECT_EQ(window.alpha.empty(), is_opaque);
 }
 
-// The whole picture, its corner, and windows anywhere.
+// Checks the whole picture, its corner, and windows anywhere.
 void expect_windows(const fs::path& path) {
     const Image whole = read_image(path);
     const auto windows = PictureWindows::open(path);
@@ -177,7 +177,7 @@ TEST(PictureWindows, DamagedFilesAreRefused) {
     EXPECT_CONTAINS(error_of([&] { windows->read(0, 0, 16, 16); }), "malformed");
 }
 
-// Whose end was cut off after they had been opened.
+// Files whose ends are cut off after they have been opened.
 TEST(PictureWindows, FilesThatShrinkAreRefused) {
     const Folder folder;
     const fs::path path = folder.write("p.ppm", make_pgm(10, 10, 255, Bytes(300, 1), '6'));

@@ -24,7 +24,7 @@ TEST(Terrain, IsTheSameInEveryCall) {
     EXPECT_NE(block(900, 1000, 300, 4, 6), whole);
 }
 
-// FNV-1a of the bits, which are those of every machine.
+// FNV-1a of the bits, which are the same on every machine.
 TEST(Terrain, HasTheseBits) {
     std::uint64_t sum = 0xcbf29ce484222325u;
     for (const int at : {0, 30000, kLargestMapSide_px - 64})

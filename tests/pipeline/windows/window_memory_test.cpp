@@ -1,4 +1,4 @@
-// What a process takes to read windows of maps much larger.
+// Tests the memory that a process needs to read windows of much larger maps.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,7 +35,7 @@ long peak_MiB(const std::function<void()>& work) {
 TEST(MapWindows, TakeTheMemoryOfAWindow) {
     const Folder folder;
     const fs::path rows = folder.write("map.raw", ""), tiles = folder.path() / "map.tif";
-    fs::resize_file(rows, std::uintmax_t{4} << 30);  // holes, which take no space
+    fs::resize_file(rows, std::uintmax_t{4} << 30);  // a sparse file
     {
         FileTransaction files;
         MapWriter writer(files, tiles, 4096, 4096);
@@ -55,9 +55,10 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
 
 TEST(PictureWindows, TakeTheMemoryOfAWindow) {
     const Folder folder;
-    const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");  // above the limit of whole ones
+    // Above the limit for pictures read as a whole.
+    const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");
     fs::resize_file(rows, fs::file_size(rows) + std::uintmax_t{3} * 40000 * 30000);
-    // Small ones, because sanitizers keep what is freed for a while.
+    // Small windows, because sanitizers keep freed memory for a while.
     const auto read_diagonal = [&] {
         const auto picture = PictureWindows::open(rows);
         for (int i = 0; i < 8; ++i) picture->read(picture->width() / 8 * i, 3000 * i, 256, 256);

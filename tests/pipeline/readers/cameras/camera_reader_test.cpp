@@ -1,4 +1,4 @@
-// Cameras without a partner: matrices, ROS, Open3D, RealSense, COLMAP.
+// Tests the formats of single cameras: matrices, ROS, Open3D, RealSense, COLMAP.
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
@@ -174,7 +174,7 @@ TEST(ReadRosCamera, WithoutAProjectionTheCameraItself) {
     const CalibrationFile file = read(plain);
     EXPECT_NEAR(file.calibration.focal_px, 430.3, 1e-9);
     EXPECT_NEAR(file.calibration.cx, 307.1, 1e-9);
-    EXPECT_EQ(file.told.size(), 2u);  // distortion, and two focal lengths
+    EXPECT_EQ(file.told.size(), 2u);  // distortion, and two different focal lengths
 }
 
 TEST(ReadRosCamera, NamesTheKeyThatIsWrong) {

@@ -1,4 +1,4 @@
-// EXIF data of a few tags, made by hand after the standard.
+// Tests EXIF data with a few tags, written by hand by the standard.
 #include "pipeline/readers/cameras/exif_focal.h"
 
 #include <cmath>
@@ -23,7 +23,8 @@ void put(Bytes& bytes, std::uint32_t value, int size) {
     for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-// APP1 with one entry in IFD 0, the way to the EXIF directory with `tags`; rationals behind it.
+// Returns an APP1 segment with one entry in IFD 0, which points to the EXIF directory with
+// `tags`; rationals follow it.
 Bytes app1(const std::vector<Tag>& tags) {
     Bytes tiff;
     put(tiff, 0x4949, 2);
@@ -75,7 +76,7 @@ TEST(ReadExifFocal, OfFilmByTheDiagonal) {
 }
 
 TEST(ReadExifFocal, OfTheSensorsResolution) {
-    // 16000 / 3 px an inch: 4000 px are 19.05 mm
+    // 16000 / 3 px per inch: 4000 px are 19.05 mm.
     const auto focal = read(photograph({kTaken, kLens, kResolution, kUnit}));
     ASSERT_TRUE(focal);
     EXPECT_NEAR(focal->focal_px, 4.2 / 19.05 * 2000, 1e-6);

@@ -1,4 +1,4 @@
-// Cameras as they stand, for pairs to rectify.
+// Tests the calibrations of pairs that are not rectified.
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "tests/pipeline/readers/sample_files.h"

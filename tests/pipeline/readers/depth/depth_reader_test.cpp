@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
 
-// 16-bit samples in PNG's byte order.
+// Returns 16-bit samples in PNG's byte order.
 Bytes wide(const std::vector<int>& samples) {
     Bytes bytes;
     for (const int sample : samples) {
@@ -55,7 +55,7 @@ TEST(DepthReader, SixteenBitsAreMillimetresAndFloatsMetres) {
 TEST(DepthReader, UnitsAreMetresMillimetresOrAnyScale) {
     EXPECT_EQ(read_wide({3, 65535}, {.unit = "m"}).map.values, (std::vector<float>{3, kInf}));
     EXPECT_EQ(read_floats({3}, {.unit = "mm"}).map.values[0], 0.003f);
-    const DepthFile scaled = read_wide({5000}, {.unit = "5000"});  // the TUM benchmark's
+    const DepthFile scaled = read_wide({5000}, {.unit = "5000"});  // as in the TUM benchmark
     EXPECT_EQ(scaled.map.values[0], 1);
     EXPECT_EQ(scaled.believed, "16-bit integers, 1/5000 m");
     EXPECT_EQ(read_bytes_map({51}, {.unit = "25.5"}).map.values[0], 2);

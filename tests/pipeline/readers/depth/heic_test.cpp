@@ -1,4 +1,4 @@
-// HEIC photographs and the depths beside them.
+// Tests HEIC photographs and the depths beside them.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWidth = 64, kHeight = 64;
 
-// Depths of 0 to 252 in columns beside an even colour.
+// Returns a photograph of one colour with depths of 0 to 252 in columns.
 Bytes sample(const std::string& xmp) {
     Bytes pixels;
     for (int i = 0; i < kWidth * kHeight; ++i)
@@ -69,7 +69,7 @@ TEST_F(Heic, WhatTheDepthsAreIsSaidByTheFile) {
     EXPECT_GT(relative.map.values[1], relative.map.values[63]);
 }
 
-// libheif knows limits of sides alone, and a file of a thousand bytes may be decoded to any size.
+// libheif can only limit the sides, and a file of a thousand bytes may be decoded to any size.
 TEST_F(Heic, NoSideIsLongerThanThatOfTheLargestSquare) {
     const Folder folder;
     const auto path = folder.write("long.heic", make_heic(256, 16, Bytes(256 * 16 * 4, 90), ""));
@@ -104,7 +104,7 @@ Bytes big_endian(std::uint64_t value, int count) {
     return bytes;
 }
 
-// longer: than it is, as it says.
+// Returns a box; it claims to be longer than it is by `longer`.
 Bytes box(const char* type, const Bytes& content, int longer = 0) {
     return big_endian(content.size() + 8 + longer, 4) + to_bytes(type) + content;
 }
@@ -116,7 +116,8 @@ struct Reference {
     int longer = 0;
 };
 
-// What check_derivations() says of a file with these item references; empty = nothing.
+// Returns the message of check_derivations() for a file with these item references; empty if
+// it accepts the file.
 std::string refusal(const std::vector<Reference>& references, int id_bytes = 2) {
     Bytes iref = big_endian(id_bytes == 2 ? 0 : 1, 1) + Bytes(3, 0);
     for (const Reference& reference : references) {
@@ -150,7 +151,7 @@ TEST(HeicDerivations, PicturesOfPicturesHaveAnEnd) {
         EXPECT_CONTAINS(refusal({{"auxl", 1, {2}}, {"auxl", 2, {1}}}, id_bytes), "in a circle");
     }
     EXPECT_EQ(refusal({{"thmb", 1, {1}}}), "");  // never decoded
-    // What libheif reads is behind the items, not where a length says.
+    // libheif finds the next reference after the items, not at the stated length.
     EXPECT_CONTAINS(refusal({{"thmb", 1, {1}, 99}, {"dimg", 4, {4}}}), "length of a reference");
     EXPECT_CONTAINS(refusal({{"thmb", 1, {}, -2}, {"dimg", 4, {4}}}), "length of a reference");
     EXPECT_EQ(refusal(chain(8)), "");

@@ -1,4 +1,4 @@
-// NPY, NPZ and EXR, and TIFF's unknown samples, as disparity and depth maps.
+// Tests NPY, NPZ and EXR, and TIFF's unknown samples, as disparity and depth maps.
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/describe.h"
@@ -54,7 +54,7 @@ TEST(Npy, EveryTypeOfNumberIsRead) {
     EXPECT_EQ(read("|i1", {1, 2, 3, 4, 127, 0}), small);
     EXPECT_EQ(read(">f4", reversed<float>({1, 2, 3, 4, 250, 0})), expected);
     EXPECT_EQ(read(">u2", reversed<std::uint16_t>({1, 2, 3, 4, 250, 0})), expected);
-    // Halves: 1, 2, 1.5, a third, the least above 0, infinity.
+    // Halves: 1, 2, 1.5, a third, the least value above 0, infinity.
     EXPECT_EQ(read("<f2", bytes_of(std::vector<std::uint16_t>{0x3c00, 0x4000, 0x3e00, 0x3555, 1, 0x7c00})),
               (std::vector<float>{1, 2, 1.5f, 0.333251953125f, 0x1p-24f, kInf}));
 }
@@ -144,7 +144,7 @@ TEST(Npz, DamagedArchivesAndBombsAreRefused) {
     EXPECT_CONTAINS(error_in(with(10, {9})), "another method");
     EXPECT_CONTAINS(error_in(with(8, {1})), "encrypted");
     EXPECT_CONTAINS(error_in(with(42, {255, 255, 0, 0})), "damaged ZIP");
-    // 4 MiB of zeros in 4 KiB, where the header says 4 bytes.
+    // 4 MiB of zeros in 4 KiB; the header says 4 bytes.
     Bytes bomb = array({1});
     bomb.resize(bomb.size() + (4u << 20));
     EXPECT_CONTAINS(error_in(make_zip({{"d.npy", bomb}}, true)), "malformed: the header promises 4 bytes");
@@ -155,7 +155,8 @@ TEST(Exr, TheChannelIsTheOnlyOneUsualOrNamed) {
     const std::vector<float> near = {1, 2, 3, 4, 5, 6}, far = {7, 8, 9, 10, 11, 12};
     EXPECT_EQ(values_of(make_exr(3, 2, {{"any", near}})), near);
     EXPECT_EQ(values_of(make_exr(3, 2, {{"B", far}, {"G", far}, {"R", near}})), near);
-    for (const char* key : {"A", "B", "G", "R"}) {  // four of one type have a quick way of their own
+    // OpenEXR decodes four channels of one type by a special routine.
+    for (const char* key : {"A", "B", "G", "R"}) {
         const Bytes four = make_exr(3, 2, {{"A", near}, {"B", near}, {"G", near}, {"R", near}});
         EXPECT_EQ(values_of(four, {.key = key}), near);
     }

@@ -1,5 +1,4 @@
-// libheif writes no depths, but writes alpha as an auxiliary image: its type is then changed to that of
-// depths.
+// libheif writes no depths, but it writes alpha as an auxiliary image, whose type is then changed to depths.
 #include <libheif/heif.h>
 
 #include <algorithm>
@@ -7,7 +6,7 @@
 
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-// libx265, which makes the samples, keeps some of its memory.
+// libx265, which encodes the samples, leaks some memory.
 // NOLINTNEXTLINE(bugprone-reserved-identifier): LeakSanitizer's name
 extern "C" const char* __lsan_default_suppressions() {
     return "leak:libx265";
@@ -26,7 +25,7 @@ Bytes::iterator find_text(Bytes& bytes, std::string_view text) {
     return std::search(bytes.begin(), bytes.end(), text.begin(), text.end());
 }
 
-// Of the alpha: its type, and the XMP's reference, which libheif makes to the picture.
+// Turns the alpha into depths: changes its type, and the XMP's reference, which libheif makes to the picture.
 void make_depths_of_alpha(Bytes& file) {
     constexpr std::string_view alpha = "urn:mpeg:hevc:2015:auxid:1";
     const auto type = find_text(file, alpha), auxiliary = find_text(file, "auxl"),
@@ -36,7 +35,7 @@ void make_depths_of_alpha(Bytes& file) {
     if (described != file.end()) std::copy_n(auxiliary + 4, 2, described + 8);
 }
 
-// `at` is where a big-endian number of four bytes begins.
+// Increases the big-endian number of four bytes at `at`.
 void add_to_number(Bytes::iterator at, std::size_t more) {
     std::size_t number = 0;
     for (int i = 0; i < 4; ++i) number = number << 8 | at[i];
@@ -47,14 +46,14 @@ void add_to_number(Bytes::iterator at, std::size_t more) {
 }  // namespace
 
 Bytes with_representation(Bytes file) {
-    // The lengths of all and of the one unit, then H.265's SEI message 177: near and far are said, 1 / Z,
-    // 2^-1 and 2^2, each as sign, exponent + 31, length of the mantissa - 1 and mantissa.
+    // The lengths of all units and of the only one, then H.265's SEI message 177: near and far are
+    // given as 1 / Z, 2^-1 and 2^2, each as sign, exponent + 31, length of the mantissa - 1 and mantissa.
     const Bytes message = {0, 0, 0, 14, 0, 0, 0, 10, 0x4e, 1, 177, 5, 0xc8, 0xf0, 0x04, 0x20, 0x40, 0x80};
     const auto auxiliary = find_text(file, "auxC") - 4;
     const auto end = (auxiliary - file.begin()) + auxiliary[3];  // a short box
     for (const char* box : {"auxC", "ipco", "iprp", "meta"})
         add_to_number(find_text(file, box) - 4, message.size());
-    // The items lie behind: version 0, numbers of four bytes, one extent each.
+    // The items follow: version 0, numbers of four bytes, one extent each.
     const auto items = find_text(file, "iloc") + 10;
     for (int i = 0; i < items[1]; ++i) add_to_number(items + 2 + 18 * i + 10, message.size());
     file.insert(file.begin() + end, message.begin(), message.end());

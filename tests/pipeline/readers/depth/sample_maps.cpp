@@ -7,7 +7,7 @@
 namespace hexrelief::test {
 namespace {
 
-// Little endian.
+// Appends a number, little endian.
 void append(Bytes& bytes, std::uint64_t value, int count) {
     for (int i = 0; i < count; ++i, value >>= 8) bytes.push_back(static_cast<std::uint8_t>(value));
 }
@@ -62,7 +62,7 @@ Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool d
     Bytes zip, directory;
     for (const auto& [name, bytes] : members) {
         const Bytes packed = deflated ? deflated_bytes(bytes) : bytes;
-        Bytes common;  // what both headers have
+        Bytes common;  // fields of both headers
         append(common, 20, 2);
         append(common, 0, 2);
         append(common, deflated ? 8 : 0, 2);
@@ -95,7 +95,7 @@ Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool d
     return zip;
 }
 
-// One chunk's samples, as OpenEXR's ZIP packs them: even bytes before odd ones, as differences.
+// Packs one chunk's samples like OpenEXR's ZIP: even bytes before odd ones, as differences.
 Bytes exr_zip(const Bytes& plain) {
     Bytes sorted;
     for (const std::size_t first : {0u, 1u})

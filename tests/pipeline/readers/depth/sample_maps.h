@@ -1,4 +1,4 @@
-// Makes the files of maps that only pipeline/readers/depth reads.
+// Makes the files of the map formats that only pipeline/readers/depth reads.
 #pragma once
 
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace hexrelief::test {
 
-// header: the dictionary's text; version 1.
+// Makes an NPY file. header: the dictionary's text.
 Bytes make_npy(const std::string& header, const Bytes& samples, int version = 1);
-// Of C order, little endian: "<f4", "|u1" and so on.
+// Makes an NPY file in C order; type: "<f4", "|u1" and so on.
 Bytes make_npy(const std::string& type, int width, int height, const Bytes& samples);
 
-// Members of these names; packed by deflate or stored.
+// Makes a ZIP archive of these members, deflated or stored.
 Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool deflated);
 
-// A photograph whose depths are the fourth channel; the XMP packet is of the depths. Empty where libheif has
-// no encoder. Only where libheif was found.
+// Makes a photograph whose depths are the fourth channel; the XMP packet belongs to the depths. Empty if
+// libheif has no encoder. Only available if libheif was found.
 Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp);
-// The same file with representation information: 1 / Z between 0.5 and 4 m.
+// Returns the file with representation information: 1 / Z between 0.5 and 4 m.
 Bytes with_representation(Bytes heic);
 
 struct ExrChannel {
@@ -28,10 +28,11 @@ struct ExrChannel {
     std::vector<float> samples;
 };
 struct ExrKind {
-    bool zip = false;  // each chunk packed by itself (ZIPS)
-    int tile = 0;      // side of square tiles; 0 = lines
+    bool zip = false;  // each chunk compressed by itself (ZIPS)
+    int tile = 0;      // side of square tiles; 0 = scan lines
 };
-// Floats, the data window not at the origin; channels in the order of their names.
+// Makes an EXR file of floats whose data window is not at the origin; channels are in the
+// order of their names.
 Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, const ExrKind& kind = {});
 
 }  // namespace hexrelief::test
