@@ -88,11 +88,11 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
 }
 
-Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, const Backend& backend,
-            int runs, int threads) {
+table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const Method& method,
+                    const Backend& backend, int runs, int threads) {
     const MeshConfig& config = method.mesh;
     const auto cells = [&](int pixels) { return (pixels + config.co - 1) / config.co; };
-    Row row;
+    table2::Row row;
     row.paper = &paper;
     row.method = method.name;
     row.backend = backend.name;
@@ -181,7 +181,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
         << table2::headings() << std::flush;
 
     bool warm = false;
-    std::vector<Row> rows;
+    std::vector<table2::Row> rows;
     json["rows"] = Json::array();
     json["averages"] = Json::array();
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -198,15 +198,15 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
                 warm |= backend.name != "cpu";
                 rows.push_back(
                     measure(*found[i].map, map, method, backend, runs_of(options, name, map), threads));
-                out << row_text(rows.back()) << std::flush;
-                json["rows"].push_back(row_json(rows.back()));
+                out << table2::row_text(rows.back()) << std::flush;
+                json["rows"].push_back(table2::row_json(rows.back()));
             }
         }
         const std::string set = found[i].map->set;
         if (i + 1 < found.size() && found[i + 1].map->set == set) continue;
-        for (const Average& average : averages(rows, set)) {
-            out << average_text(average);
-            json["averages"].push_back(average_json(average));
+        for (const table2::Average& average : table2::averages(rows, set)) {
+            out << table2::average_text(average);
+            json["averages"].push_back(table2::average_json(average));
         }
         out << '\n' << std::flush;
     }

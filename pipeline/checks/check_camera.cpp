@@ -15,12 +15,13 @@ namespace {
 std::vector<Finding> check_depth(const Calibration& camera, double median_disparity_px,
                                  const std::string& advice) {
     const double depth_m = camera.focal_px * camera.baseline_m / (median_disparity_px + camera.doffs_px);
-    if (!(depth_m > 0) || std::isinf(depth_m) || (depth_m >= kLeastDepth_m && depth_m <= kLargestDepth_m))
+    if (!(depth_m > 0) || std::isinf(depth_m) ||
+        (depth_m >= checks::kLeastDepth_m && depth_m <= checks::kLargestDepth_m))
         return {};
     return {{Mistake::depth_implausible,
              "half of the scene lies " +
-                 (depth_m < kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"
-                                          : "farther than " + figure(depth_m) + " m") +
+                 (depth_m < checks::kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"
+                                                  : "farther than " + figure(depth_m) + " m") +
                  ", which looks like wrong units; " + advice}};
 }
 
@@ -28,7 +29,7 @@ std::vector<Finding> check_depth(const Calibration& camera, double median_dispar
 
 std::vector<Finding> check_camera(const Calibration& camera, double median_disparity_px) {
     if (!camera.metric) return {};
-    if (camera.baseline_m > kLargestBaseline_m)
+    if (camera.baseline_m > checks::kLargestBaseline_m)
         return {{Mistake::baseline_in_mm,
                  "the baseline is " + figure(camera.baseline_m) +
                      " m, which looks like millimetres: the mesh will be 1000 times too large; set "

@@ -16,7 +16,7 @@ namespace {
 using Findings = std::vector<Finding>;
 
 bool is_sure(const RowFit& fit) {
-    return fit.points >= kLeastPoints && fit.agreeing_share >= kLeastAgreeingPoints;
+    return fit.points >= checks::kLeastPoints && fit.agreeing_share >= checks::kLeastAgreeingPoints;
 }
 
 Finding views_equal(const std::string& same) {
@@ -81,15 +81,15 @@ Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
     const HighEnd high = measure_high_end(coarse, range.min_px + range.count_px);
     const double needed = std::max(1.0, high.largest_px - range.min_px + 1);
     const int better = 16 * static_cast<int>(std::ceil((1.06 * needed + 2 * coarse.small.scale) / 16));
-    if (high.beyond_share > kMostBeyond)
+    if (high.beyond_share > checks::kMostBeyond)
         return {{Mistake::range_ends_low,
                  percent(high.beyond_share) +
                      " of what both views agree on lies beyond the range searched, " + "which ends at " +
                      std::to_string(range.min_px + range.count_px) + " px: it goes up to " +
                      figure(high.largest_px) + " px and will be wrong; " + name_of(range.origin) +
                      " is too small, " + advice(range.origin, better)}};
-    if (high.largest_px > range.min_px && range.count_px > kWidestRange * needed &&
-        range.count_px > needed + kFreeRange_px)
+    if (high.largest_px > range.min_px && range.count_px > checks::kWidestRange * needed &&
+        range.count_px > needed + checks::kFreeRange_px)
         return {{Mistake::range_wide, "the range searched is " + figure(range.count_px / needed) +
                                           " times as wide as the scene's, which ends at " +
                                           figure(high.largest_px) +
@@ -104,17 +104,18 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
     const double scale = coarse.small.scale;
     if (is_sure(points.rows)) {
         const LowEnd low = measure_low_end(points.matches, scale, range.min_px);
-        if (range.min_px >= 0 && low.negative_share >= kSwappedBelow)
-            if (const double other = swapped_share(coarse, threads); other >= kSwappedAgreement)
+        if (range.min_px >= 0 && low.negative_share >= checks::kSwappedBelow)
+            if (const double other = swapped_share(coarse, threads); other >= checks::kSwappedAgreement)
                 return {swapped(agreed, other)};
-        if (points.rows.largest_px > kLargestRow_px + kLargestCoarseRow * scale)
+        if (points.rows.largest_px > checks::kLargestRow_px + checks::kLargestCoarseRow * scale)
             return {rows_differ(points.rows)};
         const int least = static_cast<int>(std::floor(low.least_px / scale)) - 2;
-        if (low.below_share > kMostBelow && agreed_share(match_coarsely(coarse.small.pair, least, threads)) >=
-                                                std::max(agreed, kLeastAgreement))
+        if (low.below_share > checks::kMostBelow &&
+            agreed_share(match_coarsely(coarse.small.pair, least, threads)) >=
+                std::max(agreed, checks::kLeastAgreement))
             return {begins_high(low, range.min_px)};
     }
-    if (agreed < kLeastAgreement) return {unrelated(agreed)};
+    if (agreed < checks::kLeastAgreement) return {unrelated(agreed)};
     return {};
 }
 
@@ -127,19 +128,19 @@ Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const Sear
         return {views_equal("the same picture")};
     const double left = textured_share(coarse.small.pair.left),
                  right = textured_share(coarse.small.pair.right);
-    if (std::min(left, right) < kLeastTexture)
+    if (std::min(left, right) < checks::kLeastTexture)
         return {no_texture(std::min(left, right), left <= right ? "left" : "right")};
-    if (share_at_zero(coarse) >= kLeastAtZero)
-        if (const double share = difference_over_slope(pair); share <= kMostDifference)
+    if (share_at_zero(coarse) >= checks::kLeastAtZero)
+        if (const double share = difference_over_slope(pair); share <= checks::kMostDifference)
             return {views_equal("nearly the same picture (they differ by " + percent(share) +
                                 " of what one column to the side would make)")};
     const double agreed = agreed_share(coarse);
     Findings findings;
-    if (agreed < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)
+    if (agreed < checks::kSureAgreement || share_at_low_end(coarse) > checks::kMostAtLowEnd)
         findings = look_closely(coarse, agreed, range, threads);
     if (findings.empty()) {
         const RowFit rows = measure_rows(pair, coarse);
-        if (is_sure(rows) && rows.largest_px > kLargestRow_px) findings.push_back(rows_differ(rows));
+        if (is_sure(rows) && rows.largest_px > checks::kLargestRow_px) findings.push_back(rows_differ(rows));
     }
     const bool all_wrong = !findings.empty() && findings.front().mistake != Mistake::rows_differ;
     if (!all_wrong)

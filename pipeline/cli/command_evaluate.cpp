@@ -16,7 +16,7 @@ struct MapOptions {
     std::optional<double> scale, offset_px, unknown;
 
     // Through the field table, which knows the ranges.
-    DisparityFileConfig file_config(const std::string& prefix) const {
+    readers::DisparityFileConfig file_config(const std::string& prefix) const {
         Config config;
         if (scale) apply_option(config, prefix + "scale", "input.disparity.scale", shortest(*scale));
         if (offset_px)
@@ -68,14 +68,14 @@ void print_text(const DisparityEvaluation& result) {
 }
 
 int evaluate(const EvaluateOptions& options) {
-    const DisparityMap map = read_disparity_map(options.map, options.of_map.file_config("--"));
-    const DisparityFileConfig of_truth = options.of_truth.file_config("--gt-");
-    const DisparityMap truth = read_disparity_map(options.truth, of_truth);
+    const DisparityMap map = readers::read_disparity_map(options.map, options.of_map.file_config("--"));
+    const readers::DisparityFileConfig of_truth = options.of_truth.file_config("--gt-");
+    const DisparityMap truth = readers::read_disparity_map(options.truth, of_truth);
     EvaluationConfig config;
     if (options.discontinuity_px) config.discontinuity_px = *options.discontinuity_px;
     DisparityMap right_truth;
     if (!options.right_truth.empty()) {
-        right_truth = read_disparity_map(options.right_truth, of_truth);
+        right_truth = readers::read_disparity_map(options.right_truth, of_truth);
         config.right_truth = &right_truth;
     }
     const DisparityEvaluation result = evaluate_disparity(map, truth, config);

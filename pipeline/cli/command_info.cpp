@@ -33,7 +33,9 @@ struct RasterOptions {
     std::string key;
     std::optional<long long> max_pixels;
 
-    ReaderLimits limits() const { return {max_pixels.value_or(kMaxPixels), "--max-pixels"}; }
+    readers::ReaderLimits limits() const {
+        return {max_pixels.value_or(readers::kMaxPixels), "--max-pixels"};
+    }
 };
 
 // What is told, in lines.
@@ -79,7 +81,7 @@ void tell_mesh(const MeshDescription& mesh, Text& text) {
 
 // Samples as stored, and what a run would take them for without further words.
 void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
-    const MapDescription map = describe_map(path, options.key, options.limits());
+    const readers::MapDescription map = readers::describe_map(path, options.key, options.limits());
     if (map.known_share > 0) line(text, "values", number(map.least) + " .. " + number(map.largest));
     line(text, "known", number(100 * map.known_share) + " %");
     line(text, "as depth", map.as_depth);
@@ -88,12 +90,12 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
 }
 
 // What a photograph tells of its lens and its transparent pixels.
-void tell_picture(const fs::path& path, const FileDescription& raster, const RasterOptions& options,
+void tell_picture(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                   Text& text) {
-    if (const auto focal = read_exif_focal(path, raster.width, raster.height))
+    if (const auto focal = readers::read_exif_focal(path, raster.width, raster.height))
         line(text, "focal", number(focal->focal_px) + " px by EXIF: " + focal->believed);
     if (raster.channels != 2 && raster.channels != 4) return;
-    const std::vector<std::uint8_t> alpha = read_image(path, options.limits()).alpha;
+    const std::vector<std::uint8_t> alpha = readers::read_image(path, options.limits()).alpha;
     const auto transparent = std::ranges::count_if(alpha, [](std::uint8_t a) { return a < kOpaque; });
     if (transparent > 0)
         line(text, "alpha",
@@ -104,13 +106,13 @@ void tell_picture(const fs::path& path, const FileDescription& raster, const Ras
 // The depths beside a photograph.
 void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& text) {
     try {
-        line(text, "as depth", describe_map(path, {}, options.limits()).as_depth);
+        line(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
     } catch (const Error& error) {
         line(text, "as depth", error.what());
     }
 }
 
-void tell_calibration(const CalibrationFile& file, Text& text) {
+void tell_calibration(const readers::CalibrationFile& file, Text& text) {
     const Calibration& camera = file.calibration;
     line(text, "format", "calibration, " + file.format);
     line(text, "focal", number(camera.focal_px) + " px");
@@ -126,7 +128,7 @@ void tell_calibration(const CalibrationFile& file, Text& text) {
 }
 
 // What a file says of two cameras as they stand.
-void tell_stereo_calibration(const StereoCalibrationFile& file, Text& text) {
+void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& text) {
     const StereoCalibration& cameras = file.calibration;
     line(text, "format",
          std::string("calibration, OpenCV, of a pair to rectify") + (cameras.is_fisheye ? ", fisheye" : ""));
@@ -142,14 +144,14 @@ void tell_stereo_calibration(const StereoCalibrationFile& file, Text& text) {
 }
 
 void tell_calibration_of(const fs::path& path, Text& text) {
-    if (const auto stereo = read_stereo_calibration(path, Rectify::automatic))
+    if (const auto stereo = readers::read_stereo_calibration(path, readers::Rectify::automatic))
         tell_stereo_calibration(*stereo, text);
     else
-        tell_calibration(read_calibration_file(path), text);
+        tell_calibration(readers::read_calibration_file(path), text);
 }
 
 // False where the numbers of an NPY, which may as well be a map, are no camera's.
-bool tell_matrix(const fs::path& path, const FileDescription& raster, Text& text) {
+bool tell_matrix(const fs::path& path, const readers::FileDescription& raster, Text& text) {
     if (raster.format != "npy" || raster.width != 3 || raster.height != 3) return false;
     try {
         tell_calibration_of(path, text);
@@ -159,7 +161,7 @@ bool tell_matrix(const fs::path& path, const FileDescription& raster, Text& text
     return true;
 }
 
-void tell_raster(const fs::path& path, const FileDescription& raster, const RasterOptions& options,
+void tell_raster(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                  Text& text) {
     if (tell_matrix(path, raster, text)) return;
     line(text, "format", raster.format);
@@ -186,7 +188,7 @@ Text raster_text(const fs::path& path, const RasterOptions& options) {
                             1 << 20};
     const WorkBytes told = run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
         Text text;
-        if (const auto raster = describe_raster(path, options.key, options.limits()))
+        if (const auto raster = readers::describe_raster(path, options.key, options.limits()))
             tell_raster(path, *raster, options, text);
         return WorkBytes(text.begin(), text.end());
     });
@@ -203,7 +205,7 @@ Text information(const fs::path& path, const RasterOptions& options) {
         tell_mesh(describe_mesh(path), text);
         return text;
     }
-    if (codec::find_codec(path)) return raster_text(path, options);
+    if (readers::codec::find_codec(path)) return raster_text(path, options);
     try {
         tell_calibration_of(path, text);
     } catch (const Error& e) {
@@ -229,14 +231,15 @@ void add_info_command(Command& program) {
     command.add_option("--key", &options->key, "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.add_option(
         "--max-pixels", &options->max_pixels,
-        "refuse images and maps of more, by their header; default " + std::to_string(kMaxPixels),
+        "refuse images and maps of more, by their header; default " + std::to_string(readers::kMaxPixels),
         {.value = "N"});
     command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
         "--key depth\n  hexrelief info calib.txt");
     command.set_action([path, options] {
-        if (const long long most = options->limits().max_pixels; most < 1 || most > kMaxPixels)
-            throw Error(ErrorKind::usage, "--max-pixels: must be from 1 to " + std::to_string(kMaxPixels));
+        if (const long long most = options->limits().max_pixels; most < 1 || most > readers::kMaxPixels)
+            throw Error(ErrorKind::usage,
+                        "--max-pixels: must be from 1 to " + std::to_string(readers::kMaxPixels));
         std::fputs(information(*path, *options).c_str(), stdout);
         return 0;
     });

@@ -142,7 +142,7 @@ void apply_yaml(Config& config, const std::string& text, const std::string& orig
     try {
         reader.read_section("", load_document(reader, text));
     } catch (const YAML::Exception& e) {
-        fail(reader.where(e.mark), "not valid YAML: " + codec::printable(e.msg, 200));
+        fail(reader.where(e.mark), "not valid YAML: " + readers::codec::printable(e.msg, 200));
     }
     check_rules(config, origin + ": ");
 }

@@ -102,7 +102,7 @@ std::string stage_picture(const fs::path& report) {
         const fs::path file = report.parent_path() / name;
         if (!fs::is_regular_file(file, none)) continue;
         try {
-            return small_picture(read_image(file));
+            return small_picture(readers::read_image(file));
         } catch (const Error&) {  // some other file of that name
         }
     }

@@ -33,7 +33,7 @@ void check_input(const RunRequest& request, const RunInput& input, const ChosenR
         findings = check_pair(input.pair, range.coarse,
                               {config.min_disparity_px, config.num_disparities_px, range.origin}, threads);
     } else {
-        const DisparityFileConfig& file = request.config.input.disparity;
+        const readers::DisparityFileConfig& file = request.config.input.disparity;
         findings = check_map(input.map, input.pair.left, is_depth ? MapKind::depth : MapKind::disparity,
                              {file.scale > 0 ? file.scale : 1, file.offset_px});
     }

@@ -130,7 +130,7 @@ MainInput main_input(const RunRequest& request) {
     for (const fs::path& path : {request.left, request.stereo, request.disparity, request.depth}) {
         if (path.empty()) continue;
         try {
-            if (const auto raster = describe_raster(path, {}, request.config.limits.reading))
+            if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
                 return {path, static_cast<std::uint64_t>(raster->width),
                         static_cast<std::uint64_t>(raster->height)};
         } catch (const Error&) {  // the run will tell

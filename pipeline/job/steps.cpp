@@ -140,8 +140,8 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, c
     calibration.doffs_px = 0;
 }
 
-DisparityMap densify_input(DisparityMap map, const Image& left, const PixelMask& mask, const Config& config,
-                           const RunContext& run) {
+DisparityMap densify_input(DisparityMap map, const Image& left, const readers::PixelMask& mask,
+                           const Config& config, const RunContext& run) {
     if (config.input.densify == Densification::off) return map;
     const Sparsity sparsity = measure_sparsity(map);
     if (!sparsity.is_sparse()) return map;

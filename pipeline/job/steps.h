@@ -100,8 +100,8 @@ DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, co
 
 // A supplied map; where it is sparse and the configuration lets it, filled between its measurements in a
 // stage "densify", but for what the mask hides. Then alone it has origins. left, mask: empty = none.
-DisparityMap densify_input(DisparityMap map, const Image& left, const PixelMask& mask, const Config& config,
-                           const RunContext& run);
+DisparityMap densify_input(DisparityMap map, const Image& left, const readers::PixelMask& mask,
+                           const Config& config, const RunContext& run);
 
 // With doffs, points as far as a disparity of -doffs have a depth, but what is 0 or less would be left out.
 // Where there is such, doffs is added to all disparities, and the calibration has none: the same points.

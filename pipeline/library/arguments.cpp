@@ -72,9 +72,9 @@ const char* key_of(const std::string& option, bool is_depth) {
     return known->second;
 }
 
-codec::Raster raster_of(const MapView& view, const std::string& name) {
+readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
     require_pixels(view.values, view.width, view.height, name);
-    codec::Raster raster;
+    readers::codec::Raster raster;
     raster.width = view.width;
     raster.height = view.height;
     const auto row = static_cast<std::size_t>(view.width);
@@ -123,27 +123,27 @@ Image image_of(const ImageView& view, const std::string& name) {
     return image;
 }
 
-DisparityMap map_of(const MapView& view, const DisparityFileConfig& config) {
-    return disparities_of(raster_of(view, "disparity"), "disparity", config);
+DisparityMap map_of(const MapView& view, const readers::DisparityFileConfig& config) {
+    return readers::disparities_of(raster_of(view, "disparity"), "disparity", config);
 }
 
-DepthFile depth_of(const MapView& view, const DepthFileConfig& config) {
-    return depths_of(raster_of(view, "depth"), "depth", config);
+readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig& config) {
+    return readers::depths_of(raster_of(view, "depth"), "depth", config);
 }
 
-PixelMask mask_of(const ImageView& view, const MaskConfig& config) {
+readers::PixelMask mask_of(const ImageView& view, const readers::MaskConfig& config) {
     Image image = image_of(view, "mask");
-    codec::Raster raster;
+    readers::codec::Raster raster;
     raster.width = image.width;
     raster.height = image.height;
     raster.channels = image.channels;
     raster.samples = std::move(image.pixels);
     raster.alpha = std::move(image.alpha);
-    return mask_of(raster, "mask", config);
+    return readers::mask_of(raster, "mask", config);
 }
 
-PixelMask confidence_of(const MapView& view, const ConfidenceConfig& config) {
-    return confidence_of(raster_of(view, "confidence"), "confidence", config);
+readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceConfig& config) {
+    return readers::confidence_of(raster_of(view, "confidence"), "confidence", config);
 }
 
 Config config_of(const Options& options, const Camera& camera, bool is_depth) {

@@ -14,12 +14,12 @@ namespace hexrelief {
 // A copy. `name` stands in messages. Throws Error(input) where there are not 1 to 4 channels.
 Image image_of(const ImageView& view, const std::string& name);
 // Throws Error(input) as read_disparity_map().
-DisparityMap map_of(const MapView& view, const DisparityFileConfig& config);
+DisparityMap map_of(const MapView& view, const readers::DisparityFileConfig& config);
 
 // Throw Error(input) as those that read the same from files.
-DepthFile depth_of(const MapView& view, const DepthFileConfig& config);
-PixelMask mask_of(const ImageView& view, const MaskConfig& config);
-PixelMask confidence_of(const MapView& view, const ConfidenceConfig& config);
+readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig& config);
+readers::PixelMask mask_of(const ImageView& view, const readers::MaskConfig& config);
+readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceConfig& config);
 
 // As the command line reads --config, --set, its direct options and what it is told of the camera. is_depth:
 // the map that options speak of is one of depths. Throws Error(usage).

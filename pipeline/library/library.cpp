@@ -171,7 +171,7 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
 }
 
 Picture read_picture(const std::string& path) {
-    Image image = read_image(path);
+    Image image = readers::read_image(path);
     if (image.alpha.empty()) return {image.width, image.height, image.channels, std::move(image.pixels)};
     const auto channels = static_cast<std::size_t>(image.channels);
     Picture picture{image.width, image.height, image.channels + 1, {}};
@@ -186,7 +186,7 @@ Picture read_picture(const std::string& path) {
 
 Disparities read_disparities(const std::string& path, const Options& options) {
     const Config config = config_of(options, {});
-    DisparityMap map = read_disparity_map(path, config.input.disparity, config.limits.reading);
+    DisparityMap map = readers::read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }
 

@@ -8,7 +8,7 @@
 #include "pipeline/readers/raster.h"
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Each describe_ reads the header only; each decode_ gives the first picture of the file. Both throw
 // Error(input) for anything malformed, truncated, empty or larger than the source's limits, and never leak or
@@ -73,4 +73,4 @@ bool in_other_order(const std::vector<float>& samples);
 // The whole file, as large as any valid raster within the limits may be.
 SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimits& limits = {});
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

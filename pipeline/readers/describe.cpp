@@ -3,7 +3,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 // What archives and photographs hold is found through all of their bytes.
@@ -39,4 +39,4 @@ std::optional<FileDescription> describe_raster(const std::filesystem::path& path
     return codec->describe(source);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

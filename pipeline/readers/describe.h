@@ -7,7 +7,7 @@
 
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct FileDescription {
     std::string format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "heic", "npy", "npz", "exr"
@@ -25,4 +25,4 @@ struct FileDescription {
 std::optional<FileDescription> describe_raster(const std::filesystem::path& path, const std::string& key = {},
                                                const ReaderLimits& limits = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -7,7 +7,7 @@
 #include "pipeline/readers/limits.h"
 #include "pipeline/readers/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP or HEIC image, recognised by its content, not its
 // name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
@@ -20,4 +20,4 @@ Image read_image(const std::filesystem::path& path, const ReaderLimits& limits =
 // The same of samples that were read already, be they a part; errors name `path`.
 Image image_of(codec::Raster raster, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -1,7 +1,7 @@
 // What a picture or map may be as large as, whoever made it.
 #pragma once
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 inline constexpr long long kMaxPixels = 1LL << 29;  // 536 Mpx: 16384 x 16384 twice over
 
@@ -11,4 +11,4 @@ struct ReaderLimits {
     const char* max_pixels_option = "limits.max_pixels";
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

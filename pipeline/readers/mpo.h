@@ -8,11 +8,11 @@
 
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Where the index (CIPA DC-007) has a file's second picture: its first byte and the number of bytes, which
 // lie inside of the file. nullopt where the file is no JPEG or has no index. Throws Error(input) where the
 // index has no second picture, or is malformed.
 std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const SourceFile& source);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -7,7 +7,7 @@
 #include "pipeline/readers/netpbm_header.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // More than a final line end behind the last sample means that header and samples do not belong together.
@@ -68,4 +68,4 @@ Raster decode_pfm(const SourceFile& source) {
             std::move(samples)};
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -6,7 +6,7 @@
 
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // Grey that some tool wrote as colour: three equal channels become one, in place.
@@ -96,4 +96,4 @@ Raster read_map_raster(const std::filesystem::path& path, const MapWords& words,
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

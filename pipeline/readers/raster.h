@@ -10,7 +10,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // The float whose bytes are those of `value` in reverse.
 inline float in_other_byte_order(float value) {
@@ -50,4 +50,4 @@ struct Raster {
 // The last of the raster's 2 or 4 channels, of 8 or 16 bits, becomes its alpha, where a pixel is transparent.
 void split_alpha(Raster& raster);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

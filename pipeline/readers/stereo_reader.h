@@ -6,7 +6,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // Side by side or one above the other; in the half forms each was squeezed to half of its width or height,
 // and is stretched again.
@@ -22,4 +22,4 @@ struct StereoFileConfig {
 StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                             const ReaderLimits& limits = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::string_view kSpace = " \t\r\n\v\f";
@@ -62,4 +62,4 @@ std::string printable(std::string_view text, std::size_t longest) {
     return shown + (text.size() > longest ? "..." : "");
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

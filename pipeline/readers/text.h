@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 std::string_view trim(std::string_view text);
 
@@ -25,4 +25,4 @@ std::string excerpt(std::string_view text);
 // The same without quotes, at most `longest` characters.
 std::string printable(std::string_view text, std::size_t longest);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -37,7 +37,7 @@ std::string config_text(const Config& config) {
 
 std::string digest_line(const char* role, const fs::path& path) {
     if (path.empty()) return "";
-    static_cast<void>(codec::load_head(path, 0));  // refuses as the run would
+    static_cast<void>(readers::codec::load_head(path, 0));  // refuses as the run would
     return std::string(role) + " " + sha256_of_file(path) + "\n";
 }
 

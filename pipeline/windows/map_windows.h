@@ -28,8 +28,8 @@ struct RawMapLayout {
 RawMapLayout parse_raw_map_layout(const std::string& text);
 
 struct MapWindowConfig {
-    DisparityFileConfig disparity = {};    // what samples mean, as in maps that are read whole
-    std::optional<RawMapLayout> raw = {};  // none = TIFF, BigTIFF or PFM, by content
+    readers::DisparityFileConfig disparity = {};  // what samples mean, as in maps that are read whole
+    std::optional<RawMapLayout> raw = {};         // none = TIFF, BigTIFF or PFM, by content
 };
 
 class WindowSource;
@@ -56,7 +56,7 @@ class MapWindows {
   private:
     MapWindows(std::filesystem::path path, const MapWindowConfig& config);
     std::filesystem::path path_;
-    DisparityFileConfig config_;
+    readers::DisparityFileConfig config_;
     std::unique_ptr<WindowSource> source_;
 };
 

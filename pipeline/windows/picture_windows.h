@@ -19,7 +19,7 @@ class PictureWindows {
   public:
     // limits: of pictures that are held as a whole. Throws Error(input) as read_image().
     static std::unique_ptr<PictureWindows> open(const std::filesystem::path& path,
-                                                const ReaderLimits& limits = {});
+                                                const readers::ReaderLimits& limits = {});
     ~PictureWindows();
 
     int width() const;
@@ -33,7 +33,7 @@ class PictureWindows {
     Image read(int x, int y, int width, int height) const;
 
   private:
-    PictureWindows(std::filesystem::path path, const ReaderLimits& limits);
+    PictureWindows(std::filesystem::path path, const readers::ReaderLimits& limits);
     std::filesystem::path path_;
     std::unique_ptr<WindowSource> source_;
 };

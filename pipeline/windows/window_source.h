@@ -43,7 +43,7 @@ class WindowSource {
     bool has_alpha = false;
     MapSample sample = MapSample::float32;
     // A window within the file's pixels: a map's has one channel. Any number of threads may read.
-    virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
+    virtual readers::codec::Raster read(const readers::codec::PixelWindow& window) const = 0;
 };
 
 // Rows of plain samples, wherever in the file each of them begins.
@@ -54,7 +54,7 @@ struct RowLayout {
     unsigned max_value = 255;  // of whole numbers
     bool is_big_endian = false;
     std::function<std::uint64_t(std::uint32_t y)> row_at;
-    double nodata = codec::kNoData;
+    double nodata = readers::codec::kNoData;
 };
 std::unique_ptr<WindowSource> row_windows(std::shared_ptr<const MapFile> file, RowLayout layout);
 
@@ -74,9 +74,9 @@ struct WantedWindow {
 };
 // Throws Error(input), which names `path`, for a window that is empty, not within the file's pixels or above
 // kMaxPixels, and for what is damaged or truncated there.
-codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
-                          const WantedWindow& window);
+readers::codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
+                                   const WantedWindow& window);
 // What a window of no pixels would be, by which a file is judged before it is read.
-codec::Raster no_samples(const WindowSource& source);
+readers::codec::Raster no_samples(const WindowSource& source);
 
 }  // namespace hexrelief

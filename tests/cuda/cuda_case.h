@@ -12,9 +12,9 @@
 namespace hexrelief::testing_cuda {
 
 // nullptr where no device is usable.
-inline CudaMesher* shared_mesher() {
-    static const std::unique_ptr<CudaMesher> mesher =
-        list_cuda_devices(nullptr).empty() ? nullptr : std::make_unique<CudaMesher>();
+inline cuda::CudaMesher* shared_mesher() {
+    static const std::unique_ptr<cuda::CudaMesher> mesher =
+        cuda::list_cuda_devices(nullptr).empty() ? nullptr : std::make_unique<cuda::CudaMesher>();
     return mesher.get();
 }
 

@@ -61,7 +61,7 @@ TEST(CudaErrors, TooLittleMemorySaysHowMuch) {
 // A device whose memory is taken by somebody else: one line, and everything works once it is free again.
 TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
     HEXRELIEF_NEEDS_DEVICE();
-    CudaMesher mesher;
+    cuda::CudaMesher mesher;
     const DensityMap large = testing_mesher::flat_density(4000, 3000);
     {
         std::vector<void*> taken;

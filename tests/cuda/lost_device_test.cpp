@@ -46,12 +46,13 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
 // Whatever is asked of a lost device is refused in one line, and what it held can be given up.
 [[noreturn]] void everything_is_refused() {
     {
-        CudaMesher mesher;
+        cuda::CudaMesher mesher;
         const MeshConfig config = balanced_config(20);
         expect_device_error("the run that lost it",
                             [&] { mesher.solve(density(), config, losing_progress()); });
         expect_device_error("the next run", [&] { mesher.solve(density(), config, {}); });
-        expect_device_error("another context", [] { CudaMesher().solve(density(), quick_config(3), {}); });
+        expect_device_error("another context",
+                            [] { cuda::CudaMesher().solve(density(), quick_config(3), {}); });
     }
     std::cerr << "all was refused\n";
     std::_Exit(0);
@@ -61,7 +62,7 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
 [[noreturn]] void the_cpu_goes_on() {
     bool same = true;
     {
-        CudaMesher mesher;
+        cuda::CudaMesher mesher;
         Backend device = pick_backend(BackendChoice::cpu, 2);
         device.solve_mesh = [&](const DensityMap& of, const DisparityMap& map, const MeshConfig& config,
                                 const ProgressFunction&) {
@@ -90,11 +91,11 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     };
     int before = 0;
     {
-        CudaMesher mesher;
+        cuda::CudaMesher mesher;
         mesher.solve(density(), quick_config(3), {});
         before = open_files();
     }
-    end_cuda();
+    cuda::end_cuda();
     std::_Exit(before > 0 && open_files() == 0 ? 0 : 1);
 }
 

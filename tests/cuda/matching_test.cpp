@@ -8,8 +8,8 @@
 namespace hexrelief::testing_cuda {
 namespace {
 
-CudaMatcher& shared_matcher() {
-    static CudaMatcher matcher;
+cuda::CudaMatcher& shared_matcher() {
+    static cuda::CudaMatcher matcher;
     return matcher;
 }
 
@@ -151,7 +151,7 @@ TEST(CudaMatching, PairsOfOneSizeAfterEachOther) {
         for (std::uint32_t seed = 61; seed < 65; ++seed) expect_equal(spec(seed), config);
         config.penalties.p1 += 7;
         for (std::uint32_t seed = 65; seed < 68; ++seed) expect_equal(spec(seed), config);
-        std::vector<CudaMatchingTime> times;
+        std::vector<cuda::CudaMatchingTime> times;
         shared_matcher().match_pair(made_up_pair(spec(61)), config, &times);
         EXPECT_GT(times.size(), 10u);
         EXPECT_GT(shared_matcher().kernel_seconds(), 0);

@@ -82,14 +82,14 @@ class SurfaceEquality : public ::testing::TestWithParam<NamedScene> {};
 
 TEST_P(SurfaceEquality, Cut) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    testing_mesher::Scene scene(GetParam().disparity);
     scene.background_px = GetParam().background_px;
     expect_same_mesh({&scene.mesh, &scene.map, scene.background_px, nullptr}, scene.config);
 }
 
 TEST_P(SurfaceEquality, CutWithColorAndInset) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    testing_mesher::Scene scene(GetParam().disparity);
     scene.config.color_shift_px = 0.25;
     scene.config.silhouette_inset_px = 0.3;
     scene.config.split_rounds = 5;
@@ -101,7 +101,7 @@ TEST_P(SurfaceEquality, CutWithColorAndInset) {
 
 TEST_P(SurfaceEquality, Bridged) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    testing_mesher::Scene scene(GetParam().disparity);
     scene.config.discontinuities = Discontinuities::bridge;
     scene.config.split_rounds = 1;
     expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
@@ -109,7 +109,7 @@ TEST_P(SurfaceEquality, Bridged) {
 
 TEST_P(SurfaceEquality, CoarseAndFineLattices) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    testing_mesher::Scene scene(GetParam().disparity);
     for (const double spacing : {2.5, 4.0, 11.0, 40.0}) {
         scene.mesh = testing_mesher::covering(regular_lattice(scene.map.width, scene.map.height, spacing));
         expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(Cuda, SurfaceEquality, ::testing::ValuesIn(scenes()),
 // Small enough for the sanitizers.
 TEST(CudaSmall, MeshOfADisc) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene([](double x, double y) {
+    testing_mesher::Scene scene([](double x, double y) {
         return hashed(x, y) < 0.02 ? std::nan("") : testing_mesher::disc(x, y, 40, 12 + 0.1 * y);
     });
     scene.config.color_shift_px = 0.25;
@@ -144,7 +144,7 @@ TEST(CudaSurface, TinyMaps) {
 // More vertices than there is room for at first: the kernel runs again with more.
 TEST(CudaSurface, FarMoreVerticesThanTheLattice) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene([](double x, double y) {
+    testing_mesher::Scene scene([](double x, double y) {
         return (static_cast<int>(x / 5) + static_cast<int>(y / 5)) % 2 ? 30.0 : 10.0;
     });
     const DisparityMap& map = scene.map;
@@ -211,7 +211,7 @@ TEST(CudaRepeats, SurfacesAreTheSameEveryTime) {
 
 TEST(CudaSurface, ErrorsAreThoseOfTheCpu) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene([](double, double) { return 5.0; });
+    testing_mesher::Scene scene([](double, double) { return 5.0; });
     scene.mesh.positions.pop_back();
     EXPECT_THROW(shared_mesher()->cut_disparity_mesh({&scene.mesh, &scene.map, 0, nullptr}, {}), Error);
 }

@@ -61,31 +61,33 @@ void attempt(Reader read) {
 }
 
 // A photograph of a thousand bytes may decode to 16 megapixels, which take their time, the more so here.
-constexpr ReaderLimits kLimits{1 << 21};
+constexpr readers::ReaderLimits kLimits{1 << 21};
 
 void read_raster(Bytes bytes, const std::string& name) {
     const fs::path path = file_of(bytes, "");
-    const codec::Codec* const codec = codec::find_codec(path);
+    const readers::codec::Codec* const codec = readers::codec::find_codec(path);
     const bool is_map = name == "maps";
     if (!codec) return;
-    attempt([&] { describe_raster(path, {}, kLimits); });
+    attempt([&] { readers::describe_raster(path, {}, kLimits); });
     if (is_map) {
-        attempt([&] { read_disparity_map(path, {}, kLimits); });
-        attempt([&] { read_depth_map(path, {}, kLimits); });
-        attempt([&] { read_depth_map(path, {.kind = DepthKind::affine_inverse}, kLimits); });
-        attempt([&] { read_confidence(path, {}, kLimits); });
+        attempt([&] { readers::read_disparity_map(path, {}, kLimits); });
+        attempt([&] { readers::read_depth_map(path, {}, kLimits); });
+        attempt(
+            [&] { readers::read_depth_map(path, {.kind = readers::DepthKind::affine_inverse}, kLimits); });
+        attempt([&] { readers::read_confidence(path, {}, kLimits); });
         return;
     }
-    attempt([&] { read_image(path, kLimits); });
-    attempt([&] { describe_map(path, {}, kLimits); });
-    attempt([&] { read_mask(path, {}, kLimits); });
+    attempt([&] { readers::read_image(path, kLimits); });
+    attempt([&] { readers::describe_map(path, {}, kLimits); });
+    attempt([&] { readers::read_mask(path, {}, kLimits); });
 }
 
 void read_stereo(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
-    for (const StereoLayout layout : {StereoLayout::automatic, StereoLayout::half_side_by_side})
-        attempt([&] { read_stereo_file(path, {.layout = layout}, kLimits); });
-    attempt([&] { read_exif_focal(path, 640, 480); });
+    for (const readers::StereoLayout layout :
+         {readers::StereoLayout::automatic, readers::StereoLayout::half_side_by_side})
+        attempt([&] { readers::read_stereo_file(path, {.layout = layout}, kLimits); });
+    attempt([&] { readers::read_exif_focal(path, 640, 480); });
 }
 
 template <typename Windows>
@@ -103,8 +105,8 @@ void read_windows(Bytes bytes, const std::string&) {
 
 void read_calibrations(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
-    attempt([&] { read_calibration_file(path); });
-    attempt([&] { read_stereo_calibration(path, Rectify::automatic); });
+    attempt([&] { readers::read_calibration_file(path); });
+    attempt([&] { readers::read_stereo_calibration(path, readers::Rectify::automatic); });
 }
 
 void read_config(Bytes bytes, const std::string&) {

@@ -60,9 +60,9 @@ class Middlebury : public testing::Test {
         const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
         double sum = 0;
         for (const PaperMap& paper : maps) {
-            DisparityFileConfig file;
+            readers::DisparityFileConfig file;
             file.scale = paper.scale;
-            const DisparityMap map = read_disparity_map(folder_ / paper.file, file);
+            const DisparityMap map = readers::read_disparity_map(folder_ / paper.file, file);
             const DensityMap density = compute_density(map, density_config);
             const MeshQuality quality =
                 measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);

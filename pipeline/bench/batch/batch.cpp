@@ -126,7 +126,7 @@ std::vector<Scenery> load(const BatchOptions& options, const Config& config) {
     std::vector<Scenery> scenes;
     for (const match::ScenePair& scene : found) {
         if (!wanted(options.scenes, scene.name)) continue;
-        Scenery loaded{scene.name, {read_image(scene.left), read_image(scene.right)}, {}};
+        Scenery loaded{scene.name, {readers::read_image(scene.left), readers::read_image(scene.right)}, {}};
         const ViewSize view{loaded.pair.left.width, loaded.pair.left.height};
         loaded.camera = resolve_calibration({config.input.calibration, view, view}).calibration;
         scenes.push_back(std::move(loaded));

@@ -80,13 +80,14 @@ struct LoadedScene {
     DisparityMap truth, right_truth;
 };
 
-LoadedScene load(const ScenePair& scene, const Disturbance& disturbance) {
-    DisparityFileConfig file;
+LoadedScene load(const match::ScenePair& scene, const match::Disturbance& disturbance) {
+    readers::DisparityFileConfig file;
     file.scale = scene.scale;
-    LoadedScene loaded{
-        {read_image(scene.left), read_image(scene.right)}, read_disparity_map(scene.truth, file), {}};
-    if (!scene.right_truth.empty()) loaded.right_truth = read_disparity_map(scene.right_truth, file);
-    disturb(loaded.pair, disturbance);
+    LoadedScene loaded{{readers::read_image(scene.left), readers::read_image(scene.right)},
+                       readers::read_disparity_map(scene.truth, file),
+                       {}};
+    if (!scene.right_truth.empty()) loaded.right_truth = readers::read_disparity_map(scene.right_truth, file);
+    match::disturb(loaded.pair, disturbance);
     return loaded;
 }
 
@@ -96,10 +97,10 @@ double percent_filled(const DisparityMap& map) {
            double(map.origins.size());
 }
 
-Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& method, DisparityConfig config,
-            const MatchOptions& options, int threads) {
+match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, const Method& method,
+                   DisparityConfig config, const MatchOptions& options, int threads) {
     config.method = method.which;
-    Row row{
+    match::Row row{
         scene.name, scene.size, method.name, method.backend, loaded.pair.left.width, loaded.pair.left.height};
     row.disparities = with_range(loaded.pair, config, threads).num_disparities_px;
     DisparityMap map;
@@ -136,13 +137,14 @@ Json begin(const MatchOptions& options, const std::vector<Backend>& backends, in
     json["left_out"] = left_out;
     json["rows"] = Json::array();
     json["means"] = Json::array();
-    if (const Disturbance& d = options.disturbance; d.noise_percent != 0 || d.gamma != 1 || d.gain != 1)
+    if (const match::Disturbance& d = options.disturbance;
+        d.noise_percent != 0 || d.gamma != 1 || d.gain != 1)
         out << format("Noise of %g %% on both images, gamma %g and gain %g on the right one.\n",
                       d.noise_percent, d.gamma, d.gain);
     for (const std::string& name : left_out) out << "left out: " << name << '\n';
     out << "Seconds of the whole disparity stage, median of " << options.runs
         << ". edge: near true discontinuities, on the wrong side or unknown.\n"
-        << headings() << std::flush;
+        << match::headings() << std::flush;
     return json;
 }
 
@@ -154,35 +156,35 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
     for (const std::string& setting : options.settings) apply_setting(config, setting);
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
-    check_disturbance(options.disturbance);
+    match::check_disturbance(options.disturbance);
     const int threads = effective_threads(options.threads);
     const std::vector<Backend> backends = usable_backends(threads);
     const std::vector<Method> methods = chosen(all_methods(backends), options.methods, "--methods");
     std::vector<std::string> left_out;
-    const std::vector<ScenePair> found = find_scenes(options.data, left_out);
+    const std::vector<match::ScenePair> found = match::find_scenes(options.data, left_out);
     if (found.empty())
         throw Error(ErrorKind::input, "--data " + options.data.string() +
                                           ": no folder below it holds left.*, right.* and disp.*");
-    const std::vector<ScenePair> scenes = chosen(found, options.scenes, "--scenes");
+    const std::vector<match::ScenePair> scenes = chosen(found, options.scenes, "--scenes");
     if (!options.json.empty()) check_writable_file(options.json);
 
     Json json = begin(options, backends, threads, left_out, out);
-    std::vector<Row> rows;
-    for (const ScenePair& scene : scenes) {
+    std::vector<match::Row> rows;
+    for (const match::ScenePair& scene : scenes) {
         const LoadedScene loaded = load(scene, options.disturbance);
         for (const Method& method : methods) {
             // The first call on a device pays for its context, which belongs to no scene.
             if (rows.size() < methods.size() && method.backend != "cpu")
                 method.match(loaded.pair, config.disparity, threads);
             rows.push_back(measure(scene, loaded, method, config.disparity, options, threads));
-            out << row_text(rows.back()) << std::flush;
-            json["rows"].push_back(row_json(rows.back()));
+            out << match::row_text(rows.back()) << std::flush;
+            json["rows"].push_back(match::row_json(rows.back()));
         }
     }
     out << '\n';
-    for (const Average& average : averages(rows)) {
-        out << average_text(average);
-        json["means"].push_back(average_json(average));
+    for (const match::Average& average : match::averages(rows)) {
+        out << match::average_text(average);
+        json["means"].push_back(match::average_json(average));
     }
     write_json(options.json, json);
 }

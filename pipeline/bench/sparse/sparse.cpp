@@ -122,11 +122,11 @@ std::string mean_text(const std::vector<Row>& rows, const std::string& pattern) 
 }
 
 TrueScene load(const ScenePair& found, const Config& config, bool without_picture, int threads) {
-    DisparityFileConfig file;
+    readers::DisparityFileConfig file;
     file.scale = found.scale;
-    DisparityMap truth = read_disparity_map(found.truth, file);
+    DisparityMap truth = readers::read_disparity_map(found.truth, file);
     const double quantum_px = find_quantum_px(truth);
-    return {found.name, std::move(truth), without_picture ? Image{} : read_image(found.left),
+    return {found.name, std::move(truth), without_picture ? Image{} : readers::read_image(found.left),
             quantum_px, config,           threads};
 }
 

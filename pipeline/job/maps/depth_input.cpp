@@ -36,7 +36,7 @@ std::string extent_text(const DepthMap& map) {
 
 }  // namespace
 
-DepthInput take_depths(DepthFile file, const DepthFileConfig& config, bool is_focal_known,
+DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& config, bool is_focal_known,
                        Calibration& camera) {
     DepthMap& map = file.map;
     DepthInput input;

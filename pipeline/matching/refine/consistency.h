@@ -1,11 +1,10 @@
 // From both views' winners to matches that can be trusted.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/raster.h"
 
 namespace hexrelief {
-
-class ThreadPool;
 
 struct ConsistencyConfig {
     int min_px = 0;            // of the range

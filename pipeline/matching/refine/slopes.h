@@ -1,11 +1,10 @@
 // The inclination of the surfaces of a disparity map.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/raster.h"
 
 namespace hexrelief {
-
-class ThreadPool;
 
 struct Slopes {
     Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; no meaning where that is unknown

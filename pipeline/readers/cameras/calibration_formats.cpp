@@ -8,7 +8,7 @@
 #include "pipeline/readers/source.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 namespace {
 
@@ -102,4 +102,4 @@ Calibration from_pinhole(CalibrationText& source, std::string_view key, const Pi
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -10,7 +10,7 @@
 
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // A calibration's text, and what its format says of it besides the numbers.
 struct CalibrationText {
@@ -71,4 +71,4 @@ Pinhole from_matrix(const CalibrationText& source, std::string_view key, const s
 Calibration from_pinhole(CalibrationText& source, std::string_view key, const Pinhole& camera,
                          double pixel_centre = kPixelCentre);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

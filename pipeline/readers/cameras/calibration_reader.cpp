@@ -7,7 +7,7 @@
 #include "pipeline/readers/source.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 // Focal length and baseline above 0 and everything finite: else later stages divide by 0.
@@ -54,4 +54,4 @@ Calibration read_calibration(const std::filesystem::path& path) {
     return read_calibration_file(path).calibration;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -7,7 +7,7 @@
 
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct CalibrationFile {
     Calibration calibration;
@@ -47,4 +47,4 @@ CalibrationFile read_calibration_file(const std::filesystem::path& path);
 // Its calibration alone.
 Calibration read_calibration(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

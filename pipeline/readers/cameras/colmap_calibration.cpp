@@ -4,7 +4,7 @@
 #include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 using Words = std::vector<std::string_view>;
@@ -61,4 +61,4 @@ std::optional<Calibration> parse_colmap(CalibrationText& source) {
                         0);
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct ExifFocal {
     double focal_px = 0;   // above 0, of the picture at the size given
@@ -18,4 +18,4 @@ struct ExifFocal {
 // where it cannot be opened; damaged EXIF data count as none.
 std::optional<ExifFocal> read_exif_focal(const std::filesystem::path& path, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

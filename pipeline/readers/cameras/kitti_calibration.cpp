@@ -5,7 +5,7 @@
 #include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 using Entries = std::map<std::string, std::string, std::less<>>;
@@ -84,4 +84,4 @@ std::optional<Calibration> parse_kitti(CalibrationText& source) {
                "are not both there; a KITTI calibration needs a left and a right one");
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

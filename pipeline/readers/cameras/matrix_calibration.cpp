@@ -2,7 +2,7 @@
 #include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // Without comments and brackets.
@@ -39,4 +39,4 @@ std::optional<Calibration> parse_matrix(CalibrationText& source) {
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

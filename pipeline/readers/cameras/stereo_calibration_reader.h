@@ -8,7 +8,7 @@
 
 #include "pipeline/data/stereo_calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // Whether a pair is rectified with what its calibration file says of the cameras as they stand.
 // automatic: where the file says nothing of rectified pictures (Q, or P1 and P2).
@@ -28,4 +28,4 @@ struct StereoCalibrationFile {
 std::optional<StereoCalibrationFile> read_stereo_calibration(const std::filesystem::path& path,
                                                              Rectify rectify);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

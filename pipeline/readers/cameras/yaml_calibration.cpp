@@ -7,7 +7,7 @@
 #include "pipeline/readers/cameras/yaml_values.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 Projection read_projection(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
@@ -142,4 +142,4 @@ std::optional<Calibration> parse_yaml(CalibrationText& source) {
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -11,7 +11,7 @@
 
 #include "pipeline/readers/cameras/calibration_formats.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Gives `read` the text as a tree; a refusal that names the line where it is no YAML.
 void with_yaml_tree(const CalibrationText& source, const std::function<void(const YAML::Node&)>& read);
@@ -33,4 +33,4 @@ std::pair<int, int> size_of(const CalibrationText& source, const YAML::Node& roo
 // tree, which is a map, has none of their keys.
 std::optional<Calibration> parse_camera_tree(CalibrationText& source, const YAML::Node& root);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

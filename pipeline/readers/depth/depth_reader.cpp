@@ -12,7 +12,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -225,4 +225,4 @@ DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& pa
     return file;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

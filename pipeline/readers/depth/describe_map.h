@@ -6,7 +6,7 @@
 
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct MapDescription {
     // Of the samples as stored that are finite and above 0, and are not the format's own for "not known".
@@ -22,4 +22,4 @@ struct MapDescription {
 MapDescription describe_map(const std::filesystem::path& path, const std::string& key,
                             const ReaderLimits& limits = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -13,7 +13,7 @@
 
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // Half floats end here; renderers write it where nothing is hit.
@@ -241,11 +241,11 @@ Raster decode_exr(const SourceFile& source) {
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec
 
 #else
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 [[noreturn]] void refuse_unbuilt(const SourceFile& source) {
@@ -265,6 +265,6 @@ Raster decode_exr(const SourceFile& source) {
     refuse_unbuilt(source);
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec
 
 #endif

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Everything that crosses into the library, in plain C types.
 struct HeicRequest {
@@ -32,4 +32,4 @@ using HeicFunction = int (*)(HeicRequest*);  // 0 = done
 inline constexpr const char* kHeicFunctionName = "hexrelief_read_heic";
 inline constexpr const char* kHeicLibraryName = "hexrelief-heif.so";
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -9,7 +9,7 @@
 #include "pipeline/readers/limits.h"
 #include "pipeline/readers/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // Row-major, top row first.
 struct PixelMask {
@@ -50,4 +50,4 @@ PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path
 // The same view at another size: each pixel takes what lies under its centre.
 PixelMask resampled(const PixelMask& mask, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

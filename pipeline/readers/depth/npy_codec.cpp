@@ -15,7 +15,7 @@
 #include "pipeline/readers/limits.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::size_t kMagicBytes = 8;
@@ -335,4 +335,4 @@ Raster decode_npz(const SourceFile& source) {
     return decode_npy(chosen_array(source));
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

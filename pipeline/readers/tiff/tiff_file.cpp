@@ -10,7 +10,7 @@
 
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 TiffSource& source_of(thandle_t handle) {
@@ -301,4 +301,4 @@ Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, co
     }
     return raster;
 }
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

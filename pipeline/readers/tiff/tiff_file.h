@@ -9,7 +9,7 @@
 #include "pipeline/readers/raster.h"
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // What libtiff reads, and its first complaint. It serves one thread at a time.
 struct TiffSource {
@@ -62,4 +62,4 @@ double nodata_of(TIFF* tiff);
 // damaged.
 Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, const PixelWindow& window);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

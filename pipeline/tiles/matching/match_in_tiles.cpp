@@ -24,9 +24,9 @@ void check_request(const MatchRequest& request) {
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
     const CalibrationConfig& calibration = request.config.input.calibration;
     check_overwrites({request.map}, {request.left, request.right, calibration.file});
-    if (calibration.file.empty() && calibration.rectify == Rectify::always)
+    if (calibration.file.empty() && calibration.rectify == readers::Rectify::always)
         refuse("input.calibration.rectify: must not be always; tiles are matched in rectified pairs");
-    if (!calibration.file.empty() && read_stereo_calibration(calibration.file, calibration.rectify))
+    if (!calibration.file.empty() && readers::read_stereo_calibration(calibration.file, calibration.rectify))
         throw Error(ErrorKind::input, calibration.file +
                                           ": tells of a pair that is to be rectified; tiles are matched in "
                                           "pairs that are rectified already");
@@ -123,7 +123,7 @@ class TiledMatcher {
 
 TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log) {
     check_request(request);
-    const ReaderLimits& limits = request.config.limits.reading;
+    const readers::ReaderLimits& limits = request.config.limits.reading;
     const auto left = PictureWindows::open(request.left, limits);
     const auto right = PictureWindows::open(request.right, limits);
     const PairWindows pair{*left, *right};

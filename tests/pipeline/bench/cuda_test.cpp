@@ -137,7 +137,7 @@ Row paper_row() {
 }
 
 TEST(BenchCudaRows, JsonHoldsWhatApplies) {
-    const nlohmann::ordered_json json = row_json(paper_row());
+    const nlohmann::ordered_json json = cuda_bench::row_json(paper_row());
     EXPECT_EQ(json["som_ms"]["median"], 300);
     EXPECT_EQ(json["som_ms"]["least"], 250);
     EXPECT_EQ(json["stage_ms"]["most"], 600);
@@ -150,14 +150,14 @@ TEST(BenchCudaRows, JsonHoldsWhatApplies) {
     ours.kernels.clear();
     ours.extraction_s = ours.search_s = ours.learning_s = {};
     ours.percent_cost = 12.5;
-    const nlohmann::ordered_json other = row_json(ours);
+    const nlohmann::ordered_json other = cuda_bench::row_json(ours);
     for (const char* key : {"kernels", "memory", "block", "escaped", "kernels_ms"})
         EXPECT_FALSE(other.contains(key)) << key;
     EXPECT_EQ(other["percent_cost"], 12.5);
 }
 
 TEST(BenchCudaRows, TextHasTheHeadingsColumns) {
-    const std::string text = row_text(paper_row()), headings = cuda_bench::headings();
+    const std::string text = cuda_bench::row_text(paper_row()), headings = cuda_bench::headings();
     for (const char* part : {"blocks", "conesM", "1000x500", "multiple", "64/8/256", "inf", "300.0",
                              "250.0 - 500.0", "10.000/20.000/40.000", "600.00"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;

@@ -33,7 +33,8 @@ Image as_grey(const Image& image) {
 }
 
 Image as_stored(const Image& image, int quality) {
-    return image_of(codec::decode_jpeg({"picture", encode_jpeg(image, quality)}), "picture");
+    return readers::image_of(readers::codec::decode_jpeg({"picture", encode_jpeg(image, quality)}),
+                             "picture");
 }
 
 Image shifted(const Image& image, int columns, int rows) {

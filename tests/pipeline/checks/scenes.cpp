@@ -36,12 +36,14 @@ std::vector<TestScene> load(const fs::path& data, const std::string& wanted) {
         if (!fs::is_regular_file(folder / files.map)) continue;
         if (folder.string().find(wanted) == std::string::npos) continue;
         TestScene scene{&files, folder.filename().string(), {}, {}, 0};
-        DisparityFileConfig file;
+        readers::DisparityFileConfig file;
         file.scale = files.scale;
-        scene.map = read_disparity_map(folder / files.map, file);
+        scene.map = readers::read_disparity_map(folder / files.map, file);
         for (const float d : scene.map.values)
             if (DisparityMap::known(d)) scene.largest_px = std::max(scene.largest_px, static_cast<double>(d));
-        if (files.left) scene.pair = {read_image(folder / files.left), read_image(folder / files.right)};
+        if (files.left)
+            scene.pair = {readers::read_image(folder / files.left),
+                          readers::read_image(folder / files.right)};
         scenes.push_back(std::move(scene));
     }
     return scenes;

@@ -66,8 +66,8 @@ TEST(OpenCvData, AnUnrectifiedPairIsRectifiedByItsCalibration) {
         {"run", "--strict", "--quiet", "--left", kData / "left01.jpg", "--right", kData / "right01.jpg",
          "--calib", folder / "stereo.yml", "-o", folder / "o.glb", "--save-stages", folder / "stages"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const StereoPair pair{read_image(folder / "stages/left_rectified.png"),
-                          read_image(folder / "stages/right_rectified.png")};
+    const StereoPair pair{readers::read_image(folder / "stages/left_rectified.png"),
+                          readers::read_image(folder / "stages/right_rectified.png")};
     const RowFit rows = measure_rows(pair, match_coarsely(pair, 0, 1));
     EXPECT_GE(rows.points, 20);
     EXPECT_LT(rows.largest_px, 0.5);

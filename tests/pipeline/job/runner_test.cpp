@@ -143,8 +143,9 @@ TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
 }
 
 TEST(Runner, TheCalibrationSaysTheRange) {
-    const StereoPair pair{read_image(test::sample("left.png")), read_image(test::sample("right.png"))};
-    Calibration calibration = read_calibration(test::sample("calib.txt"));
+    const StereoPair pair{readers::read_image(test::sample("left.png")),
+                          readers::read_image(test::sample("right.png"))};
+    Calibration calibration = readers::read_calibration(test::sample("calib.txt"));
     ASSERT_EQ(calibration.ndisp_px, 48);
     std::string said;
     RunObserver observer;
@@ -213,7 +214,7 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     EXPECT_EQ(report.width, 32);
     EXPECT_EQ(report.calibration.focal_px, 40);
     EXPECT_EQ(report.calibration.cx, 15.5);
-    EXPECT_EQ(read_image(folder / "a_texture.png").width, 64);
+    EXPECT_EQ(readers::read_image(folder / "a_texture.png").width, 64);
     test::write_text(folder / "c.ppm", "P6\n64 52\n255\n" + std::string(64 * 52 * 3, 'x'));
     EXPECT_THROW(run_job(request, {}), Error);
 }
@@ -256,13 +257,14 @@ TEST(Runner, APairIsRectifiedByItsCalibration) {
     request.config.input.calibration.file = folder / "pair.yml";
     request.stages_folder = folder / "stages";
     EXPECT_THROW(run_job(request, {}), Error) << "would overwrite its input";
-    request.config.input.calibration.rectify = Rectify::never;
+    request.config.input.calibration.rectify = readers::Rectify::never;
     EXPECT_THROW(run_job(request, {}), Error) << "no rectified camera in the file";
 }
 
 TEST(Runner, AStereoFileIsAPair) {
     const test::TemporaryFolder folder;
-    const Image left = read_image(test::sample("left.png")), right = read_image(test::sample("right.png"));
+    const Image left = readers::read_image(test::sample("left.png")),
+                right = readers::read_image(test::sample("right.png"));
     std::string both =
         "P6\n" + std::to_string(2 * left.width) + " " + std::to_string(left.height) + "\n255\n";
     for (int y = 0; y < left.height; ++y)
@@ -283,7 +285,7 @@ TEST(Runner, AStereoFileIsAPair) {
     request.right.clear();
     request.outputs = {folder / "b.ply"};
     EXPECT_THROW(run_job(request, {}), Error) << "the layout is not said";
-    request.config.input.stereo.layout = StereoLayout::side_by_side;
+    request.config.input.stereo.layout = readers::StereoLayout::side_by_side;
     EXPECT_EQ(run_job(request, {}).inputs.at(0).role, "stereo");
     EXPECT_EQ(test::read_text(folder / "a.ply"), test::read_text(folder / "b.ply"));
 }

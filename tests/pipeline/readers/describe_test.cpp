@@ -2,7 +2,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 void expect_description(const Bytes& bytes, const std::string& format, int channels, int bits) {
@@ -85,4 +85,4 @@ TEST(DescribeRaster, RefusesMissingFilesAndMalformedHeaders) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

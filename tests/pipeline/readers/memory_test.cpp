@@ -8,7 +8,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 // A TIFF of one strip that promises this picture and holds 20 zeros.
@@ -55,4 +55,4 @@ TEST(ReadWebp, HeadersAloneTakeNoMemory) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -11,7 +11,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr int kMutations = 400;
@@ -178,4 +178,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, Mutation, testing::ValuesIn(kCases),
                          [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -24,8 +24,9 @@ struct Sample {
 
 const Sample& sample() {
     static const std::filesystem::path folder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
-    static const Sample files{{read_image(folder / "left.png"), read_image(folder / "right.png")},
-                              read_disparity_map(folder / "disparity.pfm", {})};
+    static const Sample files{
+        {readers::read_image(folder / "left.png"), readers::read_image(folder / "right.png")},
+        readers::read_disparity_map(folder / "disparity.pfm", {})};
     return files;
 }
 

@@ -31,11 +31,11 @@ TEST_P(RealData, MatchesGroundTruth) {
     if (data == nullptr) GTEST_SKIP() << "HEXRELIEF_DATA is not set: no real pairs to match";
     const RealPair& real = GetParam();
     const std::filesystem::path folder = std::filesystem::path(data) / real.folder;
-    const StereoPair pair{read_image(folder / (std::string("left.") + real.images)),
-                          read_image(folder / (std::string("right.") + real.images))};
-    DisparityFileConfig file;
+    const StereoPair pair{readers::read_image(folder / (std::string("left.") + real.images)),
+                          readers::read_image(folder / (std::string("right.") + real.images))};
+    readers::DisparityFileConfig file;
     file.scale = real.scale;
-    const DisparityMap truth = read_disparity_map(folder / real.truth, file);
+    const DisparityMap truth = readers::read_disparity_map(folder / real.truth, file);
     const DisparityEvaluation e = evaluate_disparity(compute_disparity(pair, {}, 2), truth);
     EXPECT_LT(e.bad_percent[1], real.bad1_limit);
     EXPECT_LT(e.bad_percent[2], real.bad2_limit);

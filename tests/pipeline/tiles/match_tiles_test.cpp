@@ -23,6 +23,8 @@
 namespace hexrelief::test {
 namespace {
 
+using namespace testing_mesher;
+
 using testing_mesher::uniform;
 
 // Value noise of several sizes, 0 to 1.
@@ -107,7 +109,7 @@ DisparityMap match(const MatchRequest& request, int threads = 2) {
     const RunObserver observer;
     RunLog log(observer);
     match_in_tiles(request, pick_backend(BackendChoice::cpu, threads), threads, log);
-    return read_disparity_map(request.map, {});
+    return readers::read_disparity_map(request.map, {});
 }
 
 class PairFolder {
@@ -213,7 +215,7 @@ TEST(MatchTiles, AreTheSameBytesForAnyNumberOfThreads) {
         EXPECT_EQ(sha256_of_file(request.map), sum);
     }
     request.map = folder / "map.pfm";
-    EXPECT_EQ(match(request).values, read_disparity_map(folder / "map.tif", {}).values);
+    EXPECT_EQ(match(request).values, readers::read_disparity_map(folder / "map.tif", {}).values);
 }
 
 TEST(MatchTiles, WindowsHoldTileCollarAndReach) {
@@ -247,7 +249,7 @@ TEST(MatchTiles, TransparentPixelsAreUnknown) {
                          .right = sample("inputs/right.png"),
                          .map = folder / "map.tif",
                          .tile_px = 64};
-    const Image left = read_image(request.left);
+    const Image left = readers::read_image(request.left);
     ASSERT_EQ(left.alpha.size(), left.pixels.size() / left.channels);
     std::vector<bool> seen;
     for (const std::uint8_t alpha : left.alpha) seen.push_back(alpha >= kOpaque);

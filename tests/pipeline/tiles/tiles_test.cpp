@@ -32,6 +32,8 @@
 namespace hexrelief::test {
 namespace {
 
+using namespace testing_mesher;
+
 using testing_mesher::busy_map;
 using testing_mesher::busy_picture;
 using Point = std::array<double, 3>;
@@ -197,7 +199,7 @@ TEST(Tiles, OfMapsThatAreMostlyUnknown) {
 
 TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
     const TemporaryFolder folder;
-    const Image picture = read_image(sample("inputs/cut_out.png"));
+    const Image picture = readers::read_image(sample("inputs/cut_out.png"));
     const DisparityMap map = busy_map(picture.width, picture.height, 1);
     write_map(folder / "map.tif", map);
     const MapRect window{10, 5, 60, 50};

@@ -50,8 +50,8 @@ TEST(Terrain, HasGroundRoofsAndHoles) {
 }
 
 TEST(Terrain, FilesAreTheSameForAnyNumberOfThreads) {
-    const Folder folder;
-    Bytes first;
+    const readers::Folder folder;
+    readers::Bytes first;
     for (const int threads : {1, 3}) {
         for (const char* const name : {"map.tif", "map.pfm"}) {
             FileTransaction files;
@@ -60,7 +60,7 @@ TEST(Terrain, FilesAreTheSameForAnyNumberOfThreads) {
             writer.finish();
             files.commit();
         }
-        const Bytes bytes = read_bytes(folder.path() / "map.tif");
+        const readers::Bytes bytes = readers::read_bytes(folder.path() / "map.tif");
         if (first.empty()) first = bytes;
         EXPECT_EQ(bytes, first);
         EXPECT_EQ(MapWindows::open(folder.path() / "map.tif")->read(0, 0, 130, 70).values,

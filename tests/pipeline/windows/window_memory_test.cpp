@@ -33,7 +33,7 @@ long peak_MiB(const std::function<void()>& work) {
 }
 
 TEST(MapWindows, TakeTheMemoryOfAWindow) {
-    const Folder folder;
+    const readers::Folder folder;
     const fs::path rows = folder.write("map.raw", ""), tiles = folder.path() / "map.tif";
     fs::resize_file(rows, std::uintmax_t{4} << 30);  // holes, which take no space
     {
@@ -54,7 +54,7 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
 }
 
 TEST(PictureWindows, TakeTheMemoryOfAWindow) {
-    const Folder folder;
+    const readers::Folder folder;
     const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");  // above the limit of whole ones
     fs::resize_file(rows, fs::file_size(rows) + std::uintmax_t{3} * 40000 * 30000);
     // Small ones, because sanitizers keep what is freed for a while.

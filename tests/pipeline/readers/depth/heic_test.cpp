@@ -10,7 +10,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr int kWidth = 64, kHeight = 64;
@@ -167,4 +167,4 @@ TEST(HeicDerivations, PicturesAreCounted) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -6,7 +6,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -221,4 +221,4 @@ TEST(TiffNodata, IsUnknown) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

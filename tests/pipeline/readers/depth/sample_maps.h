@@ -7,7 +7,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 
 // header: the dictionary's text; version 1.
 Bytes make_npy(const std::string& header, const Bytes& samples, int version = 1);
@@ -34,4 +34,4 @@ struct ExrKind {
 // Floats, the data window not at the origin; channels in the order of their names.
 Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, const ExrKind& kind = {});
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers
