@@ -33,8 +33,8 @@ class CudaMatcher {
     // hexrelief::match_pair on the device. Throws Error(device) also where memory is too small, for more than
     // 2048 disparities and for sides of more than 32,767 px. times: null, or what the stages took, in their
     // order; asking for it makes the call a little slower.
-    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config,
-                          std::vector<CudaMatchingTime>* times = nullptr);
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config,
+                                    std::vector<CudaMatchingTime>* times = nullptr);
 
     // Device memory of the last call.
     std::size_t device_bytes() const;

@@ -14,7 +14,7 @@ class DeviceMatcher {
     ~DeviceMatcher();
 
     // The same bytes as hexrelief::match_pair(). The clock runs between the transfers.
-    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config);
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config);
 
     Workspace work;
 

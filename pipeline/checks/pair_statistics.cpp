@@ -15,8 +15,9 @@ constexpr int kLeastSpread = 10;  // grey levels between a block's darkest and l
 std::vector<double> sorted_disparities(const SmallMatch& match) {
     std::vector<double> known;
     for (const std::int16_t d : match.map.disparities)
-        if (d != kUnknown16)
-            known.push_back(match.small.scale * (match.min_px + d / static_cast<double>(kOnePixel)));
+        if (d != matching::kUnknown16)
+            known.push_back(match.small.scale *
+                            (match.min_px + d / static_cast<double>(matching::kOnePixel)));
     std::sort(known.begin(), known.end());
     return known;
 }
@@ -67,9 +68,9 @@ RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse) {
         const int x = std::min(static_cast<int>(point.x / scale), coarse.map.width - 1);
         const int y = std::min(static_cast<int>(point.y / scale), coarse.map.height - 1);
         const int d = coarse.map.disparities[static_cast<std::size_t>(y) * coarse.map.width + x];
-        if (d == kUnknown16) continue;
-        point.disparity_px =
-            static_cast<int>(std::lround(scale * (coarse.min_px + d / static_cast<double>(kOnePixel))));
+        if (d == matching::kUnknown16) continue;
+        point.disparity_px = static_cast<int>(
+            std::lround(scale * (coarse.min_px + d / static_cast<double>(matching::kOnePixel))));
         point.reach_px = point.row_reach_px = static_cast<int>(std::ceil(1.5 * scale)) + 2;
         searches.push_back(point);
     }
@@ -111,8 +112,8 @@ LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int
 double share_at_low_end(const SmallMatch& match) {
     int known = 0, low = 0;
     for (const std::int16_t d : match.map.disparities) {
-        known += d != kUnknown16;
-        low += d != kUnknown16 && d < kOnePixel;
+        known += d != matching::kUnknown16;
+        low += d != matching::kUnknown16 && d < matching::kOnePixel;
     }
     return known > 0 ? low / static_cast<double>(known) : 0;
 }
@@ -120,8 +121,9 @@ double share_at_low_end(const SmallMatch& match) {
 double share_at_zero(const SmallMatch& match) {
     int known = 0, zero = 0;
     for (const std::int16_t d : match.map.disparities) {
-        known += d != kUnknown16;
-        zero += d != kUnknown16 && std::abs(match.min_px * kOnePixel + d) < kOnePixel;
+        known += d != matching::kUnknown16;
+        zero += d != matching::kUnknown16 &&
+                std::abs(match.min_px * matching::kOnePixel + d) < matching::kOnePixel;
     }
     return known > 0 ? zero / static_cast<double>(known) : 0;
 }

@@ -33,8 +33,8 @@ std::string cpu_name() {
 Backend cpu_backend(int threads) {
     return {"cpu",
             cpu_name(),
-            [threads](const StereoPair& pair, const MatchingConfig& config) {
-                return match_pair(pair, config, threads);
+            [threads](const StereoPair& pair, const matching::MatchingConfig& config) {
+                return matching::match_pair(pair, config, threads);
             },
             [threads](const DensityMap& density, const DisparityMap&, const MeshConfig& config,
                       const ProgressFunction& progress) {
@@ -61,7 +61,7 @@ Backend cuda_backend(int threads) {
     const auto made = std::make_shared<std::unique_ptr<CudaWorkers>>(std::make_unique<CudaWorkers>());
     return {"cuda",
             (*made)->mesher.device().name,
-            [made](const StereoPair& pair, const MatchingConfig& config) {
+            [made](const StereoPair& pair, const matching::MatchingConfig& config) {
                 std::unique_ptr<CudaMatcher>& matcher = (*made)->matcher;
                 if (!matcher) matcher = std::make_unique<CudaMatcher>();
                 return matcher->match_pair(pair, config);

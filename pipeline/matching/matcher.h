@@ -14,7 +14,7 @@
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct MatchingConfig {
     // left(x, y) = right(x - d, y) is tried for min_px <= d < min_px + count. count: 1..1920:
@@ -72,4 +72,4 @@ double find_noise(const Image& image);
 // filter). noise: as find_noise() says.
 void denoise(Image& image, double noise, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -8,7 +8,7 @@
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr int kBlock_px = 16;
@@ -93,4 +93,4 @@ void denoise(Image& image, double noise, int threads) {
                  [&](int y) { denoise_row(view_of(colors), y, other_color, image.at(0, y)); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -53,11 +53,11 @@ struct DisparityConfig {
 };
 
 // The matcher that sgm calls: the CPU's, or the same on a device.
-using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
+using PairMatcher = std::function<matching::MatchedMap(const StereoPair&, const matching::MatchingConfig&)>;
 
 // What is done to the pictures before they are matched.
 struct PairCorrection {
-    LightCurves light;                       // of the right one, which gets the left one's
+    matching::LightCurves light;             // of the right one, which gets the left one's
     double left_noise = 0, right_noise = 0;  // as find_noise() has it, of the right one in its new light
 };
 

@@ -15,7 +15,7 @@ struct ReducedPair {
 struct SmallMatch {
     ReducedPair small;
     int min_px = 0;  // of the reduced pair: the map's disparities count from here
-    MatchedMap map;
+    matching::MatchedMap map;
 };
 
 // The pair at 160 columns, or its own where it has fewer, matched from min_px on over its whole width. Both

@@ -59,9 +59,9 @@ Image read_ppm(const std::string& path) {
 }
 
 bool measure(cuda::CudaMatcher& matcher, const Size& size, int runs, const StereoPair& pair) {
-    MatchingConfig config;
+    matching::MatchingConfig config;
     config.range = {0, size.disparities};
-    MatchedMap map = matcher.match_pair(pair, config);
+    matching::MatchedMap map = matcher.match_pair(pair, config);
     std::vector<double> whole, kernels;
     for (int i = 0; i < runs; ++i) {
         const auto begin = std::chrono::steady_clock::now();
@@ -91,7 +91,7 @@ bool measure(cuda::CudaMatcher& matcher, const Size& size, int runs, const Stere
         std::printf("    %-26s %9.3f\n", name.c_str(), median(stages[name]));
     std::fflush(stdout);
     if (size.width > 450) return true;
-    const MatchedMap cpu = match_pair(pair, config, 4);
+    const matching::MatchedMap cpu = matching::match_pair(pair, config, 4);
     const bool same = cpu.disparities == map.disparities && cpu.is_matched == map.is_matched;
     std::printf("    the CPU's bytes: %s\n", same ? "equal" : "DIFFERENT");
     return same;

@@ -13,7 +13,7 @@ namespace hexrelief::cuda {
 
 // Without a border: stride == width.
 template <typename T>
-RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
+matching::RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
     return {arena.take<T>(static_cast<std::size_t>(width) * height), width, height, width};
 }
 
@@ -23,16 +23,16 @@ inline int in_whole_words(int width) {
 }
 
 template <typename T>
-RasterView<const T> reading(const RasterView<T>& raster) {
+matching::RasterView<const T> reading(const matching::RasterView<T>& raster) {
     return {raster.origin, raster.width, raster.height, raster.stride};
 }
 
 // A pixel's channels as bytes of a word, the first lowest; grey three times.
-using PackedColors = RasterView<const std::uint32_t>;
+using PackedColors = matching::RasterView<const std::uint32_t>;
 
 // Of a pair's pictures, as PackedColors.
 struct DeviceColors {
-    RasterView<std::uint32_t> left, right;
+    matching::RasterView<std::uint32_t> left, right;
     bool in_color;  // else the three channels are one
 };
 

@@ -14,8 +14,8 @@ struct KnownPixels {
     enum Kind { kColumns, kFalling, kRising, kKinds };
 
     int width, height;
-    RasterView<std::uint32_t> rows;           // word and row
-    RasterView<std::uint32_t> words[kKinds];  // line and, of 32 rows of the picture each, word
+    matching::RasterView<std::uint32_t> rows;           // word and row
+    matching::RasterView<std::uint32_t> words[kKinds];  // line and, of 32 rows of the picture each, word
 
     __host__ __device__ int lines(Kind kind) const { return kind == kColumns ? width : width + height - 1; }
     __host__ __device__ int line_of(Kind kind, int x, int y) const {
@@ -28,18 +28,18 @@ struct KnownPixels {
 KnownPixels take_known_pixels(Arena& arena, int width, int height);
 
 struct FillInput {
-    PixelList holes;       // pixels that are not matched
-    DisparityView right;   // trusted matches of the right view
-    PixelRecords records;  // of the map
-    RasterView<const std::int32_t> nearest_seen;
+    PixelList holes;                // pixels that are not matched
+    matching::DisparityView right;  // trusted matches of the right view
+    PixelRecords records;           // of the map
+    matching::RasterView<const std::int32_t> nearest_seen;
     PackedColors left_colors, right_colors;
     int min_px;
 };
 
 // Sets known's bits.
-void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known);
+void find_known(cudaStream_t stream, const matching::DisparityView& map, const KnownPixels& known);
 // Fills the holes that the map does not know.
 void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
-                  const DisparityOut& map);
+                  const matching::DisparityOut& map);
 
 }  // namespace hexrelief::cuda

@@ -12,28 +12,29 @@ struct alignas(8) FittedPixel {
     std::int32_t disparity;
 };
 struct SlopeArrays {
-    RasterView<FittedPixel> fitted;           // with a border of zeros
-    RasterView<std::uint32_t> discontinuous;  // a bit for each of 32 pixels of a row; origin null: not wanted
+    matching::RasterView<FittedPixel> fitted;  // with a border of zeros
+    // A bit for each of 32 pixels of a row; origin null: not wanted.
+    matching::RasterView<std::uint32_t> discontinuous;
 };
 
 // Which pixels' records are found: all, or the known ones beside unknown ones, from which those are filled.
 enum class RecordsOf { all, beside_unknown };
 
 struct RecordInput {
-    DisparityView map;
+    matching::DisparityView map;
     PackedColors colors;
-    RasterView<const std::uint8_t> voter_weights;  // of the first round; else its origin is null
-    PackedColors hole_colors;                      // read where that one is
+    matching::RasterView<const std::uint8_t> voter_weights;  // of the first round; else its origin is null
+    PackedColors hole_colors;                                // read where that one is
     RecordsOf which;
     // A byte for each of pixel_blocks(): whether it may differ from the map that arrays and records hold;
     // origin null: all may.
-    RasterView<const std::uint8_t> changed_blocks;
+    matching::RasterView<const std::uint8_t> changed_blocks;
 };
 
 // records <- the map with its slopes; arrays <- what these come from, and which pixels have a
 // step::discontinuous() neighbour. Leaves borders as they are.
 template <typename Record>  // PixelRecord or PlaneRecord
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
-                 const RasterView<Record>& records);
+                 const matching::RasterView<Record>& records);
 
 }  // namespace hexrelief::cuda

@@ -6,7 +6,7 @@
 namespace hexrelief::cuda {
 
 // All levels: records, with borders, are written in turns; result has none.
-void smooth(cudaStream_t stream, const RasterView<PlaneRecord>& records,
-            const RasterView<PlaneRecord>& others, const DisparityOut& result);
+void smooth(cudaStream_t stream, const matching::RasterView<PlaneRecord>& records,
+            const matching::RasterView<PlaneRecord>& others, const matching::DisparityOut& result);
 
 }  // namespace hexrelief::cuda

@@ -38,7 +38,7 @@ __device__ void join(std::uint32_t* labels, std::uint32_t a, std::uint32_t b) {
     }
 }
 
-__device__ std::uint32_t pixel_number(const DisparityView& map, int x, int y) {
+__device__ std::uint32_t pixel_number(const matching::DisparityView& map, int x, int y) {
     return static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(map.width) +
            static_cast<std::uint32_t>(x);
 }
@@ -54,7 +54,7 @@ __device__ unsigned joining_above(unsigned joined_above, unsigned begins, unsign
 // gets as size what the tile has of the patch, the others 0. A warp takes a row of the tile at a time.
 constexpr int kTile_px = 32, kWarps = 8, kRowsOfWarp = kTile_px / kWarps;
 
-__global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
+__global__ void label_tiles(matching::DisparityView map, int largest_step, SpeckleArrays arrays) {
     begin_kernel();
     __shared__ std::uint32_t labels[kTile_px * kTile_px], sizes[kTile_px * kTile_px];
     __shared__ unsigned beginnings[kTile_px];
@@ -68,15 +68,15 @@ __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays a
     for (int k = 0; k < kRowsOfWarp; ++k) {
         const int row = row_of(k), y = first_y + row;
         const bool inside = x < map.width && y < map.height;
-        const std::int16_t own = inside ? map.at(x, y) : kUnknown16;
+        const std::int16_t own = inside ? map.at(x, y) : matching::kUnknown16;
         const bool begins =
-            lane == 0 || own == kUnknown16 || !step::joined(own, map.at(x - 1, y), largest_step);
+            lane == 0 || own == matching::kUnknown16 || !step::joined(own, map.at(x - 1, y), largest_step);
         const unsigned begin = __ballot_sync(kAllLanes, begins);
-        above[k] = __ballot_sync(
-            kAllLanes, own != kUnknown16 && row > 0 && step::joined(own, map.at(x, y - 1), largest_step));
+        above[k] = __ballot_sync(kAllLanes, own != matching::kUnknown16 && row > 0 &&
+                                                step::joined(own, map.at(x, y - 1), largest_step));
         heads[k] = static_cast<unsigned>(row) * kTile_px + 31 -
                    __clz(static_cast<int>(begin & (kAllLanes >> (31 - lane))));
-        known |= static_cast<unsigned>(own != kUnknown16) << k;
+        known |= static_cast<unsigned>(own != matching::kUnknown16) << k;
         const unsigned place = static_cast<unsigned>(row) * kTile_px + lane;
         labels[place] = heads[k];
         sizes[place] = 0;
@@ -114,7 +114,7 @@ __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays a
 }
 
 // A thread takes a pixel at the left side of a tile, or (blockIdx.y = 1) one at its upper side.
-__global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
+__global__ void join_tiles(matching::DisparityView map, int largest_step, SpeckleArrays arrays) {
     begin_kernel();
     const int number = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
     const bool is_left = blockIdx.y == 0;
@@ -132,7 +132,7 @@ __global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays ar
 
 // Adds what the tiles have of a patch, until it is larger than a speckle may be. Afterwards the label of a
 // tile's first pixel of a patch is that of the patch.
-__global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays arrays) {
+__global__ void count_pixels(matching::DisparityView map, unsigned largest, SpeckleArrays arrays) {
     begin_kernel();
     const int x = static_cast<int>(blockIdx.x * 32 + threadIdx.x);
     std::uint32_t large = kNone;  // a patch that is known to be large
@@ -152,21 +152,22 @@ __global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays 
     }
 }
 
-__global__ void clear_small(DisparityOut map, ConsistencyConfig config, SpeckleArrays arrays) {
+__global__ void clear_small(matching::DisparityOut map, matching::ConsistencyConfig config,
+                            SpeckleArrays arrays) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= map.width || at.y >= map.height) return;
     const std::size_t pixel = static_cast<std::size_t>(at.y) * map.width + at.x;
     std::int16_t& own = map.at(at.x, at.y);
-    if (own != kUnknown16 && arrays.sizes[arrays.labels[arrays.labels[pixel]]] <=
-                                 static_cast<unsigned>(step::largest_speckle(config, own)))
-        own = kUnknown16;
+    if (own != matching::kUnknown16 && arrays.sizes[arrays.labels[arrays.labels[pixel]]] <=
+                                           static_cast<unsigned>(step::largest_speckle(config, own)))
+        own = matching::kUnknown16;
 }
 
 }  // namespace
 
-void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const SpeckleArrays& arrays,
-                     const DisparityOut& map) {
+void remove_speckles(cudaStream_t stream, const matching::ConsistencyConfig& config,
+                     const SpeckleArrays& arrays, const matching::DisparityOut& map) {
     const Blocks blocks = pixel_blocks(map.width, map.height);
     const auto largest = static_cast<unsigned>(step::kFarSpeckles * config.speckle_pixels);
     const dim3 tiles(static_cast<unsigned>((map.width + kTile_px - 1) / kTile_px),

@@ -10,7 +10,7 @@ namespace hexrelief::cuda {
 struct SpeckleArrays {
     std::uint32_t *labels, *sizes;
 };
-void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const SpeckleArrays& arrays,
-                     const DisparityOut& map);
+void remove_speckles(cudaStream_t stream, const matching::ConsistencyConfig& config,
+                     const SpeckleArrays& arrays, const matching::DisparityOut& map);
 
 }  // namespace hexrelief::cuda

@@ -7,17 +7,19 @@
 namespace hexrelief::cuda {
 
 struct VoterInput {
-    DisparityView map;  // filled
+    matching::DisparityView map;  // filled
     PixelList holes;
-    RasterView<const std::int32_t> nearest_seen;
+    matching::RasterView<const std::int32_t> nearest_seen;
     PackedColors left, right;
     int min_px;
     bool in_color;  // else the packed colours are grey
 };
 
 // out <- the mean colours of 3x3 pixels.
-void blur_colors(cudaStream_t stream, const PackedColors& colors, const RasterView<std::uint32_t>& out);
+void blur_colors(cudaStream_t stream, const PackedColors& colors,
+                 const matching::RasterView<std::uint32_t>& out);
 // Sets those of holes; the others' are step::kMatchedWeight.
-void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights);
+void weigh_voters(cudaStream_t stream, const VoterInput& input,
+                  const matching::RasterView<std::uint8_t>& weights);
 
 }  // namespace hexrelief::cuda

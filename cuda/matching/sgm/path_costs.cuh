@@ -33,7 +33,7 @@ __device__ inline int near_part(PathPixel pixel) {
 }
 
 // Where a pair of two parts comes from when a window moves: parts are as long as runs' steps.
-static_assert(kPart<kShortRun> == step::kRunAlignment);
+static_assert(kPart<matching::kShortRun> == step::kRunAlignment);
 struct PairSource {
     int far_lane, near_lane;  // that have the part for the lower half, and the one for the upper half
     unsigned bytes;           // of their pairs
@@ -66,7 +66,7 @@ struct PairSource {
 // each member together.
 template <int kRun>
 struct PathCosts {
-    static constexpr bool kMoves = kRun == kShortRun;  // whole windows do not
+    static constexpr bool kMoves = kRun == matching::kShortRun;  // whole windows do not
     static constexpr int kPairs = kPart<kRun>;
     LanePairs<kRun> pairs;
     std::uint32_t least;  // as a pair

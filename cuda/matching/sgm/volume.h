@@ -23,8 +23,8 @@ inline constexpr RightBest kNoRightBest = ~RightBest{0};
 // pairs, then its other ones, so that lanes together fill whole sectors of memory.
 struct DeviceVolume {
     int width;
-    DisparityRange range;
-    Band band;
+    matching::DisparityRange range;
+    matching::Band band;
     PathPixels pixels;  // of the whole picture
     std::uint8_t* costs;
     std::uint16_t *sums_of_rows, *sums_of_columns;  // of the costs of an axis's paths that end there

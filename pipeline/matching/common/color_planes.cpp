@@ -6,7 +6,7 @@
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/common/rows.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 // A row of a plane has its own pixels; the border repeats those at its ends.
@@ -78,4 +78,4 @@ ColorView view_of(const ColorPlanes& colors) {
     return view;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

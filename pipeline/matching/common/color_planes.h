@@ -8,7 +8,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/matching/common/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // One channel of a grey picture, three of a colour one; the border repeats the picture's edge.
 struct ColorPlanes {
@@ -39,4 +39,4 @@ PairColors split_colors(const StereoPair& pair, ThreadPool& pool);
 ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool);
 ColorView view_of(const ColorPlanes& colors);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

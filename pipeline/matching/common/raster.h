@@ -7,7 +7,7 @@
 
 #include "mesher/common/host_device.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Windows reach up to 30 px, and loops round a row's end up to blocks of 32 px.
 inline constexpr int kBorder_px = 64;
@@ -58,4 +58,4 @@ struct ViewDisparities {
     Disparities16 left, right;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,7 +6,7 @@
 
 #include "mesher/common/thread_pool.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Pixels of a row that steps with many sums take at a time: these stay in the first-level cache.
 inline constexpr int kBlock = 256;
@@ -23,4 +23,4 @@ void for_each_row(ThreadPool& pool, int height, const Body& body) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

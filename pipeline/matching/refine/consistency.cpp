@@ -8,7 +8,7 @@
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/median_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 HEXRELIEF_SMALL_VECTORS void median_row(DisparityView map, int y, std::int16_t* __restrict out) {
@@ -76,4 +76,4 @@ TrustedMatches find_trusted_matches(const ViewDisparities& unfiltered, const Con
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -4,7 +4,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct ConsistencyConfig {
     int min_px = 0;            // of the range
@@ -34,4 +34,4 @@ Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool);
 TrustedMatches find_trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
                                     ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -11,31 +11,32 @@ namespace hexrelief::step {
 
 // The column of the right picture that a pixel of the left one matches.
 HEXRELIEF_HD int matching_column(int x, int min_px, int disparity) {
-    return x - min_px - ((disparity + kOnePixel / 2) >> 4);
+    return x - min_px - ((disparity + matching::kOnePixel / 2) >> 4);
 }
 
 // The column of the left picture that a pixel of the right one matches.
 HEXRELIEF_HD int matching_left_column(int x, int min_px, int disparity) {
-    return x + min_px + ((disparity + kOnePixel / 2) >> 4);
+    return x + min_px + ((disparity + matching::kOnePixel / 2) >> 4);
 }
 
 // Whether that lies outside of the right picture on its left, or less than half a px right of its first
 // pixel: the right picture says nothing of such a pixel.
 HEXRELIEF_HD bool beyond_left_edge(int x, int min_px, int disparity) {
-    return kOnePixel * (x - min_px) - disparity < kOnePixel / 2;
+    return matching::kOnePixel * (x - min_px) - disparity < matching::kOnePixel / 2;
 }
 
 // The disparity of a pixel, if `other`, the row of the other view, agrees there; else unknown.
 HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* other, int column, int width,
                                  int limit) {
-    if (disparity < 0 || column < 0 || column >= width) return kUnknown16;
+    if (disparity < 0 || column < 0 || column >= width) return matching::kUnknown16;
     const int difference = other[column] - disparity;
-    return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity : kUnknown16;
+    return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity
+                                                                             : matching::kUnknown16;
 }
 
 // The left view's disparity at a pixel whose match the right view's row does not deny; else unknown.
 HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16_t* right_row, int x,
-                                        int width, const ConsistencyConfig& config) {
+                                        int width, const matching::ConsistencyConfig& config) {
     if (config.left_right_limit < 0) return disparity;
     return agreed(disparity, right_row, matching_column(x, config.min_px, disparity), width,
                   config.left_right_limit);
@@ -44,7 +45,7 @@ HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16
 // Of a patch's pixel with this disparity: the patch is a speckle up to that size. False matches far beyond
 // the scene come in larger patches than others, and right ones are rarely there.
 inline constexpr int kFarSpeckles = 4;
-HEXRELIEF_HD int largest_speckle(const ConsistencyConfig& config, std::int16_t disparity) {
+HEXRELIEF_HD int largest_speckle(const matching::ConsistencyConfig& config, std::int16_t disparity) {
     return disparity < config.least ? kFarSpeckles * config.speckle_pixels : config.speckle_pixels;
 }
 
@@ -64,11 +65,11 @@ HEXRELIEF_HD std::int32_t nearest_seen(const std::int16_t* right_at) {
 }
 // A surface of this disparity would hide from the right camera what that sees there.
 HEXRELIEF_HD bool hides(std::int32_t nearest, int disparity) {
-    return nearest < disparity - kOnePixel;
+    return nearest < disparity - matching::kOnePixel;
 }
 // That is certainly in front of a surface of this disparity.
 HEXRELIEF_HD bool is_hidden(std::int32_t nearest, int disparity) {
-    return nearest != kAnything && nearest > disparity + kOnePixel;
+    return nearest != kAnything && nearest > disparity + matching::kOnePixel;
 }
 
 // A pixel of the left picture, and what the right camera certainly sees on its row.

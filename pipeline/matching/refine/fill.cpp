@@ -8,7 +8,7 @@
 #include "pipeline/matching/refine/fill_step.h"
 #include "pipeline/matching/refine/match_colors.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr std::int32_t kNoMatch = -1;
@@ -103,4 +103,4 @@ Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool) {
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

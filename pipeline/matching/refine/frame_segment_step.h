@@ -25,12 +25,12 @@ HEXRELIEF_HD int upper_quartile(int unmatched) {
 
 // What a cell is told of its middle pixel.
 HEXRELIEF_HD std::int16_t unmatched(std::int16_t match, std::int16_t filled) {
-    return match == kUnknown16 ? filled : kUnknown16;
+    return match == matching::kUnknown16 ? filled : matching::kUnknown16;
 }
 
 // What a pixel has then. least: of its cell.
 HEXRELIEF_HD std::int16_t raised(std::int16_t match, std::int16_t filled, std::int16_t least) {
-    return match == kUnknown16 && filled < least ? least : filled;
+    return match == matching::kUnknown16 && filled < least ? least : filled;
 }
 
 }  // namespace hexrelief::step

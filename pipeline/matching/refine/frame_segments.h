@@ -8,7 +8,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Square cells, some 150 along the longer side; pixels beyond the last whole one are in none. A narrow
 // picture has no cells.
@@ -42,4 +42,4 @@ FrameSegments find_frame_segments(const Image& left, int most_px);
 std::vector<std::int16_t> least_disparities(const FrameSegments& segments,
                                             const std::vector<std::int16_t>& filled);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

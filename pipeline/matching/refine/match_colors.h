@@ -4,7 +4,7 @@
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/match_color_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // The sum over three channels, of grey thrice the one. (x, y) and the column may lie in the border.
 inline int match_difference(const ColorView& left, const ColorView& right, int x, int y,
@@ -27,4 +27,4 @@ inline int window_difference(const ColorView& left, const ColorView& right, int 
     return sum;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

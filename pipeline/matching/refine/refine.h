@@ -7,7 +7,7 @@
 #include "pipeline/matching/refine/frame_segments.h"
 #include "pipeline/matching/refine/half_size_matches.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct RefinedMap {
     Disparities16 disparities;        // unknown only where nothing matched, there or in eight directions
@@ -26,4 +26,4 @@ struct RefineInput {
 };
 RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

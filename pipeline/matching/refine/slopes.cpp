@@ -6,7 +6,7 @@
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/slope_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 struct LineSumsBlock {
@@ -91,4 +91,4 @@ Slopes find_slopes(const Disparities16& map, ThreadPool& pool) {
     return means;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -4,7 +4,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct Slopes {
     Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; no meaning where that is unknown
@@ -13,4 +13,4 @@ struct Slopes {
 // Of lines fitted to both sides, as far as a surface goes, averaged over the pixels around.
 Slopes find_slopes(const Disparities16& map, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

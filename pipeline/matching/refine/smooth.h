@@ -5,9 +5,9 @@
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/common/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Unknown pixels stay unknown. Discontinuities of 2 px and more stay as they are.
 Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

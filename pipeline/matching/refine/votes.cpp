@@ -7,7 +7,7 @@
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/vote_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr int kLanes = 32;  // neighbouring pixels whose medians are taken at once
@@ -182,4 +182,4 @@ Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windo
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,7 +6,7 @@
 
 #include "mesher/common/host_device.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // A picture with a larger volume than this, in bytes of ranges that are searched wholly, is matched in bands
 // of rows, each with kBandMargin rows more on both sides, from which the vertical paths start.
@@ -28,4 +28,4 @@ int band_rows(int width, int height);
 // From above; the same for CPU and CUDA, so that their bytes are.
 std::vector<Band> bands_of(int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

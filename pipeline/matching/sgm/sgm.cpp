@@ -6,7 +6,7 @@
 #include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 // Rows of a block: as many as fit into block_bytes, or so many that a block takes as much memory as what is
@@ -63,4 +63,4 @@ ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, c
     return views;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

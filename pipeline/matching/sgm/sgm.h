@@ -8,7 +8,7 @@
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/winners.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // The volume that the CPU keeps at once, in bytes; smaller than a cache shared by the cores.
 inline constexpr std::size_t kBlock_bytes = std::size_t{32} << 20;
@@ -18,4 +18,4 @@ ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, c
                             WindowView windows, const step::PathPenalties& penalties, ThreadPool& pool,
                             std::size_t block_bytes = kBlock_bytes);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -4,7 +4,7 @@
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/sgm/window_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
                            ThreadPool& pool) {
@@ -24,4 +24,4 @@ SearchWindows find_windows(int width, int height, const DisparityRange& range, D
     return windows;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

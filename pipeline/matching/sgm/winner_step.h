@@ -9,7 +9,7 @@ namespace hexrelief::step {
 
 // In 1/16 px. lower, middle, upper: the costs at disparity - 1, at it, and at disparity + 1.
 HEXRELIEF_HD int refined_winner(int disparity, int lower, int middle, int upper) {
-    return kOnePixel * disparity + parabola_vertex(lower, middle, upper);
+    return matching::kOnePixel * disparity + parabola_vertex(lower, middle, upper);
 }
 
 }  // namespace hexrelief::step

@@ -8,7 +8,7 @@
 #include "pipeline/matching/sgm/window_step.h"
 #include "pipeline/matching/sgm/winner_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 // Of one run, whose first disparity this is and of which so many are searched. right: the best yet of the
@@ -79,4 +79,4 @@ void find_winners(const MatchingInput& input, const MatchingVolume& volume, int 
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,7 +6,7 @@
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Sets rows first .. end - 1 of both views from the volume, which holds them. The right view's costs are the
 // left one's, at the pixels that match: left(x, d) = right(x - d, d).
@@ -14,4 +14,4 @@ namespace hexrelief {
 void find_winners(const MatchingInput& input, const MatchingVolume& volume, int first, int end,
                   ViewDisparities& views, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -60,7 +60,7 @@ BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
         using Result = MeshResult;
         if (when == Fails::matching)
             backend.match_pair = [fail, match = backend.match_pair](const StereoPair& pair,
-                                                                    const MatchingConfig& config) {
+                                                                    const matching::MatchingConfig& config) {
                 fail();
                 return match(pair, config);
             };

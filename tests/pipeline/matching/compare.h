@@ -11,7 +11,7 @@
 #include "pipeline/matching/sgm/volume.h"
 #include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 
 template <typename T>
 Grid grid_of(const Raster<T>& raster) {
@@ -108,4 +108,4 @@ inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, 
     aggregate(input, ends.row(0), ends.row(1), volume, pool);
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -7,7 +7,7 @@
 #include "pipeline/matching/matcher.h"
 #include "samples/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 StereoPair sample_pair() {
@@ -86,4 +86,4 @@ TEST(Light, StaysAsItIsWhereNothingTells) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

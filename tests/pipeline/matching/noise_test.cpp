@@ -8,7 +8,7 @@
 #include "pipeline/matching/matcher.h"
 #include "samples/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 Image noisy(Image image, double deviation, unsigned seed = 1) {
@@ -107,4 +107,4 @@ TEST(Noise, IsLessAfterwardsAndEdgesStay) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -118,7 +118,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 
 constexpr int kUnknown = -1;
 
@@ -224,4 +224,4 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
 int cut_down(int numerator, int denominator);  // denominator > 0
 int rounded(int numerator, int denominator);
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

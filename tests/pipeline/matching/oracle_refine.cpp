@@ -6,7 +6,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // The one of the other view that says the same, or unknown.
@@ -296,4 +296,4 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     return {smooth(medians(map), left), is_matched};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

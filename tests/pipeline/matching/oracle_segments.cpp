@@ -4,7 +4,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 struct Pair {
@@ -105,4 +105,4 @@ void raise_segments(const Grid& matches, const Picture& left, const Settings& se
     }
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -6,7 +6,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // The window has 63 pixels.
@@ -165,4 +165,4 @@ Views winners(const Volume& sums, const Settings& settings) {
     return views;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -6,7 +6,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 bool beside_step(const Grid& map, int x, int y) {
@@ -177,4 +177,4 @@ Grid smooth(const Grid& map, const Picture& left) {
     return result;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

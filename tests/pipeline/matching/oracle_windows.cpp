@@ -5,7 +5,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 int fours(int value) {
@@ -92,4 +92,4 @@ Views match_views(const StereoPair& pair, const Settings& settings) {
     return winners(path_sums(left, costs, 0, settings), settings);
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -8,7 +8,7 @@
 #include "compare.h"
 #include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 TEST(MatcherOracle, FindsTheSame) {
@@ -51,4 +51,4 @@ TEST(MatcherOracle, IncludesNothingOfTheMatcher) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 struct Surface {
@@ -144,4 +144,4 @@ Grid make_map(int width, int height, int most, Random& random) {
     return map;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

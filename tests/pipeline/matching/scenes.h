@@ -6,7 +6,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 
 class Random {
   public:
@@ -43,4 +43,4 @@ Image make_noise(int width, int height, int channels, Random& random);
 // Disparities of planes with steps between them, lumps and unknown pixels. most: the largest disparity.
 Grid make_map(int width, int height, int most, Random& random);
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -8,7 +8,7 @@
 #include "pipeline/matching/sgm/winners.h"
 #include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 template <typename T>
@@ -112,4 +112,4 @@ TEST(SgmOracle, PathsOfABandOfRows) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

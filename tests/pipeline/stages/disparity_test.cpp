@@ -118,8 +118,8 @@ TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
     const auto bad = [](const DisparityMap& map) {
         return evaluate_disparity(map, sample().disparity).bad_percent[1];
     };
-    const PairMatcher on_cpu = [](const StereoPair& views, const MatchingConfig& matching) {
-        return match_pair(views, matching, 2);
+    const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
+        return matching::match_pair(views, matching, 2);
     };
     const DisparityConfig ranged = with_range(pair, {}, 2);
     const double same = bad(compute_disparity(sample().pair, {}, 2));
@@ -143,8 +143,8 @@ TEST(Disparity, NoiseIsAveragedOut) {
     const RangedPair ranged = find_range(pair, {}, 2);
     EXPECT_GT(ranged.correction.left_noise, 6);
     EXPECT_GT(ranged.correction.right_noise, 6);
-    const PairMatcher on_cpu = [](const StereoPair& views, const MatchingConfig& matching) {
-        return match_pair(views, matching, 2);
+    const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
+        return matching::match_pair(views, matching, 2);
     };
     const auto bad = [&](const PairCorrection& correction) {
         return evaluate_disparity(match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
