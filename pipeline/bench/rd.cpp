@@ -146,8 +146,8 @@ struct MapBench {
     void add_preset(const std::string& preset) {
         Config config = read_config({preset, options.settings});
         const double quantum_px =
-            config.disparity.dequantize == Dequantization::none ? 0 : find_quantum_px(map);
-        const DisparityMap meshed = quantum_px > 0 ? dequantize(map, quantum_px, threads) : map;
+            config.disparity.dequantize == Dequantization::none ? 0 : dequantize::find_quantum_px(map);
+        const DisparityMap meshed = quantum_px > 0 ? dequantize::dequantize(map, quantum_px, threads) : map;
         for (const double spacing : options.spacings) {
             config.mesh.spacing_px = spacing;
             const double begun = now_seconds();

@@ -45,16 +45,16 @@ void add_map_options(Command& command, MapOptions& options, const std::string& p
                        {.value = "V"});
 }
 
-void print_json(const DisparityEvaluation& result) {
+void print_json(const evaluation::DisparityEvaluation& result) {
     nlohmann::ordered_json json;
     json["schema"] = 1;
     json.update(evaluation_json(result));
     std::printf("%s\n", json.dump(2).c_str());
 }
 
-void print_text(const DisparityEvaluation& result) {
+void print_text(const evaluation::DisparityEvaluation& result) {
     for (int i = 0; i < 4; ++i)
-        std::printf("bad-%-3g          %7.3f %%\n", kBadThresholds_px[i], result.bad_percent[i]);
+        std::printf("bad-%-3g          %7.3f %%\n", evaluation::kBadThresholds_px[i], result.bad_percent[i]);
     std::printf("average error   %8.4f px\n", result.average_error_px);
     std::printf("rms error       %8.4f px\n", result.rms_error_px);
     std::printf("coverage         %7.3f %%\n", result.coverage_percent);
@@ -71,14 +71,14 @@ int evaluate(const EvaluateOptions& options) {
     const DisparityMap map = readers::read_disparity_map(options.map, options.of_map.file_config("--"));
     const readers::DisparityFileConfig of_truth = options.of_truth.file_config("--gt-");
     const DisparityMap truth = readers::read_disparity_map(options.truth, of_truth);
-    EvaluationConfig config;
+    evaluation::EvaluationConfig config;
     if (options.discontinuity_px) config.discontinuity_px = *options.discontinuity_px;
     DisparityMap right_truth;
     if (!options.right_truth.empty()) {
         right_truth = readers::read_disparity_map(options.right_truth, of_truth);
         config.right_truth = &right_truth;
     }
-    const DisparityEvaluation result = evaluate_disparity(map, truth, config);
+    const evaluation::DisparityEvaluation result = evaluation::evaluate_disparity(map, truth, config);
     if (options.json)
         print_json(result);
     else

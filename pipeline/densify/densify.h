@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 // sparse: see Sparsity::is_sparse(). left: the picture that the map belongs to, of its size, or empty.
 // Pixels that measurements surround get the disparity of one of the surfaces around them; others stay
@@ -11,4 +11,4 @@ namespace hexrelief {
 // The same bytes for any number of threads (>= 1).
 DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

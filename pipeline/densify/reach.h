@@ -7,7 +7,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/densify/measurements.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 // How far pixels between measurements are from the nearest one, in px: 90 % of those that have measurements
 // on both sides in their row, or in their column, are no farther; of them those do not count that are more
@@ -20,4 +20,4 @@ int typical_distance_px(const DisparityMap& map, const NearestMeasurements& near
 std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestMeasurements& nearest,
                                          int typical_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 constexpr int kHalfStrides = 6;
@@ -73,4 +73,4 @@ float side_odds(int x, int y, const float (&d)[2], const SideInput& input) {
     return sides[1].doubt(stride) / sides[0].doubt(stride);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

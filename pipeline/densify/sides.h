@@ -4,7 +4,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/densify/measurements.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 struct SideInput {
     const std::vector<PlaneAt>& planes;
@@ -22,4 +22,4 @@ Image smoothed(const Image& picture, ThreadPool& pool);
 // pixels of a window of 13x13 at half the stride.
 float side_odds(int x, int y, const float (&d)[2], const SideInput& input);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 constexpr int kRadius = 3, kSide = 2 * kRadius + 1, kMost = kSide * kSide;
@@ -139,4 +139,4 @@ DisparityMap take_votes(const VoteInput& input, int stride_px, ThreadPool& pool)
     return dense;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

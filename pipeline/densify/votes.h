@@ -5,7 +5,7 @@
 #include "pipeline/densify/measurements.h"
 #include "pipeline/densify/sides.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 struct VoteInput {
     const DisparityMap& sparse;
@@ -23,4 +23,4 @@ struct VoteInput {
 // measurements that vote.
 DisparityMap take_votes(const VoteInput& input, int stride_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

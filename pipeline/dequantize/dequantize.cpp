@@ -4,7 +4,7 @@
 #include "pipeline/dequantize/pyramid.h"
 #include "pipeline/dequantize/relax.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 // As far apart are neighbours on one surface at most; the surface stage's own default.
@@ -36,4 +36,4 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads)
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // A map of whole pixels, or of other steps of quantum_px > 0 (find_quantum_px()), has a staircase for each
 // slanted surface, which shows as rings when lit. Each disparity moves by less than half a step, to where the
@@ -12,4 +12,4 @@ namespace hexrelief {
 // as they are. The same bytes for any number of threads (>= 1).
 DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

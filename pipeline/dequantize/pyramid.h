@@ -8,7 +8,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // What a pixel's flags say.
 inline constexpr std::uint8_t kIsSmoothed = 1, kJoinsRight = 2, kJoinsBelow = 4, kBendsX = 8, kBendsY = 16,
@@ -39,4 +39,4 @@ std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quan
 // pixels, within half_px of what was given.
 void prolong(const PyramidLevel& coarse, PyramidLevel& fine, float half_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // Steps below are finer than any mesh shows; larger ones are depth discontinuities to the surface stage.
 inline constexpr double kLeastQuantum_px = 0.1, kLargestQuantum_px = 1;
@@ -13,4 +13,4 @@ inline constexpr double kLeastQuantum_px = 0.1, kLargestQuantum_px = 1;
 // floats, and where all are equal.
 double find_quantum_px(const DisparityMap& map);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

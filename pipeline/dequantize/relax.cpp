@@ -5,7 +5,7 @@
 
 #include "mesher/common/simd.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 // The bending's curvatures lie between 0 and 64. These steps serve those from 64 / 16 on, the quickest for as
@@ -100,4 +100,4 @@ void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

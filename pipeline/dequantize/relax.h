@@ -3,7 +3,7 @@
 
 #include "pipeline/dequantize/pyramid.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // Brings level.smooth closer to the least sum over pixels of
 //     xx^2 + yy^2 + 2 xy^2 + pull (smooth - given)^2,   |smooth - given| <= half_px,
@@ -12,4 +12,4 @@ namespace hexrelief {
 // by Chebyshev's polynomial; each reads one map and writes another, so no order of pixels matters.
 void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -7,10 +7,8 @@
 #include "pipeline/data/error.h"
 #include "pipeline/evaluation/evaluate_parts.h"
 
-namespace hexrelief {
+namespace hexrelief::evaluation {
 namespace {
-
-using namespace evaluation;
 
 // A larger picture has larger discontinuities, and needs no denser windows.
 int roughness_step_px(double discontinuity_px) {
@@ -32,15 +30,15 @@ double percent(long long part, long long whole) {
 
 void count_errors(DisparityEvaluation& result, const DisparityMap& map, const DisparityMap& truth,
                   const DisparityMap* right_truth) {
-    const std::vector<std::uint8_t> nonoccluded = evaluation::find_nonoccluded(truth, right_truth);
+    const std::vector<std::uint8_t> nonoccluded = find_nonoccluded(truth, right_truth);
     long long known = 0, bad[4] = {}, bad_nonoccluded[4] = {};
     double sum = 0, squares = 0;
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
-        if (!evaluation::is_given(truth.values[i])) continue;
+        if (!is_given(truth.values[i])) continue;
         ++result.truth_pixels;
         result.nonoccluded_pixels += nonoccluded[i];
         double error = std::numeric_limits<double>::infinity();
-        if (evaluation::is_given(map.values[i])) {
+        if (is_given(map.values[i])) {
             error = std::fabs(static_cast<double>(map.values[i]) - truth.values[i]);
             ++known;
             sum += error;
@@ -77,16 +75,14 @@ DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityM
         throw Error(ErrorKind::input,
                     "the ground truth has no known pixel; check its scale and unknown value");
     }
-    const evaluation::EdgeCounts edges =
-        evaluation::count_edges(map, truth, static_cast<float>(config.discontinuity_px));
+    const EdgeCounts edges = count_edges(map, truth, static_cast<float>(config.discontinuity_px));
     result.edge_pixels = edges.pixels;
     result.edge_wrong_percent = percent(edges.wrong, edges.pixels);
     result.edge_unknown_percent = percent(edges.unknown, edges.pixels);
-    const evaluation::Roughness roughness =
-        evaluation::measure_roughness(map, truth, roughness_step_px(config.discontinuity_px));
+    const Roughness roughness = measure_roughness(map, truth, roughness_step_px(config.discontinuity_px));
     result.roughness_px = roughness.rms_px;
     result.roughness_windows = roughness.windows;
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::evaluation

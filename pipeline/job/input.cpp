@@ -209,9 +209,9 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
     if (!request.stages_folder.empty())
         for (const fs::path& name : rectified_file_names())
             check_overwrites({request.stages_folder / name}, read_files(request));
-    RectifiedPair rectified = rectify(input.pair, cameras, threads);
+    rectify::RectifiedPair rectified = rectify::rectify(input.pair, cameras, threads);
     if (const Image alpha{size.width, size.height, 1, input.pair.left.alpha}; !alpha.empty())
-        rectified.pair.left.alpha = rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
+        rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
     input.pair = std::move(rectified.pair);
     input.calibration = rectified.calibration;
     input.is_rectified = true;

@@ -143,17 +143,17 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, c
 DisparityMap densify_input(DisparityMap map, const Image& left, const readers::PixelMask& mask,
                            const Config& config, const RunContext& run) {
     if (config.input.densify == Densification::off) return map;
-    const Sparsity sparsity = measure_sparsity(map);
+    const densify::Sparsity sparsity = densify::measure_sparsity(map);
     if (!sparsity.is_sparse()) return map;
     DisparityMap dense = run.log.stage("densify", [&] {
-        DisparityMap filled = densify(map, left, run.threads);
+        DisparityMap filled = densify::densify(map, left, run.threads);
         hide(filled, mask);
         return filled;
     });
     const auto percent = [](double share) { return fixed(100 * share, 1) + " %"; };
     run.log.decide("densify: " + percent(sparsity.known_share) +
                    " of the pixels are known, with unknown ones between them; " +
-                   percent(measure_sparsity(dense).known_share) + " are known when filled" +
+                   percent(densify::measure_sparsity(dense).known_share) + " are known when filled" +
                    (left.empty() ? "" : ", by the picture's colours"));
     return dense;
 }
@@ -161,11 +161,11 @@ DisparityMap densify_input(DisparityMap map, const Image& left, const readers::P
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run) {
     DisparityResult result{std::move(map), false, {}};
     if (config.disparity.dequantize == Dequantization::none) return result;
-    const double quantum_px = find_quantum_px(result.map);
+    const double quantum_px = dequantize::find_quantum_px(result.map);
     const double max_error_px = config.budget.max_error_px;
     if (quantum_px == 0 || (max_error_px > 0 && max_error_px < quantum_px)) return result;
     result.quantum_px = quantum_px;
-    result.smooth = dequantize(result.map, quantum_px, run.threads);
+    result.smooth = dequantize::dequantize(result.map, quantum_px, run.threads);
     run.log.decide("disparity: smoothed within its steps of " + fixed(quantum_px, 3) + " px");
     return result;
 }

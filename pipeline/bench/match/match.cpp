@@ -109,10 +109,10 @@ match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, con
         map = method.match(loaded.pair, config, threads);
         row.disparity.runs.push_back(now_seconds() - begun);
     }
-    EvaluationConfig how;
+    evaluation::EvaluationConfig how;
     how.discontinuity_px = scene.discontinuity_px;
     if (!scene.right_truth.empty()) how.right_truth = &loaded.right_truth;
-    row.evaluation = evaluate_disparity(map, loaded.truth, how);
+    row.evaluation = evaluation::evaluate_disparity(map, loaded.truth, how);
     row.filled_percent = percent_filled(map);
     return row;
 }

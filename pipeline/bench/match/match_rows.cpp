@@ -7,7 +7,7 @@ namespace hexrelief {
 
 using Json = nlohmann::ordered_json;
 
-nlohmann::ordered_json evaluation_json(const DisparityEvaluation& e) {
+nlohmann::ordered_json evaluation_json(const evaluation::DisparityEvaluation& e) {
     Json json;
     json["bad_0.5_percent"] = e.bad_percent[0];
     json["bad_1_percent"] = e.bad_percent[1];
@@ -34,7 +34,7 @@ namespace {
 
 // A row as the mean of itself: both are written by the same columns.
 Average of_row(const Row& row) {
-    const DisparityEvaluation& e = row.evaluation;
+    const evaluation::DisparityEvaluation& e = row.evaluation;
     return {row.size,
             row.method,
             row.backend,

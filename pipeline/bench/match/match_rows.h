@@ -11,7 +11,7 @@
 namespace hexrelief {
 
 // As `hexrelief evaluate --json` prints it.
-nlohmann::ordered_json evaluation_json(const DisparityEvaluation& evaluation);
+nlohmann::ordered_json evaluation_json(const evaluation::DisparityEvaluation& evaluation);
 
 namespace match {
 
@@ -20,7 +20,7 @@ struct Row {
     int width = 0, height = 0;
     int disparities = 0;   // in the range that was searched
     Times disparity = {};  // of the whole stage, the choice of the range included
-    DisparityEvaluation evaluation = {};
+    evaluation::DisparityEvaluation evaluation = {};
     double filled_percent = 0;  // of all pixels: known without a match
 };
 

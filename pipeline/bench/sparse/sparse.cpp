@@ -49,7 +49,7 @@ struct TrueScene {
 
     SurfaceQuality measure(const DisparityMap& map) const {
         const bool smooths = config.disparity.dequantize != Dequantization::none && quantum_px > 0;
-        const DisparityMap meshed = smooths ? dequantize(map, quantum_px, threads) : map;
+        const DisparityMap meshed = smooths ? dequantize::dequantize(map, quantum_px, threads) : map;
         return measure_surface_quality(rd::preset_mesh(meshed, config, threads), truth, background_px,
                                        threads);
     }
@@ -64,7 +64,7 @@ Row measure(const TrueScene& scene, const std::string& pattern, const SurfaceQua
     const DisparityMap thin = sparse::thinned(scene.truth, pattern);
     Row row{scene.name, pattern, known_share(thin)};
     const double begun = now_seconds();
-    const DisparityMap dense = densify(thin, scene.left, scene.threads);
+    const DisparityMap dense = densify::densify(thin, scene.left, scene.threads);
     row.seconds = now_seconds() - begun;
     row.quality = scene.measure(dense);
     row.ratio = row.quality.duo_rmse_near_px / whole.duo_rmse_near_px;
@@ -125,7 +125,7 @@ TrueScene load(const ScenePair& found, const Config& config, bool without_pictur
     readers::DisparityFileConfig file;
     file.scale = found.scale;
     DisparityMap truth = readers::read_disparity_map(found.truth, file);
-    const double quantum_px = find_quantum_px(truth);
+    const double quantum_px = dequantize::find_quantum_px(truth);
     return {found.name, std::move(truth), without_picture ? Image{} : readers::read_image(found.left),
             quantum_px, config,           threads};
 }

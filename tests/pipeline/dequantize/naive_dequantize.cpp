@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief::naive {
+namespace hexrelief::dequantize::naive {
 namespace {
 
 // Pixels i of a term and what each is multiplied by; the term's energy is weight / 2 * sum^2.
@@ -156,4 +156,4 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px) {
     return result;
 }
 
-}  // namespace hexrelief::naive
+}  // namespace hexrelief::dequantize::naive

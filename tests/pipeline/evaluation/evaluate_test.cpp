@@ -8,7 +8,7 @@
 
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::evaluation {
 namespace {
 
 constexpr float kNo = kUnknownDisparity;
@@ -264,4 +264,4 @@ TEST(Evaluation, RefusesOtherSizesAndEmptyTruth) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::evaluation

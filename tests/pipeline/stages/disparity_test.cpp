@@ -86,7 +86,7 @@ DisparityConfig sgbm() {
 
 TEST(Disparity, FindsTheSampleScene) {
     const DisparityMap map = compute_disparity(sample().pair, {}, 2);
-    const DisparityEvaluation e = evaluate_disparity(map, sample().disparity);
+    const evaluation::DisparityEvaluation e = evaluation::evaluate_disparity(map, sample().disparity);
     EXPECT_LT(e.bad_percent[1], 8);
     EXPECT_LT(e.bad_percent[2], 6);
     EXPECT_EQ(e.coverage_percent, 100);
@@ -116,7 +116,7 @@ TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
     for (std::uint8_t& level : pair.right.pixels)
         level = static_cast<std::uint8_t>(std::lround(204 * std::pow(level / 255.0, 1.4)));
     const auto bad = [](const DisparityMap& map) {
-        return evaluate_disparity(map, sample().disparity).bad_percent[1];
+        return evaluation::evaluate_disparity(map, sample().disparity).bad_percent[1];
     };
     const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
         return matching::match_pair(views, matching, 2);
@@ -147,8 +147,9 @@ TEST(Disparity, NoiseIsAveragedOut) {
         return matching::match_pair(views, matching, 2);
     };
     const auto bad = [&](const PairCorrection& correction) {
-        return evaluate_disparity(match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
-                                  sample().disparity)
+        return evaluation::evaluate_disparity(
+                   match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
+                   sample().disparity)
             .bad_percent[2];
     };
     RecordProperty("bad2", std::to_string(bad(ranged.correction)) + " " + std::to_string(bad({})));
@@ -156,8 +157,8 @@ TEST(Disparity, NoiseIsAveragedOut) {
 }
 
 TEST(Disparity, StereoSgbmFindsTheSampleScene) {
-    const DisparityEvaluation e =
-        evaluate_disparity(compute_disparity(sample().pair, sgbm(), 2), visible_truth());
+    const evaluation::DisparityEvaluation e =
+        evaluation::evaluate_disparity(compute_disparity(sample().pair, sgbm(), 2), visible_truth());
     RecordProperty("bad1", std::to_string(e.bad_percent[1]));
     RecordProperty("coverage", std::to_string(e.coverage_percent));
     EXPECT_LT(e.bad_percent[1], kBad1Limit_percent);
@@ -284,9 +285,11 @@ TEST(Disparity, MatchesGreyWithColour) {
     pair.right = grey;
     DisparityConfig config = sgbm();
     config.color = true;  // cannot be had with one grey image
-    EXPECT_LT(evaluate_disparity(compute_disparity(pair, {}, 1), sample().disparity).bad_percent[1], 8);
-    EXPECT_LT(evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
-              kBad1Limit_percent);
+    EXPECT_LT(
+        evaluation::evaluate_disparity(compute_disparity(pair, {}, 1), sample().disparity).bad_percent[1], 8);
+    EXPECT_LT(
+        evaluation::evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
+        kBad1Limit_percent);
 }
 
 TEST(Disparity, StereoSgbmWorksInColour) {
@@ -294,7 +297,8 @@ TEST(Disparity, StereoSgbmWorksInColour) {
     config.color = true;
     const DisparityMap colour = compute_disparity(sample().pair, config, 1);
     EXPECT_NE(colour.values, compute_disparity(sample().pair, sgbm(), 1).values);
-    EXPECT_LT(evaluate_disparity(colour, visible_truth()).bad_percent[1], 1.3 * kBad1Limit_percent);
+    EXPECT_LT(evaluation::evaluate_disparity(colour, visible_truth()).bad_percent[1],
+              1.3 * kBad1Limit_percent);
 }
 
 TEST(Disparity, SurvivesTheSmallestAndEmptiestImages) {
@@ -348,7 +352,7 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
 #ifdef HEXRELIEF_HAS_WLS
     const DisparityMap plain = compute_disparity(sample().pair, sgbm(), 1),
                        smooth = compute_disparity(sample().pair, config, 1);
-    const DisparityEvaluation e = evaluate_disparity(smooth, visible_truth());
+    const evaluation::DisparityEvaluation e = evaluation::evaluate_disparity(smooth, visible_truth());
     EXPECT_NE(plain.values, smooth.values);
     EXPECT_LT(e.bad_percent[1], 1.3 * kBad1Limit_percent);
     const auto unknown = std::count(smooth.values.begin(), smooth.values.end(), kUnknownDisparity);

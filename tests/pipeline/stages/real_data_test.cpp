@@ -36,7 +36,8 @@ TEST_P(RealData, MatchesGroundTruth) {
     readers::DisparityFileConfig file;
     file.scale = real.scale;
     const DisparityMap truth = readers::read_disparity_map(folder / real.truth, file);
-    const DisparityEvaluation e = evaluate_disparity(compute_disparity(pair, {}, 2), truth);
+    const evaluation::DisparityEvaluation e =
+        evaluation::evaluate_disparity(compute_disparity(pair, {}, 2), truth);
     EXPECT_LT(e.bad_percent[1], real.bad1_limit);
     EXPECT_LT(e.bad_percent[2], real.bad2_limit);
 }
