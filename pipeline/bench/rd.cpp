@@ -110,7 +110,8 @@ struct MapBench {
     std::ostream& out;
     std::string name;
     DisparityMap map;
-    float background_px = compute_density(map, read_config({"", options.settings}).density).background_px;
+    float background_px =
+        stages::compute_density(map, read_config({"", options.settings}).density).background_px;
     std::vector<rd::Point> points{};
 
     void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,
@@ -138,15 +139,16 @@ struct MapBench {
                         seen.triangles.size(),
                         packed.bytes.size(),
                         seconds,
-                        measure_surface_quality(seen, map, background_px, threads)};
+                        stages::measure_surface_quality(seen, map, background_px, threads)};
         out << rd::point_text(point) << std::flush;
         points.push_back(std::move(point));
     }
 
     void add_preset(const std::string& preset) {
         Config config = read_config({preset, options.settings});
-        const double quantum_px =
-            config.disparity.dequantize == Dequantization::none ? 0 : dequantize::find_quantum_px(map);
+        const double quantum_px = config.disparity.dequantize == stages::Dequantization::none
+                                      ? 0
+                                      : dequantize::find_quantum_px(map);
         const DisparityMap meshed = quantum_px > 0 ? dequantize::dequantize(map, quantum_px, threads) : map;
         for (const double spacing : options.spacings) {
             config.mesh.spacing_px = spacing;

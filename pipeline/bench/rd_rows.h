@@ -16,13 +16,13 @@ struct Point {
     int bits = 0;
     std::size_t vertices = 0, triangles = 0, bytes = 0;
     double seconds = 0;  // to make the mesh, without compression
-    SurfaceQuality quality;
+    stages::SurfaceQuality quality;
 };
 
 // A figure of a method's points on one map at `bytes`: interpolated between the two nearest points on
 // logarithmic scales; nothing outside the points' range.
 std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
-                               double SurfaceQuality::*figure);
+                               double stages::SurfaceQuality::*figure);
 
 // Without those points of a method that another one of its own on the same map beats: no more bytes, less
 // error of both views.

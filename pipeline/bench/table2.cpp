@@ -57,7 +57,7 @@ struct LoadedMap {
 struct Method {
     std::string name;
     MeshConfig mesh;
-    DensityConfig density;
+    stages::DensityConfig density;
 };
 
 // The sequential method is the CPU's by definition.
@@ -85,7 +85,7 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const DisparityMesh cut_mesh =
         cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
     // the paper's schedule may leave a tiny map's lattice mirrored, with no triangle to keep
-    if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
+    if (!cut_mesh.triangles.empty()) stages::build_surface(cut_mesh, width, height, camera, 0);
 }
 
 table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const Method& method,
@@ -128,10 +128,10 @@ void warm_up(const Backend& backend, const LoadedMap& map) {
 
 }  // namespace
 
-DensityConfig paper_density() {
-    DensityConfig config;
+stages::DensityConfig paper_density() {
+    stages::DensityConfig config;
     config.scale_percentile = 100;
-    config.background_method = BackgroundMethod::fraction;
+    config.background_method = stages::BackgroundMethod::fraction;
     config.floor = 0;
     return config;
 }
@@ -191,7 +191,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
             const Method method = name == "default"
                                       ? Method{name, own.mesh, own.density}
                                       : Method{name, method_config(name, found[i].map->ssr), paper_density()};
-            map.density = compute_density(map.disparity, method.density);
+            map.density = stages::compute_density(map.disparity, method.density);
             for (const Backend& backend : backends) {
                 if (backend.name != "cpu" && needs_cpu(name)) continue;
                 if (backend.name != "cpu" && !warm) warm_up(backend, map);

@@ -32,6 +32,6 @@ void run_bench_table2(const Table2Options& options, std::ostream& out);
 MeshConfig method_config(const std::string& method, int ssr);
 
 // The paper's density, as in config/paper.yaml.
-DensityConfig paper_density();
+stages::DensityConfig paper_density();
 
 }  // namespace hexrelief

@@ -5,9 +5,7 @@
 #include "pipeline/checks/text.h"
 #include "pipeline/checks/thresholds.h"
 
-namespace hexrelief {
-
-using namespace checks;
+namespace hexrelief::checks {
 
 namespace {
 
@@ -15,13 +13,12 @@ namespace {
 std::vector<Finding> check_depth(const Calibration& camera, double median_disparity_px,
                                  const std::string& advice) {
     const double depth_m = camera.focal_px * camera.baseline_m / (median_disparity_px + camera.doffs_px);
-    if (!(depth_m > 0) || std::isinf(depth_m) ||
-        (depth_m >= checks::kLeastDepth_m && depth_m <= checks::kLargestDepth_m))
+    if (!(depth_m > 0) || std::isinf(depth_m) || (depth_m >= kLeastDepth_m && depth_m <= kLargestDepth_m))
         return {};
     return {{Mistake::depth_implausible,
              "half of the scene lies " +
-                 (depth_m < checks::kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"
-                                                  : "farther than " + figure(depth_m) + " m") +
+                 (depth_m < kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"
+                                          : "farther than " + figure(depth_m) + " m") +
                  ", which looks like wrong units; " + advice}};
 }
 
@@ -29,7 +26,7 @@ std::vector<Finding> check_depth(const Calibration& camera, double median_dispar
 
 std::vector<Finding> check_camera(const Calibration& camera, double median_disparity_px) {
     if (!camera.metric) return {};
-    if (camera.baseline_m > checks::kLargestBaseline_m)
+    if (camera.baseline_m > kLargestBaseline_m)
         return {{Mistake::baseline_in_mm,
                  "the baseline is " + figure(camera.baseline_m) +
                      " m, which looks like millimetres: the mesh will be 1000 times too large; set "
@@ -45,4 +42,4 @@ std::vector<Finding> check_depths(const Calibration& camera, double median_dispa
     return check_depth(camera, median_disparity_px, "check input.depth.unit");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -8,9 +8,7 @@
 #include "pipeline/checks/text.h"
 #include "pipeline/checks/thresholds.h"
 
-namespace hexrelief {
-
-using namespace checks;
+namespace hexrelief::checks {
 
 namespace {
 
@@ -63,39 +61,37 @@ Finding values_small(const MapValues& values, int width) {
 
 double uprightness(const DisparityMap& map, const MapValues& values) {
     return values.row_correlation +
-           std::clamp(measure_straightness(map), -checks::kLargestStraightness, checks::kLargestStraightness);
+           std::clamp(measure_straightness(map), -kLargestStraightness, kLargestStraightness);
 }
 
 std::optional<Finding> check_depths(const DisparityMap& map) {
     const MapValues values = measure_values(map);
-    if (values.count < checks::kLeastValues || uprightness(map, values) >= checks::kDepthLike)
-        return std::nullopt;
+    if (values.count < kLeastValues || uprightness(map, values) >= kDepthLike) return std::nullopt;
     return depths_are_inverse(values);
 }
 
 std::optional<Finding> check_values(const DisparityMap& map, const MapScale& stored) {
     const MapValues values = measure_values(map);
-    if (values.count < checks::kLeastValues) return std::nullopt;
+    if (values.count < kLeastValues) return std::nullopt;
     const TurningPoints turns = are_greys(map, stored) ? measure_turning(map) : TurningPoints();
-    if (turns.count >= checks::kLeastTurns && turns.topmost_share > checks::kMostTopmost &&
-        turns.roundness < checks::kLeastRoundness)
+    if (turns.count >= kLeastTurns && turns.topmost_share > kMostTopmost && turns.roundness < kLeastRoundness)
         return values_are_colors(turns);
-    const bool large = values.largest_px > checks::kLargest * map.width;
-    const bool small = values.largest_px < checks::kLeastOfLargest * map.width;
-    if (uprightness(map, values) < (large || small ? 0 : checks::kDepthLike)) return values_are_depth(values);
-    if (large || (values.are_bytes && values.largest_px > checks::kLargestOfBytes * map.width))
+    const bool large = values.largest_px > kLargest * map.width;
+    const bool small = values.largest_px < kLeastOfLargest * map.width;
+    if (uprightness(map, values) < (large || small ? 0 : kDepthLike)) return values_are_depth(values);
+    if (large || (values.are_bytes && values.largest_px > kLargestOfBytes * map.width))
         return values_large(values, map.width);
     if (small) return values_small(values, map.width);
     return std::nullopt;
 }
 
 bool is_shifted(const AxisFit& fit) {
-    return fit.steps >= checks::kLeastSteps && fit.best >= checks::kLeastContrast &&
-           std::abs(fit.best_px) >= checks::kLeastShift_px && fit.here < checks::kLeastHere * fit.best;
+    return fit.steps >= kLeastSteps && fit.best >= kLeastContrast &&
+           std::abs(fit.best_px) >= kLeastShift_px && fit.here < kLeastHere * fit.best;
 }
 
 bool has_peak(const AxisFit& fit) {
-    return fit.here >= checks::kLeastContrast || fit.farthest >= checks::kLeastDeviations;
+    return fit.here >= kLeastContrast || fit.farthest >= kLeastDeviations;
 }
 
 std::string shift_text(int px, const char* positive, const char* negative) {
@@ -113,7 +109,7 @@ std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
                 (columns && rows ? " and " : "") +
                 (rows ? shift_text(fit.rows.best_px, "below", "above") : std::string()) +
                 " the map's steps; give the picture of the map's own view, uncropped"};
-    const auto judged = [](const AxisFit& axis) { return axis.steps >= checks::kLeastSteps; };
+    const auto judged = [](const AxisFit& axis) { return axis.steps >= kLeastSteps; };
     if (!judged(fit.columns) && !judged(fit.rows)) return std::nullopt;
     if ((judged(fit.columns) && has_peak(fit.columns)) || (judged(fit.rows) && has_peak(fit.rows)))
         return std::nullopt;
@@ -137,4 +133,4 @@ Findings check_map(const DisparityMap& map, const Image& left, MapKind kind, con
     return findings;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -7,16 +7,14 @@
 #include "pipeline/checks/text.h"
 #include "pipeline/checks/thresholds.h"
 
-namespace hexrelief {
-
-using namespace checks;
+namespace hexrelief::checks {
 
 namespace {
 
 using Findings = std::vector<Finding>;
 
 bool is_sure(const RowFit& fit) {
-    return fit.points >= checks::kLeastPoints && fit.agreeing_share >= checks::kLeastAgreeingPoints;
+    return fit.points >= kLeastPoints && fit.agreeing_share >= kLeastAgreeingPoints;
 }
 
 Finding views_equal(const std::string& same) {
@@ -76,20 +74,20 @@ std::string advice(RangeOrigin origin, int count) {
            std::to_string(count) + (origin == RangeOrigin::given ? ", or to 0 to have it chosen" : "");
 }
 
-Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
+Findings check_range(const stages::SmallMatch& coarse, const SearchedRange& range) {
     if (range.origin == RangeOrigin::chosen) return {};
     const HighEnd high = measure_high_end(coarse, range.min_px + range.count_px);
     const double needed = std::max(1.0, high.largest_px - range.min_px + 1);
     const int better = 16 * static_cast<int>(std::ceil((1.06 * needed + 2 * coarse.small.scale) / 16));
-    if (high.beyond_share > checks::kMostBeyond)
+    if (high.beyond_share > kMostBeyond)
         return {{Mistake::range_ends_low,
                  percent(high.beyond_share) +
                      " of what both views agree on lies beyond the range searched, " + "which ends at " +
                      std::to_string(range.min_px + range.count_px) + " px: it goes up to " +
                      figure(high.largest_px) + " px and will be wrong; " + name_of(range.origin) +
                      " is too small, " + advice(range.origin, better)}};
-    if (high.largest_px > range.min_px && range.count_px > checks::kWidestRange * needed &&
-        range.count_px > needed + checks::kFreeRange_px)
+    if (high.largest_px > range.min_px && range.count_px > kWidestRange * needed &&
+        range.count_px > needed + kFreeRange_px)
         return {{Mistake::range_wide, "the range searched is " + figure(range.count_px / needed) +
                                           " times as wide as the scene's, which ends at " +
                                           figure(high.largest_px) +
@@ -99,48 +97,49 @@ Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
 }
 
 // By points anywhere, of a pair whose views agree on little, or on much at the least disparity searched.
-Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRange& range, int threads) {
+Findings look_closely(const stages::SmallMatch& coarse, double agreed, const SearchedRange& range,
+                      int threads) {
     const CoarsePoints points = match_coarse_points(coarse);
     const double scale = coarse.small.scale;
     if (is_sure(points.rows)) {
         const LowEnd low = measure_low_end(points.matches, scale, range.min_px);
-        if (range.min_px >= 0 && low.negative_share >= checks::kSwappedBelow)
-            if (const double other = swapped_share(coarse, threads); other >= checks::kSwappedAgreement)
+        if (range.min_px >= 0 && low.negative_share >= kSwappedBelow)
+            if (const double other = swapped_share(coarse, threads); other >= kSwappedAgreement)
                 return {swapped(agreed, other)};
-        if (points.rows.largest_px > checks::kLargestRow_px + checks::kLargestCoarseRow * scale)
+        if (points.rows.largest_px > kLargestRow_px + kLargestCoarseRow * scale)
             return {rows_differ(points.rows)};
         const int least = static_cast<int>(std::floor(low.least_px / scale)) - 2;
-        if (low.below_share > checks::kMostBelow &&
-            agreed_share(match_coarsely(coarse.small.pair, least, threads)) >=
-                std::max(agreed, checks::kLeastAgreement))
+        if (low.below_share > kMostBelow &&
+            agreed_share(stages::match_coarsely(coarse.small.pair, least, threads)) >=
+                std::max(agreed, kLeastAgreement))
             return {begins_high(low, range.min_px)};
     }
-    if (agreed < checks::kLeastAgreement) return {unrelated(agreed)};
+    if (agreed < kLeastAgreement) return {unrelated(agreed)};
     return {};
 }
 
 }  // namespace
 
-Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
+Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse, const SearchedRange& range,
                     int threads) {
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses it
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
         return {views_equal("the same picture")};
     const double left = textured_share(coarse.small.pair.left),
                  right = textured_share(coarse.small.pair.right);
-    if (std::min(left, right) < checks::kLeastTexture)
+    if (std::min(left, right) < kLeastTexture)
         return {no_texture(std::min(left, right), left <= right ? "left" : "right")};
-    if (share_at_zero(coarse) >= checks::kLeastAtZero)
-        if (const double share = difference_over_slope(pair); share <= checks::kMostDifference)
+    if (share_at_zero(coarse) >= kLeastAtZero)
+        if (const double share = difference_over_slope(pair); share <= kMostDifference)
             return {views_equal("nearly the same picture (they differ by " + percent(share) +
                                 " of what one column to the side would make)")};
     const double agreed = agreed_share(coarse);
     Findings findings;
-    if (agreed < checks::kSureAgreement || share_at_low_end(coarse) > checks::kMostAtLowEnd)
+    if (agreed < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)
         findings = look_closely(coarse, agreed, range, threads);
     if (findings.empty()) {
         const RowFit rows = measure_rows(pair, coarse);
-        if (is_sure(rows) && rows.largest_px > checks::kLargestRow_px) findings.push_back(rows_differ(rows));
+        if (is_sure(rows) && rows.largest_px > kLargestRow_px) findings.push_back(rows_differ(rows));
     }
     const bool all_wrong = !findings.empty() && findings.front().mistake != Mistake::rows_differ;
     if (!all_wrong)
@@ -148,4 +147,4 @@ Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const Sear
     return findings;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -6,7 +6,7 @@
 #include "pipeline/checks/finding.h"
 #include "pipeline/stages/disparity_range.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 enum class RangeOrigin { chosen, given, ndisp };
 
@@ -17,7 +17,7 @@ struct SearchedRange {
 
 // What the pair seems to be wrong in; of several that have one cause only that cause. Empty for a right pair.
 // coarse: match_coarsely(pair, ...) from at most range.min_px on. The same for any number of threads.
-std::vector<Finding> check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
-                                int threads);
+std::vector<Finding> check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
+                                const SearchedRange& range, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 constexpr int kMapLines = 100;  // rows or columns looked at
@@ -193,4 +193,4 @@ TurningPoints measure_turning(const DisparityMap& map) {
             turns.top_px / std::max(1.0, static_cast<double>(turns.slopes_px))};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // Of known pixels all over the map.
 struct MapValues {
@@ -41,4 +41,4 @@ struct TurningPoints {
 
 TurningPoints measure_turning(const DisparityMap& map);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 constexpr int kPoints = 240;
@@ -12,7 +12,7 @@ constexpr int kBlock = 8;
 constexpr int kLeastSpread = 10;  // grey levels between a block's darkest and lightest pixels but one in ten
 
 // In px of the full pair.
-std::vector<double> sorted_disparities(const SmallMatch& match) {
+std::vector<double> sorted_disparities(const stages::SmallMatch& match) {
     std::vector<double> known;
     for (const std::int16_t d : match.map.disparities)
         if (d != matching::kUnknown16)
@@ -24,17 +24,17 @@ std::vector<double> sorted_disparities(const SmallMatch& match) {
 
 }  // namespace
 
-double agreed_share(const SmallMatch& match) {
+double agreed_share(const stages::SmallMatch& match) {
     const auto& is_matched = match.map.is_matched;
     return static_cast<double>(std::count(is_matched.begin(), is_matched.end(), 1)) /
            static_cast<double>(std::max<std::size_t>(1, is_matched.size()));
 }
 
-double swapped_share(const SmallMatch& match, int threads) {
-    return agreed_share(match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads));
+double swapped_share(const stages::SmallMatch& match, int threads) {
+    return agreed_share(stages::match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads));
 }
 
-double median_disparity_px(const SmallMatch& match) {
+double median_disparity_px(const stages::SmallMatch& match) {
     const std::vector<double> known = sorted_disparities(match);
     return known.empty() ? std::numeric_limits<double>::quiet_NaN() : known[known.size() / 2];
 }
@@ -60,7 +60,7 @@ double textured_share(const Image& reduced) {
     return blocks == 0 ? 1 : textured / static_cast<double>(blocks);
 }
 
-RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse) {
+RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse) {
     const GreyImage left = grey_of(pair.left), right = grey_of(pair.right);
     const double scale = coarse.small.scale;
     std::vector<PointSearch> searches;
@@ -77,7 +77,7 @@ RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse) {
     return fit_rows(match_points(left, right, searches), left.width, left.height);
 }
 
-CoarsePoints match_coarse_points(const SmallMatch& coarse) {
+CoarsePoints match_coarse_points(const stages::SmallMatch& coarse) {
     const double scale = coarse.small.scale;
     const GreyImage left = grey_of(coarse.small.pair.left), right = grey_of(coarse.small.pair.right);
     std::vector<PointSearch> searches = find_points(left, kPoints);
@@ -109,7 +109,7 @@ LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int
             disparities[disparities.size() / 50]};
 }
 
-double share_at_low_end(const SmallMatch& match) {
+double share_at_low_end(const stages::SmallMatch& match) {
     int known = 0, low = 0;
     for (const std::int16_t d : match.map.disparities) {
         known += d != matching::kUnknown16;
@@ -118,7 +118,7 @@ double share_at_low_end(const SmallMatch& match) {
     return known > 0 ? low / static_cast<double>(known) : 0;
 }
 
-double share_at_zero(const SmallMatch& match) {
+double share_at_zero(const stages::SmallMatch& match) {
     int known = 0, zero = 0;
     for (const std::int16_t d : match.map.disparities) {
         known += d != matching::kUnknown16;
@@ -139,7 +139,7 @@ double difference_over_slope(const StereoPair& pair) {
     return difference / std::max(1.0, static_cast<double>(slope));
 }
 
-HighEnd measure_high_end(const SmallMatch& coarse, int end_px) {
+HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px) {
     const std::vector<double> known = sorted_disparities(coarse);
     if (known.empty()) return {};
     const auto beyond =
@@ -148,4 +148,4 @@ HighEnd measure_high_end(const SmallMatch& coarse, int end_px) {
             known[known.size() - 1 - known.size() / 200]};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

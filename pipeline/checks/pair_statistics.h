@@ -7,17 +7,17 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/stages/disparity_range.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // Share of the reduced pair's pixels whose disparity both views agree on.
-double agreed_share(const SmallMatch& match);
+double agreed_share(const stages::SmallMatch& match);
 
 // The same of the pair with its views swapped.
-double swapped_share(const SmallMatch& match, int threads);
+double swapped_share(const stages::SmallMatch& match, int threads);
 
 // Half of what both views agree on has a smaller disparity, in px of the full pair. NaN where they agree on
 // nothing.
-double median_disparity_px(const SmallMatch& match);
+double median_disparity_px(const stages::SmallMatch& match);
 
 // One colour everywhere.
 bool is_blank(const Image& image);
@@ -26,7 +26,7 @@ bool is_blank(const Image& image);
 double textured_share(const Image& reduced);
 
 // Rows of the right view against the left's, by points of the full pair near the coarse match's disparities.
-RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse);
+RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse);
 
 // Points of the reduced pair at any disparity and up to an eighth of its height above or below their row:
 // finds what is too far off for the coarse match.
@@ -35,7 +35,7 @@ struct CoarsePoints {
     RowFit rows;                      // in px of the full pair
 };
 
-CoarsePoints match_coarse_points(const SmallMatch& coarse);
+CoarsePoints match_coarse_points(const stages::SmallMatch& coarse);
 
 // Points below a range that begins at min_px, and below 0, by more than half a pixel of the reduced pair.
 struct LowEnd {
@@ -46,10 +46,10 @@ struct LowEnd {
 LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int min_px);
 
 // Share of what both views agree on within a pixel of the least disparity that was searched.
-double share_at_low_end(const SmallMatch& match);
+double share_at_low_end(const stages::SmallMatch& match);
 
 // Share of what both views agree on within a pixel of the reduced pair of no disparity at all.
-double share_at_zero(const SmallMatch& match);
+double share_at_zero(const stages::SmallMatch& match);
 
 // The grey views' mean absolute difference at the same place in that of the left one to its next column:
 // about the disparity in px where that is below 1, and 0 of equal views.
@@ -61,6 +61,6 @@ struct HighEnd {
     double largest_px = 0;  // but for one in two hundred
 };
 
-HighEnd measure_high_end(const SmallMatch& coarse, int end_px);
+HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

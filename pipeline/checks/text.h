@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // Three digits or more: 0.0123, 1.23, 1234.
 inline std::string figure(double value) {
@@ -23,4 +23,4 @@ inline std::string percent(double share) {
     return text;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

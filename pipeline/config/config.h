@@ -71,8 +71,8 @@ struct BudgetConfig {
 
 struct Config {
     InputConfig input;
-    DisparityConfig disparity;
-    DensityConfig density;
+    stages::DisparityConfig disparity;
+    stages::DensityConfig density;
     MeshConfig mesh;
     SurfaceConfig surface;
     ExportConfig exporting;

@@ -17,7 +17,7 @@ namespace hexrelief {
 struct Backend {
     std::string name;    // "cpu" or "cuda"
     std::string device;  // its make and model
-    PairMatcher match_pair;
+    stages::PairMatcher match_pair;
     std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
                              const ProgressFunction&)>
         solve_mesh;

@@ -23,7 +23,7 @@ double estimated_cpu_seconds(const RunSize& size, const Config& config) {
     const int searched = config.disparity.num_disparities_px;
     const double disparities = searched > 0 ? searched : size.width / kWidthPerDisparity;
     const double spacing = config.mesh.spacing_px;
-    const bool on_device = size.is_pair && config.disparity.method == DisparityMethod::sgm;
+    const bool on_device = size.is_pair && config.disparity.method == stages::DisparityMethod::sgm;
     const double solves = has_budget(config.budget) ? kBudgetSolves : 1;
     const double one_thread_s = (on_device ? pixels * disparities * kPixelAndDisparity_s : 0) +
                                 solves * (pixels * kPixel_s + pixels / (spacing * spacing) * kVertex_s);

@@ -121,7 +121,7 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
     search.vertices = [&] { return static_cast<double>(result->surface.mesh.positions.size()); };
     search.bytes = [&] { return largest_output(view, *result, coarser, outputs, run); };
     search.error_px = [&] {
-        return measure_surface_quality(
+        return stages::measure_surface_quality(
                    as_written(result->surface.mesh, view.calibration, result->config.exporting, outputs),
                    view.disparity, view.density.background_px, run.threads)
             .duo_rmse_near_px;

@@ -39,7 +39,7 @@ PageContent page_content(const LeftView& view, const SurfaceResult& result, cons
 
     add("relief", "The relief, seen from the side", relief.get());
 
-    const SurfaceQuality& quality = measures.quality;
+    const stages::SurfaceQuality& quality = measures.quality;
     page.figures = {
         {"Lattice vertices", static_cast<double>(lattice.positions.size()), 0, ""},
         {"%cost", result.quality.percent_cost, 2, ""},

@@ -70,7 +70,7 @@ Json picture_json(const PictureShares& shares) {
 Json matching_json(const std::optional<MatchingReport>& matching) {
     if (!matching) return nullptr;
     Json json;
-    json["method"] = matching->config.method == DisparityMethod::sgm ? "sgm" : "sgbm";
+    json["method"] = matching->config.method == stages::DisparityMethod::sgm ? "sgm" : "sgbm";
     json["min_disparity_px"] = matching->config.min_disparity_px;
     json["num_disparities_px"] = matching->config.num_disparities_px;
     json["matched_share"] = matching->matched_share;
@@ -132,7 +132,7 @@ Json surface_json(const RunReport& report) {
     json["bounds"] = {{report.bounds.low.x, report.bounds.low.y, report.bounds.low.z},
                       {report.bounds.high.x, report.bounds.high.y, report.bounds.high.z}};
     json["metric"] = report.calibration.metric;
-    const SurfaceQuality& quality = report.surface_quality;
+    const stages::SurfaceQuality& quality = report.surface_quality;
     json["rmse_near_px"] = quality.rmse_near_px;
     json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
     json["flat_rmse_px"] = quality.flat_rmse_px;

@@ -27,7 +27,7 @@ struct LevelReport {
 
 // How a pair was matched.
 struct MatchingReport {
-    DisparityConfig config;                      // with the range searched
+    stages::DisparityConfig config;              // with the range searched
     double matched_share = 0, filled_share = 0;  // of the image
 };
 
@@ -62,7 +62,7 @@ struct RunReport {
     std::vector<LevelReport> levels;  // fine to coarse
     Bounds bounds;
     PictureShares shares;
-    SurfaceQuality surface_quality;  // measured only where a report is asked for
+    stages::SurfaceQuality surface_quality;  // measured only where a report is asked for
     BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;

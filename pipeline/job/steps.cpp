@@ -42,10 +42,10 @@ SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const C
     if (cut.device_bytes > 0)
         run.log.decide("device: cut and fit " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
                        fixed(static_cast<double>(cut.device_bytes) / (1 << 20), 1) + " MiB of its memory");
-    adjust_silhouettes(cut.cut_mesh, view.disparity, view.density.background_px,
-                       config.surface.silhouette_rounds);
-    SurfaceMesh mesh = build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
-                                     view.calibration, config.surface.min_component);
+    stages::adjust_silhouettes(cut.cut_mesh, view.disparity, view.density.background_px,
+                               config.surface.silhouette_rounds);
+    SurfaceMesh mesh = stages::build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
+                                             view.calibration, config.surface.min_component);
     const Bounds bounds = bounds_of(mesh.positions);
     return {std::move(mesh), bounds, cut.device_s};
 }
@@ -73,34 +73,34 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
 
 }  // namespace
 
-int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width) {
+int num_disparities_by(const Calibration& calibration, const stages::DisparityConfig& config, int width) {
     const int below_ndisp = calibration.ndisp_px - config.min_disparity_px;
     if (config.num_disparities_px > 0 || calibration.ndisp_px <= 0 || below_ndisp <= 0) return 0;
-    return std::min({below_ndisp, width, kLargestRange_px - std::max(0, config.min_disparity_px)});
+    return std::min({below_ndisp, width, stages::kLargestRange_px - std::max(0, config.min_disparity_px)});
 }
 
-std::string range_text(const DisparityConfig& ranged, RangeOrigin origin) {
+std::string range_text(const stages::DisparityConfig& ranged, checks::RangeOrigin origin) {
     return "disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
            std::to_string(ranged.min_disparity_px) + " px on" +
-           (origin == RangeOrigin::ndisp   ? ", by the calibration's ndisp"
-            : origin == RangeOrigin::given ? ""
-                                           : ", chosen from the pair") +
+           (origin == checks::RangeOrigin::ndisp   ? ", by the calibration's ndisp"
+            : origin == checks::RangeOrigin::given ? ""
+                                                   : ", chosen from the pair") +
            (ranged.farthest_px > ranged.min_disparity_px
                 ? ", no small patch below " + fixed(ranged.farthest_px, 1) + " px"
                 : "");
 }
 
 ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
-                         const DisparityConfig& config, int threads, const RunLog& log) {
-    DisparityConfig said = config;
+                         const stages::DisparityConfig& config, int threads, const RunLog& log) {
+    stages::DisparityConfig said = config;
     const int by_calibration = num_disparities_by(calibration, config, pair.left.width);
     if (by_calibration > 0) said.num_disparities_px = by_calibration;
-    RangedPair ranged = find_range(pair, said, threads);
-    const RangeOrigin origin = by_calibration > 0              ? RangeOrigin::ndisp
-                               : config.num_disparities_px > 0 ? RangeOrigin::given
-                                                               : RangeOrigin::chosen;
+    stages::RangedPair ranged = stages::find_range(pair, said, threads);
+    const checks::RangeOrigin origin = by_calibration > 0              ? checks::RangeOrigin::ndisp
+                                       : config.num_disparities_px > 0 ? checks::RangeOrigin::given
+                                                                       : checks::RangeOrigin::chosen;
     log.decide(range_text(ranged.config, origin));
-    StereoPair in_one_light = corrected(pair, ranged.correction, threads);
+    StereoPair in_one_light = stages::corrected(pair, ranged.correction, threads);
     return {std::move(ranged), std::move(in_one_light), origin};
 }
 
@@ -120,9 +120,10 @@ void check_matches(bool has_any) {
 }
 
 DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, const RunContext& run) {
-    check_detail(is_blank(pair.left), is_blank(pair.right));
-    DisparityResult result{match_in_range(range.corrected, range.config, run.backend.match_pair, run.threads),
-                           true, range.config};
+    check_detail(checks::is_blank(pair.left), checks::is_blank(pair.right));
+    DisparityResult result{
+        stages::match_in_range(range.corrected, range.config, run.backend.match_pair, run.threads), true,
+        range.config};
     const std::vector<PixelOrigin>& origins = result.map.origins;
     check_matches(std::find(origins.begin(), origins.end(), PixelOrigin::matched) != origins.end());
     return result;
@@ -160,7 +161,7 @@ DisparityMap densify_input(DisparityMap map, const Image& left, const readers::P
 
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run) {
     DisparityResult result{std::move(map), false, {}};
-    if (config.disparity.dequantize == Dequantization::none) return result;
+    if (config.disparity.dequantize == stages::Dequantization::none) return result;
     const double quantum_px = dequantize::find_quantum_px(result.map);
     const double max_error_px = config.budget.max_error_px;
     if (quantum_px == 0 || (max_error_px > 0 && max_error_px < quantum_px)) return result;
@@ -170,9 +171,9 @@ DisparityResult smooth_input(DisparityMap map, const Config& config, const RunCo
     return result;
 }
 
-DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, int threads,
+DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,
                       const RunLog& log) {
-    DensityMap density = compute_density(disparity, config, threads);
+    DensityMap density = stages::compute_density(disparity, config, threads);
     const auto kept = std::count_if(disparity.values.begin(), disparity.values.end(), [&](float d) {
         return DisparityMap::known(d) && d > 0 && d >= density.background_px;
     });
@@ -235,9 +236,9 @@ std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& conf
 SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& written, const LeftView& view,
                                 const RunContext& run) {
     const SurfaceMeasures measures = {
-        count_topology(surface),
-        measure_surface_quality(written, view.disparity, view.density.background_px, run.threads)};
-    const SurfaceQuality& quality = measures.quality;
+        stages::count_topology(surface),
+        stages::measure_surface_quality(written, view.disparity, view.density.background_px, run.threads)};
+    const stages::SurfaceQuality& quality = measures.quality;
     run.log.decide(
         "root mean square error against the disparity map: left view " + fixed(quality.rmse_near_px, 3) +
         " px, both views " + fixed(quality.duo_rmse_near_px, 3) + " px, away from discontinuities " +

@@ -31,10 +31,10 @@ struct RunContext {
 // A disparity map, and what it was made with where it comes from a pair.
 struct DisparityResult {
     DisparityMap map;
-    bool is_matched = false;   // false: it was read
-    DisparityConfig config;    // with the range searched
-    double quantum_px = 0;     // step that was smoothed; 0 = none
-    DisparityMap smooth = {};  // without those steps; empty where there are none
+    bool is_matched = false;         // false: it was read
+    stages::DisparityConfig config;  // with the range searched
+    double quantum_px = 0;           // step that was smoothed; 0 = none
+    DisparityMap smooth = {};        // without those steps; empty where there are none
 
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
@@ -72,25 +72,25 @@ struct DetailLevel {
 
 // The surface against the disparity map.
 struct SurfaceMeasures {
-    Topology topology;
-    SurfaceQuality quality;
+    stages::Topology topology;
+    stages::SurfaceQuality quality;
 };
 
 // What match_input() needs besides the pair, and where its range comes from.
-struct ChosenRange : RangedPair {
+struct ChosenRange : stages::RangedPair {
     StereoPair corrected = {};  // what is matched: the pair in one light, with less noise
-    RangeOrigin origin = RangeOrigin::chosen;
+    checks::RangeOrigin origin = checks::RangeOrigin::chosen;
 };
 
 // The disparities below a calibration's ndisp that can be searched in pictures of this width; 0 where the
 // configuration has a range of its own, or the calibration says none.
-int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width);
+int num_disparities_by(const Calibration& calibration, const stages::DisparityConfig& config, int width);
 // What is told of a range.
-std::string range_text(const DisparityConfig& ranged, RangeOrigin origin);
+std::string range_text(const stages::DisparityConfig& ranged, checks::RangeOrigin origin);
 
 // The configuration's own range, else the calibration's, else the one that a small match of the pair finds.
 ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
-                         const DisparityConfig& config, int threads, const RunLog& log);
+                         const stages::DisparityConfig& config, int threads, const RunLog& log);
 
 // Refuse a pair that has nothing to match, and one of which nothing was.
 void check_detail(bool is_left_blank, bool is_right_blank);
@@ -111,7 +111,7 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, c
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);
 
 // Throws Error(input) where nothing is foreground.
-DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, int threads,
+DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,
                       const RunLog& log);
 
 // Stages mesh, surface and quality, whose work goes on beside the surface's, and tolerance where the

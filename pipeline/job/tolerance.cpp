@@ -52,7 +52,8 @@ Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera, const Exp
 double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
                      float background_px, int threads) {
     if (!(config.tolerance_share > 0)) return config.tolerance_px;
-    const double error_px = measure_surface_quality(surface, map, background_px, threads).flat_rmse_px;
+    const double error_px =
+        stages::measure_surface_quality(surface, map, background_px, threads).flat_rmse_px;
     // rounded, because machines may differ in the last bits of the measured error
     const double wanted_px =
         std::max(kLeastTolerance_px, 1e-3 * static_cast<long long>(1e3 * config.tolerance_share * error_px));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // Measured on Middlebury's maps by the error in both views at equal bytes: 450 cells and a reach of 3 do as
@@ -118,4 +118,4 @@ std::vector<float> detail_density(const DisparityMap& map, float background_px) 
     return density;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

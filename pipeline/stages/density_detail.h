@@ -5,7 +5,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // The density that a mesh of linear triangles wants on the foreground (>= background_px, above 0), row-major,
 // 0..1; 0 elsewhere. A cell of area A over a surface of curvature c is wrong by about c A, so cells that
@@ -14,4 +14,4 @@ namespace hexrelief {
 // up to a bound, which depth discontinuities reach. All 0 where the map consists of planes.
 std::vector<float> detail_density(const DisparityMap& map, float background_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr double kNearestShare = 0.002;  // of the known pixels; density.scale_percentile's counterpart
@@ -56,4 +56,4 @@ DisparityMap disparities_of(const DepthMap& map, const Calibration& camera) {
     return disparities;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

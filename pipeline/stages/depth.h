@@ -5,7 +5,7 @@
 #include "pipeline/data/depth_map.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Distances along each pixel's ray become distances along the optical axis.
 void project_on_axis(DepthMap& map, const Calibration& camera);
@@ -23,4 +23,4 @@ double baseline_for(const DepthMap& map, double focal_px);
 // d = focal * baseline / depth - doffs. Unknown stays unknown.
 DisparityMap disparities_of(const DepthMap& map, const Calibration& camera);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

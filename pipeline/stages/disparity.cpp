@@ -9,7 +9,7 @@
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kLeastColumns = 16;
@@ -222,4 +222,4 @@ DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& co
     return compute_disparity(pair, config, on_cpu, threads);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

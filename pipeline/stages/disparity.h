@@ -9,7 +9,7 @@
 #include "pipeline/matching/matcher.h"
 #include "pipeline/stages/disparity_range.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // sgm: pipeline/matching; sgbm: OpenCV's StereoSGBM.
 enum class DisparityMethod { sgm, sgbm };
@@ -98,4 +98,4 @@ DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& confi
 // The same on the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -11,7 +11,7 @@
 
 #include "pipeline/stages/sgbm.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kCoarseColumns = 160, kFineColumns = 320;
@@ -119,4 +119,4 @@ double farthest_disparity_px(const SmallMatch& coarse) {
     return std::floor(matching::kOnePixel * with_margin_px) / matching::kOnePixel;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -4,7 +4,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 struct ReducedPair {
     double scale = 1;  // full columns to a reduced one
@@ -34,4 +34,4 @@ int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int
 // something far.
 double farthest_disparity_px(const SmallMatch& coarse);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -5,7 +5,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Disparities of the pixels of the right view that the left camera does not see, row-major; 0 at all others.
 // The left map (px; not above 0 = unknown) is warped to x - d, nearer surfaces in front; neighbours at most 1
@@ -14,4 +14,4 @@ namespace hexrelief {
 // map does not know all pixels between these ends, and pixels that would lie outside the left image.
 std::vector<float> hidden_from_left(const DisparityMap& left, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -4,7 +4,7 @@
 #include "pipeline/stages/disparity.h"
 #include "pipeline/stages/view_check.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 struct RawViews {
     RawDisparities left, right;
@@ -25,4 +25,4 @@ int round_up_range(int disparities);
 inline constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
 inline constexpr int kLargestRange_px = 1920;  // 16 bits hold 1/16 px, on planes that go beyond the range
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

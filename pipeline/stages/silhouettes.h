@@ -4,7 +4,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/disparity_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Moves vertices on the mesh's borders, by at most 0.75 px and `rounds` times around (0 = not at all), where
 // that lowers the error of the pixels around them: near surfaces count more, and a pixel that no triangle
@@ -13,4 +13,4 @@ namespace hexrelief {
 // count. The result depends on the arguments alone.
 void adjust_silhouettes(DisparityMesh& mesh, const DisparityMap& map, float background_px, int rounds);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -7,7 +7,7 @@
 
 #include "mesher/common/thread_pool.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr double kEdge_px =
@@ -182,4 +182,4 @@ void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, 
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

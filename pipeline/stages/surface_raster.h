@@ -8,7 +8,7 @@
 
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // x, y in px of one view (centre of pixel (i, j) = (i + 0.5, j + 0.5)), d its disparity in px.
 struct ViewPoint {
@@ -50,4 +50,4 @@ void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, 
 // Calls work(first_row, last_row + 1) for bands of rows on `threads` threads; returns when all are done.
 void for_row_bands(int height, int threads, const std::function<void(int, int)>& work);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -6,7 +6,7 @@
 
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Splits non-manifold vertices: every fan of triangles around a vertex (triangles connected through edges at
 // it) gets a vertex of its own. Renumbers the triangles in place. Returns the source vertex of each new
@@ -25,4 +25,4 @@ struct Topology {
 // Of a mesh whose triangles are manifold. Throws std::logic_error otherwise.
 Topology count_topology(const SurfaceMesh& surface);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -6,7 +6,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Disparities of one view as the matcher gives them: row-major, 1/16 px, kUnmatched where matching failed.
 struct RawDisparities {
@@ -26,4 +26,4 @@ void check_left_right(RawDisparities& left, const RawDisparities& right, double 
 // from neighbour to neighbour; 0 = none.
 void remove_speckles(RawDisparities& map, int window_px, int range_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Everything that crosses into the library, in plain C types. Disparities are row-major, 1/16 px. `right`
 // follows OpenCV's convention for right views: disparities negated. All arrays have width * height entries.
@@ -32,4 +32,4 @@ inline constexpr const char* kWlsLibraryName = "hexrelief-wls.so";
 // Throws Error(usage) where it is missing or fails.
 void filter_wls(const WlsRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

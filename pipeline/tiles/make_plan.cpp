@@ -50,7 +50,7 @@ DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threa
     do_jobs(static_cast<std::size_t>(across) * down, threads, [&](std::size_t k) {
         wait_if_interrupted();
         const int left = static_cast<int>(k) % across * side, top = static_cast<int>(k) / across * side;
-        const DensityMap fine = density_at_scale(
+        const DensityMap fine = stages::density_at_scale(
             map.read({left, top, std::min(side, plan.width - left), std::min(side, plan.height - top)}),
             plan.density, plan.config.density);
         for (int y = 0; y < fine.height; ++y) {
@@ -104,7 +104,7 @@ struct Range {
     }
 };
 
-Range range_of(const MapWindow& window) {
+Range range_of(const stages::MapWindow& window) {
     Range range;
     for (int y = 0; y < window.height; ++y)
         for (const float d : std::span(window.row(y), static_cast<std::size_t>(window.width)))
@@ -113,17 +113,17 @@ Range range_of(const MapWindow& window) {
 }
 
 void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
-    const MapInStrips strips = map.strips(threads);
+    const stages::MapInStrips strips = map.strips(threads);
     std::vector<Range> ranges(static_cast<std::size_t>(strips.strips));
     bool is_first = true;
     const auto read = [&](const auto& take) {
-        strips.read([&](int strip, const MapWindow& window) {
+        strips.read([&](int strip, const stages::MapWindow& window) {
             take(strip, window);
             if (is_first) ranges[static_cast<std::size_t>(strip)].include(range_of(window));
         });
         is_first = false;
     };
-    plan.density = find_density_scale({strips.strips, read}, plan.config.density);
+    plan.density = stages::find_density_scale({strips.strips, read}, plan.config.density);
     for (const Range& range : ranges) ranges[0].include(range);
     plan.nearest_px = ranges[0].nearest;
     if (plan.nearest_px > 0) plan.farthest_px = ranges[0].farthest;
@@ -159,7 +159,8 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattic
     const LatticeTiling tiling = plan.tiling();
     const auto density_by = [&](int threads) -> DensityOfWindow {
         return [&, threads](const MapRect& window) {
-            return density_at_scale(map.read(window, threads), plan.density, plan.config.density, threads);
+            return stages::density_at_scale(map.read(window, threads), plan.density, plan.config.density,
+                                            threads);
         };
     };
     const int row_jobs = std::clamp(kRowSeamPixels / plan.width, 1, std::min(4, workers.threads)),

@@ -81,7 +81,7 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vect
     for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
     const Calibration& camera = plan.calibration;
     const CoarserTile coarser = coarser_tile(children, parts, kShareOfChildren, [&](double disparity) {
-        return -position_in_space(0, 0, disparity, camera)[2];
+        return -stages::position_in_space(0, 0, disparity, camera)[2];
     });
     TileReport report;
     report.error_px = coarser.error_px;

@@ -41,8 +41,9 @@ int PlannedMap::strips_of(const MapRect& window, int threads) {
     return std::clamp(tiles_end(window) - window.x / kFileTile_px, 1, std::max(1, threads));
 }
 
-void PlannedMap::read_in_strips(const MapRect& window, int strips,
-                                const std::function<void(int strip, const MapWindow& part)>& take) const {
+void PlannedMap::read_in_strips(
+    const MapRect& window, int strips,
+    const std::function<void(int strip, const stages::MapWindow& part)>& take) const {
     const int first = window.x / kFileTile_px, tiles = tiles_end(window) - first,
               right = window.x + window.width, bottom = window.y + window.height;
     do_jobs(static_cast<std::size_t>(strips), strips, [&](std::size_t k) {
@@ -81,14 +82,14 @@ DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
     }
     DisparityMap map{window.width, window.height, {}};
     map.values.resize(static_cast<std::size_t>(window.width) * window.height);
-    read_in_strips(window, strips, [&](int, const MapWindow& part) {
+    read_in_strips(window, strips, [&](int, const stages::MapWindow& part) {
         for (int row = 0; row < part.height; ++row)
             std::copy_n(part.row(row), part.width, &map.at(part.x - window.x, part.y - window.y + row));
     });
     return map;
 }
 
-MapInStrips PlannedMap::strips(int threads) const {
+stages::MapInStrips PlannedMap::strips(int threads) const {
     const MapRect all{0, 0, width(), height()};
     const int strips = strips_of(all, threads);
     return {strips, [this, all, strips](const auto& take) { read_in_strips(all, strips, take); }};

@@ -27,12 +27,12 @@ class PlannedMap {
     // MapWindows::read() and PictureWindows::read().
     DisparityMap read(const MapRect& window, int threads = 1) const;
     // All of it, by `threads` threads.
-    MapInStrips strips(int threads) const;
+    stages::MapInStrips strips(int threads) const;
 
   private:
     static int strips_of(const MapRect& window, int threads);
     void read_in_strips(const MapRect& window, int strips,
-                        const std::function<void(int strip, const MapWindow& part)>& take) const;
+                        const std::function<void(int strip, const stages::MapWindow& part)>& take) const;
     void hide_transparent(const MapRect& window, DisparityMap& map) const;
     std::unique_ptr<MapWindows> map_;
     std::unique_ptr<PictureWindows> picture_;

@@ -44,7 +44,7 @@ struct SolveContext {
           map(of, true),
           coarse{read_lattice(coarse_file(of)), of.shrunk_by, of.width, of.height},
           density([this](const MapRect& window) {
-              return density_at_scale(map.read(window), plan.density, plan.config.density);
+              return stages::density_at_scale(map.read(window), plan.density, plan.config.density);
           }),
           solver(tiling, coarse, plan.config.mesh.balance, density, threads, workers.balance) {}
 };
@@ -72,12 +72,12 @@ constexpr int kMeasuredRows = 192;
 // none.
 void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,
                    TileReport& report) {
-    View view{{}, &mesh.triangles, map.width, map.height};
+    stages::View view{{}, &mesh.triangles, map.width, map.height};
     for (std::size_t v = 0; v < mesh.image_points.size(); ++v)
         view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
     const Calibration& c = plan.calibration;
     double pixels = 0, squares_px = 0, squares_m = 0;
-    const auto measure = [&](const PixelRun& run) {
+    const auto measure = [&](const stages::PixelRun& run) {
         const float* const known = map.values.data() + static_cast<std::size_t>(run.y) * map.width + run.x;
         for (int i = 0; i < run.count; ++i) {
             const double d = known[i], seen = run.disparity(i);
@@ -92,8 +92,8 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
         }
     };
     const int row_step = std::max(1, map.height / kMeasuredRows);
-    scan_pixels(view, row_step, measure);
-    if (pixels == 0 && row_step > 1) scan_pixels(view, 1, measure);
+    stages::scan_pixels(view, row_step, measure);
+    if (pixels == 0 && row_step > 1) stages::scan_pixels(view, 1, measure);
     if (pixels == 0) return;
     report.error_px = std::sqrt(squares_px / pixels);
     report.error_m = std::sqrt(squares_m / pixels);

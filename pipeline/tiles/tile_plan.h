@@ -48,7 +48,7 @@ struct TilePlan {
     int width = 0, height = 0;
     int columns = 0, rows = 0, tile_spacings = 0;  // of the lattice and of a tile, as LatticeTiling's
     int shrunk_by = 2;                             // the map, for the coarse lattice
-    DensityScale density;
+    stages::DensityScale density;
     float nearest_px = 0, farthest_px = 0;    // the largest and the smallest disparity above 0
     double grid_step_m = 0;                   // of all positions in space, a power of two
     std::map<std::string, std::string> sums;  // SHA-256 of the plan's other files, by name in the folder

@@ -20,9 +20,9 @@ constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds
 using GridPoint = std::array<std::int64_t, 3>;
 
 GridPoint grid_point(const TilePlan& plan, const TileCorner& corner) {
-    const std::array<double, 3> p =
-        position_in_space(double(corner.place.x) / kPlacesPerPixel, double(corner.place.y) / kPlacesPerPixel,
-                          corner.disparity, plan.calibration);
+    const std::array<double, 3> p = stages::position_in_space(double(corner.place.x) / kPlacesPerPixel,
+                                                              double(corner.place.y) / kPlacesPerPixel,
+                                                              corner.disparity, plan.calibration);
     GridPoint point;
     for (std::size_t k = 0; k < 3; ++k) point[k] = std::llround(p[k] / plan.grid_step_m);
     return point;
@@ -56,7 +56,8 @@ TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& 
         }))
         return scene;
     std::vector<std::uint32_t> corners;
-    scene.mesh = build_surface(in_picture(mesh, window), window.width, window.height, camera, 0, &corners);
+    scene.mesh =
+        stages::build_surface(in_picture(mesh, window), window.width, window.height, camera, 0, &corners);
     std::vector<GridPoint> points;
     points.reserve(corners.size());
     for (const std::uint32_t corner : corners) points.push_back(grid_point(plan, mesh.corners[corner]));

@@ -37,10 +37,10 @@ const std::vector<PaperMap> kLargeMaps = {{"aloeL", "middlebury2006/aloe-full/di
                                           {"teddyL", "middlebury2003/teddy-full/disp.pgm", 1, 25.98}};
 constexpr double kPaperMeanCost = 21.4;  // of its GPU over the six small maps
 
-DensityConfig paper_density() {
-    DensityConfig config;
+stages::DensityConfig paper_density() {
+    stages::DensityConfig config;
     config.scale_percentile = 100;
-    config.background_method = BackgroundMethod::fraction;
+    config.background_method = stages::BackgroundMethod::fraction;
     config.floor = 0;
     return config;
 }
@@ -56,14 +56,14 @@ class Middlebury : public testing::Test {
     // The mean %cost; no map may be more than `slack` above the paper's, none may have inverted triangles.
     double mean_cost(const std::vector<PaperMap>& maps, const MeshConfig& config, double slack,
                      double most_cost = 100, double least_angle_deg = 0,
-                     const DensityConfig& density_config = paper_density()) const {
+                     const stages::DensityConfig& density_config = paper_density()) const {
         const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
         double sum = 0;
         for (const PaperMap& paper : maps) {
             readers::DisparityFileConfig file;
             file.scale = paper.scale;
             const DisparityMap map = readers::read_disparity_map(folder_ / paper.file, file);
-            const DensityMap density = compute_density(map, density_config);
+            const DensityMap density = stages::compute_density(map, density_config);
             const MeshQuality quality =
                 measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
             std::printf("%-8s %%cost %6.2f (the paper's %5.2f), 1st percentile angle %5.2f deg\n", paper.name,

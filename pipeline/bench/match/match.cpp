@@ -26,35 +26,37 @@ using Json = nlohmann::ordered_json;
 
 struct Method {
     std::string name, backend;
-    DisparityMethod which;
-    std::function<DisparityMap(const StereoPair&, const DisparityConfig&, int threads)> match;
+    stages::DisparityMethod which;
+    std::function<DisparityMap(const StereoPair&, const stages::DisparityConfig&, int threads)> match;
 };
 
 // StereoSGBM's own answer: both views agree on it, nothing is filled or refined.
-DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    RawViews views = match_views_sgbm(pair, with_range(pair, config, threads), threads);
-    check_left_right(views.left, views.right, 1);
-    remove_speckles(views.left, config.speckle_window_px, config.speckle_range_px);
+DisparityMap match_by_opencv(const StereoPair& pair, const stages::DisparityConfig& config, int threads) {
+    stages::RawViews views =
+        stages::match_views_sgbm(pair, stages::with_range(pair, config, threads), threads);
+    stages::check_left_right(views.left, views.right, 1);
+    stages::remove_speckles(views.left, config.speckle_window_px, config.speckle_range_px);
     DisparityMap map{views.left.width, views.left.height, {}, {}};
     for (const std::int16_t d : views.left.values) {
-        map.values.push_back(d == kUnmatched ? kUnknownDisparity : static_cast<float>(d) / kRawScale);
-        map.origins.push_back(d == kUnmatched ? PixelOrigin::unknown : PixelOrigin::matched);
+        map.values.push_back(d == stages::kUnmatched ? kUnknownDisparity
+                                                     : static_cast<float>(d) / stages::kRawScale);
+        map.origins.push_back(d == stages::kUnmatched ? PixelOrigin::unknown : PixelOrigin::matched);
     }
     return map;
 }
 
 std::vector<Method> all_methods(const std::vector<Backend>& backends) {
     const auto on = [](const Backend& backend) {
-        return
-            [match = backend.match_pair](const StereoPair& pair, const DisparityConfig& config, int threads) {
-                return compute_disparity(pair, config, match, threads);
-            };
+        return [match = backend.match_pair](const StereoPair& pair, const stages::DisparityConfig& config,
+                                            int threads) {
+            return stages::compute_disparity(pair, config, match, threads);
+        };
     };
     std::vector<Method> methods;
     for (const Backend& backend : backends)
-        methods.push_back({"sgm", backend.name, DisparityMethod::sgm, on(backend)});
-    methods.push_back({"sgbm", "cpu", DisparityMethod::sgbm, on(backends.front())});
-    methods.push_back({"opencv", "cpu", DisparityMethod::sgbm, match_by_opencv});
+        methods.push_back({"sgm", backend.name, stages::DisparityMethod::sgm, on(backend)});
+    methods.push_back({"sgbm", "cpu", stages::DisparityMethod::sgbm, on(backends.front())});
+    methods.push_back({"opencv", "cpu", stages::DisparityMethod::sgbm, match_by_opencv});
     return methods;
 }
 
@@ -98,11 +100,11 @@ double percent_filled(const DisparityMap& map) {
 }
 
 match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, const Method& method,
-                   DisparityConfig config, const MatchOptions& options, int threads) {
+                   stages::DisparityConfig config, const MatchOptions& options, int threads) {
     config.method = method.which;
     match::Row row{
         scene.name, scene.size, method.name, method.backend, loaded.pair.left.width, loaded.pair.left.height};
-    row.disparities = with_range(loaded.pair, config, threads).num_disparities_px;
+    row.disparities = stages::with_range(loaded.pair, config, threads).num_disparities_px;
     DisparityMap map;
     for (int run = 0; run < options.runs; ++run) {
         const double begun = now_seconds();

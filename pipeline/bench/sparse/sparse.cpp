@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 struct Row {
     std::string scene, pattern;
     double known_share = 0, seconds = 0;
-    SurfaceQuality quality = {};
+    stages::SurfaceQuality quality = {};
     double ratio = 1;                           // of the whole map's error
     double wrong_share = 0, unknown_share = 0;  // of the true map's pixels: more than 1 px off; not filled
 };
@@ -45,13 +45,13 @@ struct TrueScene {
     double quantum_px;
     const Config& config;
     int threads;
-    float background_px = compute_density(truth, config.density).background_px;
+    float background_px = stages::compute_density(truth, config.density).background_px;
 
-    SurfaceQuality measure(const DisparityMap& map) const {
-        const bool smooths = config.disparity.dequantize != Dequantization::none && quantum_px > 0;
+    stages::SurfaceQuality measure(const DisparityMap& map) const {
+        const bool smooths = config.disparity.dequantize != stages::Dequantization::none && quantum_px > 0;
         const DisparityMap meshed = smooths ? dequantize::dequantize(map, quantum_px, threads) : map;
-        return measure_surface_quality(rd::preset_mesh(meshed, config, threads), truth, background_px,
-                                       threads);
+        return stages::measure_surface_quality(rd::preset_mesh(meshed, config, threads), truth, background_px,
+                                               threads);
     }
 };
 
@@ -60,7 +60,7 @@ double known_share(const DisparityMap& map) {
     return static_cast<double>(known) / static_cast<double>(map.values.size());
 }
 
-Row measure(const TrueScene& scene, const std::string& pattern, const SurfaceQuality& whole) {
+Row measure(const TrueScene& scene, const std::string& pattern, const stages::SurfaceQuality& whole) {
     const DisparityMap thin = sparse::thinned(scene.truth, pattern);
     Row row{scene.name, pattern, known_share(thin)};
     const double begun = now_seconds();
@@ -172,7 +172,7 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     for (const ScenePair& found : scenes) {
         const TrueScene scene = load(found, config, options.without_picture, threads);
         add({scene.name, "whole", known_share(scene.truth), 0, scene.measure(scene.truth)});
-        const SurfaceQuality whole = rows.back().quality;
+        const stages::SurfaceQuality whole = rows.back().quality;
         for (const std::string& pattern : sparse::patterns())
             if (wanted(options.patterns, pattern)) add(measure(scene, pattern, whole));
     }

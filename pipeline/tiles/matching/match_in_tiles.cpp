@@ -20,7 +20,7 @@ namespace {
 
 void check_request(const MatchRequest& request) {
     const auto refuse = [](const std::string& message) { throw Error(ErrorKind::usage, message); };
-    if (request.config.disparity.method != DisparityMethod::sgm)
+    if (request.config.disparity.method != stages::DisparityMethod::sgm)
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
     const CalibrationConfig& calibration = request.config.input.calibration;
     check_overwrites({request.map}, {request.left, request.right, calibration.file});
@@ -88,10 +88,10 @@ class TiledMatcher {
     }
 
     void put_tile(const MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
-        is_left_blank_ = is_left_blank_ && is_blank(pair.left);
-        is_right_blank_ = is_right_blank_ && is_blank(pair.right);
-        const DisparityMap map = match_in_range(corrected(pair, whole_.correction, threads_), whole_.config,
-                                                backend_.match_pair, threads_);
+        is_left_blank_ = is_left_blank_ && checks::is_blank(pair.left);
+        is_right_blank_ = is_right_blank_ && checks::is_blank(pair.right);
+        const DisparityMap map = stages::match_in_range(stages::corrected(pair, whole_.correction, threads_),
+                                                        whole_.config, backend_.match_pair, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
         const MapRect around = window(tile);

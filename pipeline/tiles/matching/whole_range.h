@@ -14,8 +14,8 @@ struct PairWindows {
 };
 
 struct WholePair {
-    DisparityConfig config;  // with the range
-    PairCorrection correction;
+    stages::DisparityConfig config;  // with the range
+    stages::PairCorrection correction;
 };
 
 // The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
@@ -23,6 +23,6 @@ struct WholePair {
 // whole one's middle. Pairs that are not shrunk get what choose_range() gives. Tells the log of it. Throws as
 // check_matchable().
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const DisparityConfig& config, int threads, RunLog& log);
+                        const stages::DisparityConfig& config, int threads, RunLog& log);
 
 }  // namespace hexrelief

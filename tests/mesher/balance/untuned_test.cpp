@@ -51,11 +51,11 @@ class Untuned : public testing::TestWithParam<Scene> {};
 
 TEST_P(Untuned, BalancedAndInShape) {
     const DisparityMap map = map_of(GetParam());
-    DensityConfig config;
+    stages::DensityConfig config;
     config.background_method =
-        GetParam().keeps_background ? BackgroundMethod::none : BackgroundMethod::fraction;
+        GetParam().keeps_background ? stages::BackgroundMethod::none : stages::BackgroundMethod::fraction;
     config.floor = 0;
-    const DensityMap density = compute_density(map, config);
+    const DensityMap density = stages::compute_density(map, config);
     for (const int seed : {1, 2}) {
         MeshConfig mesh_config;
         mesh_config.seed = static_cast<std::uint64_t>(seed);

@@ -45,7 +45,7 @@ class Tiled {
         : map(std::move(disparities)), threads_(threads) {
         rounded_disparities(map);
         config.spacing_px = spacing_px;
-        density = compute_density(map, DensityConfig{});
+        density = stages::compute_density(map, stages::DensityConfig{});
         undivided = solve_mesh(density, config, threads, {}).mesh;
         coarse_ = {solve_mesh(halved(density), config, threads, {}).mesh, 2, map.width, map.height};
         tiling.emplace(undivided.columns, undivided.rows, tile);

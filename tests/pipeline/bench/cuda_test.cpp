@@ -79,7 +79,7 @@ TEST(BenchCuda, TheSceneIsTheSameAtEverySize) {
             values.insert(static_cast<int>(d));
         }
     EXPECT_GT(values.size(), 25u);
-    const DensityMap density = compute_density(large, paper_density());
+    const DensityMap density = stages::compute_density(large, paper_density());
     const auto empty = std::count(density.values.begin(), density.values.end(), 0.0f);
     EXPECT_GT(empty, 800 * 600 / 10) << "a background";
     EXPECT_LT(empty, 800 * 600 * 9 / 10) << "and a foreground";

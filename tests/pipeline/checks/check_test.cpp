@@ -9,7 +9,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 using namespace mistakes;
@@ -34,7 +34,7 @@ std::vector<Mistake> mistakes_in(const std::vector<Finding>& findings) {
 }
 
 std::vector<Finding> judge(const StereoPair& pair, const SearchedRange& range = {}) {
-    return check_pair(pair, match_coarsely(pair, range.min_px, 1), range, 1);
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, 1), range, 1);
 }
 
 std::vector<Mistake> found(const StereoPair& pair, const SearchedRange& range = {}) {
@@ -206,4 +206,4 @@ TEST(CheckCamera, NoticesUnits) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -7,7 +7,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 namespace {
 
 Image same_size(const Image& image) {
@@ -109,4 +109,4 @@ double grey_of_jet(double grey) {
     return 255 * (0.299 * ramp(3) + 0.587 * ramp(2) + 0.114 * ramp(1));
 }
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

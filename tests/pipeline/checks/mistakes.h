@@ -5,7 +5,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 
 Image as_grey(const Image& image);
 // The picture `columns` and `rows` farther right and down; what comes in repeats the border.
@@ -24,4 +24,4 @@ DisparityMap with_values(DisparityMap map, const std::function<double(double)>& 
 // Of a grey from 0 to 255: what the grey of the colour map jet is.
 double grey_of_jet(double grey);
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

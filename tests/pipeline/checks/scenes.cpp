@@ -5,7 +5,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,4 +49,4 @@ std::vector<TestScene> load(const fs::path& data, const std::string& wanted) {
     return scenes;
 }
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

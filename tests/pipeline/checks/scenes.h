@@ -7,7 +7,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 
 struct SceneFiles {
     const char *folder, *left, *right, *map;  // left, right: nullptr where there are none
@@ -26,4 +26,4 @@ struct TestScene {
 // Those that are in the folder `data`, and whose names have `wanted` in them.
 std::vector<TestScene> load(const std::filesystem::path& data, const std::string& wanted);
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

@@ -11,7 +11,7 @@
 
 #include "pipeline/checks/finding.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 
 using Findings = std::vector<Finding>;
 
@@ -85,4 +85,4 @@ class Table {
     std::vector<std::pair<std::string, std::string>> examples_;
 };
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

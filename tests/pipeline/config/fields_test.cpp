@@ -46,8 +46,8 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("input.confidence"), member_count<readers::ConfidenceConfig>());
     EXPECT_EQ(fields_below("input.calibration"), member_count<CalibrationConfig>());
     EXPECT_EQ(fields_below("input.stereo"), member_count<readers::StereoFileConfig>());
-    EXPECT_EQ(fields_below("disparity"), member_count<DisparityConfig>());
-    EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
+    EXPECT_EQ(fields_below("disparity"), member_count<stages::DisparityConfig>());
+    EXPECT_EQ(fields_below("density"), member_count<stages::DensityConfig>());
     EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);
     EXPECT_EQ(fields_below("mesh.balance"), member_count<BalanceConfig>());
     EXPECT_EQ(fields_below("surface"), member_count<SurfaceConfig>());

@@ -176,11 +176,11 @@ TEST(ConfigFile, OldNamesAreReadWithAWarning) {
 TEST(ConfigFile, OldValuesAreReadWithAWarning) {
     Config config;
     apply_yaml(config, "disparity:\n  fill: true\n", "my.yaml", "");
-    EXPECT_EQ(config.disparity.fill, DisparityFill::planes);
+    EXPECT_EQ(config.disparity.fill, stages::DisparityFill::planes);
     ASSERT_EQ(config.warnings.size(), 1u);
     EXPECT_NE(config.warnings[0].find("my.yaml:2:"), std::string::npos) << config.warnings[0];
     apply_setting(config, "disparity.fill=false");
-    EXPECT_EQ(config.disparity.fill, DisparityFill::none);
+    EXPECT_EQ(config.disparity.fill, stages::DisparityFill::none);
     ASSERT_EQ(config.warnings.size(), 2u);
     EXPECT_NE(config.warnings[1].find("'none'"), std::string::npos) << config.warnings[1];
 }

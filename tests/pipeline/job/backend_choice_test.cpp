@@ -44,7 +44,7 @@ TEST(BackendChoice, MoreThreadsADisparityAndAVertexCount) {
         budgeted.budget.vertices = 1000;
         return seconds(size, budgeted);
     }());
-    config.disparity.method = DisparityMethod::sgbm;  // which the CPU does on either backend
+    config.disparity.method = stages::DisparityMethod::sgbm;  // which the CPU does on either backend
     EXPECT_EQ(seconds(size, config), seconds({900, 750, false, 4}, config));
     EXPECT_GT(seconds({900, 750, true, 1}, config), seconds({900, 750, true, 16}, config));
 }

@@ -96,7 +96,7 @@ TEST(DepthInput, DisparitiesMayReachDownToMinusDoffs) {
     request.disparity = folder / "d.pgm";
     request.outputs = {folder / "a.ply"};
     request.config.input.disparity.scale = 1;
-    request.config.disparity.dequantize = Dequantization::none;
+    request.config.disparity.dequantize = stages::Dequantization::none;
     request.config.input.calibration.focal_px = 60;
     request.config.input.calibration.baseline_m = 0.1;
     request.config.input.calibration.doffs_px = 0;

@@ -152,7 +152,7 @@ TEST(Runner, TheCalibrationSaysTheRange) {
     observer.decides = [&](const std::string& decision) { said = decision; };
     const RunLog log(observer);
     const auto searched = [&](int min_px, int count_px) {
-        DisparityConfig config;
+        stages::DisparityConfig config;
         config.min_disparity_px = min_px;
         config.num_disparities_px = count_px;
         return choose_range(pair, calibration, config, 1, log).config.num_disparities_px;
@@ -296,7 +296,7 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     std::string pgm = "P5\n60 40\n255\n";
     for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(20 + (i % 60) / 7);
     test::write_text(folder / "d.pgm", pgm);
-    const auto run = [&](Dequantization dequantize, double max_error_px) {
+    const auto run = [&](stages::Dequantization dequantize, double max_error_px) {
         RunRequest request;
         request.disparity = folder / "d.pgm";
         request.config.input.disparity.scale = 1;
@@ -306,15 +306,16 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
         request.report = folder / "r.json";
         return run_job(request, {});
     };
-    const RunReport smooth = run(Dequantization::automatic, 0), exact = run(Dequantization::none, 0);
+    const RunReport smooth = run(stages::Dequantization::automatic, 0),
+                    exact = run(stages::Dequantization::none, 0);
     EXPECT_EQ(smooth.quantum_px, 1);
     EXPECT_EQ(nlohmann::json::parse(report_json(smooth))["input"]["quantum_px"], 1);
     EXPECT_NEAR(smooth.surface_quality.flat_rmse_px, 0.29, 0.03);
     EXPECT_EQ(exact.quantum_px, 0);
     EXPECT_TRUE(nlohmann::json::parse(report_json(exact))["input"]["quantum_px"].is_null());
     EXPECT_NE(smooth.outputs[0].sha256, exact.outputs[0].sha256);
-    EXPECT_EQ(run(Dequantization::automatic, 0.9).quantum_px, 0);
-    EXPECT_EQ(run(Dequantization::automatic, 1.5).quantum_px, 1);
+    EXPECT_EQ(run(stages::Dequantization::automatic, 0.9).quantum_px, 0);
+    EXPECT_EQ(run(stages::Dequantization::automatic, 1.5).quantum_px, 1);
 }
 
 // Every fifth row of whole pixels is filled, and still known to be rounded; whole maps have no such stage.

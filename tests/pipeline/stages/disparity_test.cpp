@@ -11,7 +11,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // Measured plus a margin. Most of what is bad is hidden in the right view and rightly unknown.
@@ -370,4 +370,4 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

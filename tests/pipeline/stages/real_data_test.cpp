@@ -9,7 +9,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 struct RealPair {
@@ -52,4 +52,4 @@ INSTANTIATE_TEST_SUITE_P(
                     RealPair{"middlebury2001/venus", "ppm", "disp.pgm", 8, 2.1, 1.3}));
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -8,7 +8,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "samples/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
@@ -50,4 +50,4 @@ TEST(Samples, TruthMovesTheLeftViewOntoTheRight) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -198,7 +198,7 @@ TEST(MatchTiles, OneTileIsTheMapOfThePair) {
     const PairFolder folder(300, 120);
     const MatchRequest request = folder.request();
     const DisparityMap map = match(request);
-    const DisparityMap expected = compute_disparity(folder.made.pair, request.config.disparity, 2);
+    const DisparityMap expected = stages::compute_disparity(folder.made.pair, request.config.disparity, 2);
     EXPECT_EQ(map.values, expected.values);
 }
 
@@ -219,7 +219,7 @@ TEST(MatchTiles, AreTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST(MatchTiles, WindowsHoldTileCollarAndReach) {
-    DisparityConfig config;
+    stages::DisparityConfig config;
     config.num_disparities_px = 100;  // searched: 112
     const PairSize whole{5000, 3000};
     MapRect w = window_of_tile({2048, 1024, 512, 512}, whole, config, 51);
@@ -272,14 +272,14 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     RunObserver observer;
     observer.decides = [&](const std::string& decision) { told.push_back(decision); };
     RunLog log(observer);
-    const auto range = [&](const Calibration& calibration, const DisparityConfig& config) {
+    const auto range = [&](const Calibration& calibration, const stages::DisparityConfig& config) {
         return look_at_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
-    EXPECT_EQ(range({}, {}), with_range(folder.made.pair, {}, 2).num_disparities_px);
+    EXPECT_EQ(range({}, {}), stages::with_range(folder.made.pair, {}, 2).num_disparities_px);
     Calibration calibration;
     calibration.ndisp_px = 77;
     EXPECT_EQ(range(calibration, {}), 77);
-    DisparityConfig given;
+    stages::DisparityConfig given;
     given.num_disparities_px = 96;
     EXPECT_EQ(range(calibration, given), 96);
     ASSERT_EQ(told.size(), 3u);
@@ -306,7 +306,7 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     observer.decides = [&](const std::string& decision) { told = decision; };
     RunLog log(observer);
     const int count = look_at_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
-    const int small = with_range(folder.made.pair, {}, 2).num_disparities_px;
+    const int small = stages::with_range(folder.made.pair, {}, 2).num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));
     EXPECT_LT(count, 7 * (small + 16));
     EXPECT_NE(told.find("chosen from the pair at 1/2 of its size"), std::string::npos) << told;

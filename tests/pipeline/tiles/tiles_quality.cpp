@@ -25,8 +25,8 @@ Balanced undivided(const TilePlan& plan, const DisparityMap& map, const DensityM
     found.lattice = solve_mesh(density, plan.config.mesh, threads, {}).mesh;
     const DisparityMesh cut = cut_disparity_mesh(
         {&found.lattice, &map, plan.density.background_px, nullptr, 0, {}}, plan.config.surface, threads);
-    found.surface =
-        build_surface(cut, plan.width, plan.height, plan.calibration, plan.config.surface.min_component);
+    found.surface = stages::build_surface(cut, plan.width, plan.height, plan.calibration,
+                                          plan.config.surface.min_component);
     return found;
 }
 
@@ -72,13 +72,13 @@ int compare(const std::filesystem::path& folder) {
     const PlannedMap file(plan, false);
     const DisparityMap map = file.read({0, 0, plan.width, plan.height}, threads);
     const auto density_of = [&](const MapRect& window) {
-        return density_at_scale(file.read(window), plan.density, plan.config.density, threads);
+        return stages::density_at_scale(file.read(window), plan.density, plan.config.density, threads);
     };
     const DensityMap density = density_of({0, 0, plan.width, plan.height});
     const auto tell = [&](const std::string& name, const Balanced& found) {
         const MeshQuality balance = measure_quality(found.lattice, density, threads);
-        const SurfaceQuality fit =
-            measure_surface_quality(found.surface, map, plan.density.background_px, threads);
+        const stages::SurfaceQuality fit =
+            stages::measure_surface_quality(found.surface, map, plan.density.background_px, threads);
         std::printf("%-10s %%cost %.3f, %lld inverted; duo %.4f px, left view %.4f px; %zu triangles\n",
                     name.c_str(), balance.percent_cost, balance.inverted_triangles, fit.duo_rmse_near_px,
                     fit.rmse_near_px, found.surface.triangles.size());

@@ -100,8 +100,8 @@ class PlannedFolder {
 };
 
 Point in_space(const TilePlan& plan, const TileCorner& corner) {
-    Point p = position_in_space(corner.place.x / 1024.0, corner.place.y / 1024.0, corner.disparity,
-                                plan.calibration);
+    Point p = stages::position_in_space(corner.place.x / 1024.0, corner.place.y / 1024.0, corner.disparity,
+                                        plan.calibration);
     for (double& x : p) x = std::round(x / plan.grid_step_m) * plan.grid_step_m;
     return p;
 }
