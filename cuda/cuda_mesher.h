@@ -53,17 +53,18 @@ class CudaMesher {
     // its input names MeshResult::map_on_device. Throws also Error(usage) for MeshMethod::sequential and for
     // more than 100 sweeps of balancing; Error(device) where memory is too small, an image side exceeds
     // 32,767 px, or a neighbourhood radius exceeds 27.
-    MeshResult solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress,
-                     const DisparityMap* map = nullptr);
+    mesher::MeshResult solve(const DensityMap& density, const MeshConfig& config,
+                             const ProgressFunction& progress, const DisparityMap* map = nullptr);
 
     // hexrelief::balance_patch on the device. Throws Error(usage) for more than 100 sweeps, Error(device)
     // where memory is too small; the patch is then as it was.
-    void balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch);
+    void balance_patch(const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch);
 
     // Whether the device has cut_disparity_mesh: from compute capability 8.0 on.
     bool can_cut_meshes() const;
     // hexrelief::cut_disparity_mesh on the device. Throws also Error(device) where memory is too small.
-    DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config);
+    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                    const SurfaceConfig& config);
 
   private:
     struct State;

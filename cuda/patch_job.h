@@ -12,6 +12,6 @@ namespace hexrelief::cuda {
 // the device fails. Throws Error(device), also where memory is too small; Error(usage) for more than
 // kMostSweeps sweeps.
 void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,
-                   const BalanceConfig& config, LatticePatch& patch);
+                   const BalanceConfig& config, balance::LatticePatch& patch);
 
 }  // namespace hexrelief::cuda

@@ -32,7 +32,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::mesher {
 
 struct MeshResult {
     HexMesh2D mesh;
@@ -56,4 +56,4 @@ struct MeshResult {
 MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
                       const ProgressFunction& progress);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesher

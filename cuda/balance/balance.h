@@ -22,7 +22,7 @@ struct BalanceJob {
     double floor;
     step::BalanceLimits limits;
     int sweeps, full_cells;
-    SweepGain gains[kMostSweeps];
+    balance::SweepGain gains[kMostSweeps];
     // for the grid only
     step::CellEquation* equations;  // one a cell of `slots` a row
     float* directions;
@@ -52,15 +52,16 @@ struct ClusterCapacity {
 ClusterCapacity cluster_capacity();
 
 // Takes the memory for levels of these sizes; grid arrays only for levels that no cluster holds.
-BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans);
+BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena,
+                                    const std::vector<som::LevelPlan>& plans);
 
 // Row-wise integrals of the level's density, with their total, for balance(); `index` counts levels.
-void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
-                    const float* density);
+void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan,
+                    int index, const float* density);
 
 // Moves level.x, level.y to equal weights; untangles the lattice before and after. The last call of
 // integrate_rows must have been for this level.
-void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
+void balance(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan, int index,
              const BalanceConfig& config, const LevelView& level);
 
 }  // namespace hexrelief::cuda

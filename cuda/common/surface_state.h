@@ -79,7 +79,7 @@ struct SurfaceLabels {
     std::uint8_t* straddling;
     std::uint8_t (*open)[3];
     std::uint32_t* run_starts;
-    PixelRun* runs;
+    surface::PixelRun* runs;
 };
 
 // As DisparityMesh, with the triangles of the split lattice that its own come from.

@@ -92,11 +92,11 @@ __device__ void each_wanted_by_group(const CooperativeGrid& grid, unsigned count
 
 // A row of a lane's group.
 struct GroupRow {
-    PixelRun run;      // no pixels: beyond the triangle, or none of them lie in it
-    bool own = false;  // whether there are
-    unsigned all = 0;  // the group's lanes that have some
-    PixelRun above;    // the row before, without pixels where it lies beyond the triangle
-    PixelRun upper;    // the last row with pixels above
+    surface::PixelRun run;    // no pixels: beyond the triangle, or none of them lie in it
+    bool own = false;         // whether there are
+    unsigned all = 0;         // the group's lanes that have some
+    surface::PixelRun above;  // the row before, without pixels where it lies beyond the triangle
+    surface::PixelRun upper;  // the last row with pixels above
     bool has_upper = false;
     unsigned upper_lane = 0;  // that had it, unless it came with the rows before
     bool upper_before = false;
@@ -105,9 +105,9 @@ struct GroupRow {
 // Calls visit(row) for as many rows of each group's triangle as it has lanes, after the other; and for so
 // many rows beyond the last.
 template <typename Visit>
-__device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows& rows, bool has, int beyond,
-                                  const Visit& visit) {
-    PixelRun last, final{rows.first() - 1, 0, 0};  // the last one with pixels, and of all
+__device__ void each_row_by_group(const TriangleLanes& group, const surface::TriangleRows& rows, bool has,
+                                  int beyond, const Visit& visit) {
+    surface::PixelRun last, final{rows.first() - 1, 0, 0};  // the last one with pixels, and of all
     bool has_last = false;
     HEXRELIEF_ROLLED
     for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end() + beyond);
@@ -120,8 +120,8 @@ __device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows
         row.all = group.ballot(row.own);
         const unsigned lower = row.all & ((1u << group.lane) - 1);
         const auto row_of = [&](unsigned source) {
-            return PixelRun{start + static_cast<int>(source), group.from(row.run.first, source),
-                            group.from(row.run.end, source)};
+            return surface::PixelRun{start + static_cast<int>(source), group.from(row.run.first, source),
+                                     group.from(row.run.end, source)};
         };
         const auto last_of = [](unsigned lanes) { return lanes ? 31 - __clz(lanes) : 0; };
         row.above = row_of(group.lane ? group.lane - 1 : 0);
@@ -132,7 +132,7 @@ __device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows
         row.has_upper = lower != 0 || has_last;
         if (lower == 0) row.upper = last;
         final = row_of(group.size - 1);
-        const PixelRun lowest = row_of(last_of(row.all));
+        const surface::PixelRun lowest = row_of(last_of(row.all));
         if (row.all) {
             last = lowest;
             has_last = true;

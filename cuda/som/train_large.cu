@@ -9,14 +9,14 @@ constexpr int kBlock = 896, kWarps = kBlock / 32;  // the best of 640 to 1024
 constexpr int kMostTasks = 384;                    // patches x iterations between two waits of a block
 constexpr int kLeastRounds = 2;                    // of a block's tasks, or fewer iterations go together
 constexpr int kCorners = 256;                      // patches whose corner a block keeps
-static_assert(kWarps >= kMostBatch);
+static_assert(kWarps >= som::kMostBatch);
 
 struct Scratch {  // a block's shared memory
     uint4 units[kWarps][32 * kUnitsAtOnce];
     step::Target targets[kMostTasks][32];
-    uint2 tables[kMostBatch][kTableWidth];  // gain and decay of each distance, 0 beyond the radius
-    std::uint32_t points[2][kMostBatch];    // drawn in each iteration of this batch and the next
-    int radius[kMostBatch];
+    uint2 tables[som::kMostBatch][kTableWidth];  // gain and decay of each distance, 0 beyond the radius
+    std::uint32_t points[2][som::kMostBatch];    // drawn in each iteration of this batch and the next
+    int radius[som::kMostBatch];
     int2 corners[kCorners];
 };
 

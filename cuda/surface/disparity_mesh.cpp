@@ -42,9 +42,10 @@ bool can_cut_meshes() {
     return can_fit_silhouettes();
 }
 
-DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
-                                       const float* map_on_device, const DisparityMeshInput& input,
-                                       const SurfaceConfig& config) {
+surface::DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
+                                                const float* map_on_device,
+                                                const surface::DisparityMeshInput& input,
+                                                const SurfaceConfig& config) {
     Stopwatch stopwatch(launch.stream);
     for (double share = kVertexShare;; share *= 2) {  // NOLINT(cert-flp30-c): exact
         const SurfaceMemory memory = take_surface_memory(arena, input, config, map_on_device, share);

@@ -12,8 +12,9 @@ bool can_cut_meshes();
 
 // The same bytes as hexrelief::cut_disparity_mesh(). Resets the arena. Throws Error(device) where memory is
 // too small.
-DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
-                                       const float* map_on_device, const DisparityMeshInput& input,
-                                       const SurfaceConfig& config);
+surface::DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
+                                                const float* map_on_device,
+                                                const surface::DisparityMeshInput& input,
+                                                const SurfaceConfig& config);
 
 }  // namespace hexrelief::cuda

@@ -34,12 +34,13 @@ struct SurfaceMemory {
 
 // For a split lattice of vertex_share times as many vertices as the lattice, and some. map_on_device: null =
 // there is none yet. Resets the arena. Throws Error(device) where memory is too small.
-SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input, const SurfaceConfig& config,
-                                  const float* map_on_device, double vertex_share);
+SurfaceMemory take_surface_memory(Arena& arena, const surface::DisparityMeshInput& input,
+                                  const SurfaceConfig& config, const float* map_on_device,
+                                  double vertex_share);
 
 // What the stage reads; the map where it is not there yet.
-void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInput& input, bool with_map,
-                  const SurfaceMemory& memory);
+void upload_input(cudaStream_t stream, Staging& staging, const surface::DisparityMeshInput& input,
+                  bool with_map, const SurfaceMemory& memory);
 
 // The mesh, once the stream has come there; nothing: there was too little memory for it.
 std::optional<DisparityMesh> download_mesh(cudaStream_t stream, Staging& staging, const SurfaceState& state);

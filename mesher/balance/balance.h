@@ -8,7 +8,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 
 // Smaller lattices are balanced by one thread alone, because an iteration has some 30 barriers. Seconds of
 // the mesh stage on aloe, small / full size, with limits of 20,000, 4,000, 1,000 vertices: two threads 0.025,
@@ -20,8 +20,9 @@ inline constexpr std::size_t kLeastSharedVertices = 1000;
 // the same result for any number of threads. pinned: the lattice's border lies on the area's and slides along
 // it. held: see untangle(). Untangles the lattice before and after. Does nothing where the density is 0
 // everywhere or no cell has six neighbours.
-void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const std::uint8_t* held,
-                   const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions);
+void balance_level(const som::LevelPlan& plan, const BalanceConfig& config, bool pinned,
+                   const std::uint8_t* held, const std::vector<float>& density, ThreadPool& pool,
+                   som::LatticePositions& positions);
 
 // A part of a lattice whose first vertex is the centre of a honeycomb cell of the whole: its column there is
 // a multiple of 3, its row of 2.
@@ -31,10 +32,10 @@ struct LatticePatch {
 };
 
 // What both backends balance a patch by: its level, and which vertices stay, those of its border included.
-LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch);
+som::LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch);
 std::vector<std::uint8_t> held_with_border(const LatticePatch& patch);
 
 // Balances a patch on its part of the density, which covers it; the vertices of its border stay as well.
 void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

@@ -5,7 +5,7 @@
 #include "mesher/common/thread_pool.h"
 #include "mesher/som/level_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Positions of one level's lattice, structure of arrays, in the level's px.
 struct LatticePositions {
@@ -29,4 +29,4 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
 int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
              LatticePositions& positions);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

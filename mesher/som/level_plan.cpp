@@ -8,7 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // Coarser lattices have too few vertices for a neighbourhood to order: at 5 columns, radius 6, a map came out
@@ -106,4 +106,4 @@ std::vector<float> magnification_table(double exponent) {
     return table;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -10,7 +10,7 @@
 #include "mesher/som/level_transfer_step.h"
 #include "mesher/som/outline_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Learning rate and neighbourhood of one iteration (paper, Eq. 3 and 4), as tables over the lattice distance.
 struct LearningTables {
@@ -66,4 +66,4 @@ inline constexpr int kMagnificationSteps = 4096;
 // (i / steps)^exponent, steps + 1 entries; empty where exponent is 1.
 std::vector<float> magnification_table(double exponent);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

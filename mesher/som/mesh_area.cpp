@@ -5,7 +5,7 @@
 
 #include "mesher/som/level_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // The largest ratio of the lattice's spacings in the two directions: the regular lattice then has angles of
@@ -136,4 +136,4 @@ std::vector<float> density_within(const DensityMap& density, const MeshArea& are
     return values;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

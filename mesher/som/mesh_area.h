@@ -6,7 +6,7 @@
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/density_map.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // MeshBorder::fit: the smallest rectangle around all density, grown until it has at least a pixel for each
 // vertex and the lattice's spacings in the two directions differ by at most a factor of kMostStretch.
@@ -31,4 +31,4 @@ step::Outline outline_of(const MeshOutline& outline, const float* upper, const f
 // The density within the area, row after row.
 std::vector<float> density_within(const DensityMap& density, const MeshArea& area);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -7,7 +7,7 @@
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/best_matching_unit_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // The cumulative distribution over all pixels (Eq. 5), in units of 2^-32 of the densest pixel.
@@ -90,4 +90,4 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
     return positions;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

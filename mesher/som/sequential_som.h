@@ -3,7 +3,7 @@
 
 #include "mesher/som/cellular_som.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Makes t_max x cells draws from the cumulative distribution of the whole density (plan.width x plan.height;
 // Eq. 5) and applies each at once (Eq. 3). Learning rate and radius decrease after every `cells` draws;
@@ -11,4 +11,4 @@ namespace hexrelief {
 LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan,
                                   const MeshConfig& config, const ProgressFunction& progress);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

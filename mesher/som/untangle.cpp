@@ -4,7 +4,7 @@
 #include "mesher/som/cellular_som.h"
 #include "mesher/som/untangle_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
              LatticePositions& positions) {
@@ -49,4 +49,4 @@ int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, Threa
     return step::kMostUntangleSweeps;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

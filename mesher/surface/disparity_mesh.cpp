@@ -17,7 +17,7 @@
 #include "mesher/surface/topology/split_triangles.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 void check_disparity_mesh_input(const DisparityMeshInput& input) {
     const HexMesh2D& mesh = *input.mesh;
     const std::size_t count = static_cast<std::size_t>(mesh.columns) * mesh.rows;
@@ -84,4 +84,4 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
     return cut_mesh;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -10,7 +10,7 @@
 #include "pipeline/data/hex_mesh.h"
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Where a map and its lattice are parts of larger ones: of the whole. Zeros: these are the whole.
 struct WholeMap {
@@ -71,4 +71,4 @@ double cell_area_px(const DisparityMeshInput& input);
 
 step::LatticePart lattice_part(const DisparityMeshInput& input);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

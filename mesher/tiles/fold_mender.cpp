@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <optional>
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 // Which triangle an edge with a wanted corner belongs to, in its direction.
@@ -198,4 +198,4 @@ std::vector<std::uint32_t> mend_folds(const TileMesh& mesh, std::vector<Triangle
     return FoldMender(mesh, triangles).mend();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -8,7 +8,7 @@
 #include "mesher/surface/disparity_mesh.h"
 #include "mesher/tiles/lattice_tiles.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 // px around a tile's block that its surface depends on: silhouettes, holes up to a lattice cell.
 inline constexpr int kTileMargin_px = 64;
@@ -20,7 +20,7 @@ struct TileSurfaceInput {
     float background_px = 0;
     // Of the whole map: the area of a lattice cell, the largest and the smallest disparity above 0. The rest
     // is filled in.
-    WholeMap whole;
+    surface::WholeMap whole;
 };
 
 // A corner of a triangle, in the whole map.
@@ -41,12 +41,13 @@ struct TileSurface {
 void rounded_disparities(DisparityMap& map);
 
 // cut_disparity_mesh(), on the CPU or on a device.
-using CutMesh = std::function<DisparityMesh(const DisparityMeshInput&, const SurfaceConfig&, int threads)>;
+using CutMesh =
+    std::function<DisparityMesh(const surface::DisparityMeshInput&, const SurfaceConfig&, int threads)>;
 
 // Triangles whose centres lie within the border of tile (i, j) of a block that TileSolver::tile() solved.
 // Throws as cut_disparity_mesh() does.
 TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,
                      const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
-                     const CutMesh& cut = cut_disparity_mesh);
+                     const CutMesh& cut = surface::cut_disparity_mesh);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

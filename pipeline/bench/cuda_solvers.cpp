@@ -29,7 +29,7 @@ Row empty_row(const Case& c, const std::string& solver) {
 }
 
 void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs, Row& row) {
-    const MeshQuality quality = measure_quality(mesh, c.density, threads);
+    const quality::MeshQuality quality = quality::measure_quality(mesh, c.density, threads);
     costs.runs.push_back(quality.percent_cost);
     row.percent_cost = costs.median();
     row.inverted = quality.inverted_triangles;
@@ -47,7 +47,7 @@ Row measure(const Case& c, const std::string& solver, const Backend& backend, co
     Times costs;
     for (int run = 0; run < runs; ++run) {
         const double start = now_seconds();
-        const MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
+        const mesher::MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
         row.stage_s.runs.push_back(now_seconds() - start);
         if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
         if (run > 0) continue;  // the same bytes in every run
@@ -135,15 +135,15 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
 }
 
 Row Solvers::cut_mesh(const Case& c, int runs) {
-    const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
-    const DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
-                                   solved.map_on_device};
+    const mesher::MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
+    const surface::DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
+                                            solved.map_on_device};
     Row row = empty_row(c, "cut");
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;
     for (int run = -1; run < runs; ++run) {
         const double start = now_seconds();
-        const DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
+        const surface::DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
         const double seconds = now_seconds() - start;
         if (run < 0) continue;
         row.stage_s.runs.push_back(seconds);

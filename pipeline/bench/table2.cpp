@@ -83,7 +83,7 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const int width = map.disparity.width, height = map.disparity.height;
     const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
     const DisparityMesh cut_mesh =
-        cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
+        surface::cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
     // the paper's schedule may leave a tiny map's lattice mirrored, with no triangle to keep
     if (!cut_mesh.triangles.empty()) stages::build_surface(cut_mesh, width, height, camera, 0);
 }
@@ -103,7 +103,7 @@ table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const M
     row.ssr = config.ssr;
     row.crr = config.crr;
     for (int run = 0; run < runs; ++run) {
-        MeshResult result;
+        mesher::MeshResult result;
         row.mesh.runs.push_back(
             seconds_of([&] { result = backend.solve_mesh(map.density, map.disparity, config, {}); }));
         row.surface.runs.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
@@ -111,7 +111,7 @@ table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const M
         row.columns = result.mesh.columns;
         row.rows = result.mesh.rows;
         row.iterations = result.iterations;
-        row.quality = measure_quality(result.mesh, map.density, threads);
+        row.quality = quality::measure_quality(result.mesh, map.density, threads);
     }
     std::sort(row.mesh.runs.begin(), row.mesh.runs.end());
     std::sort(row.surface.runs.begin(), row.surface.runs.end());

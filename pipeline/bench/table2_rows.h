@@ -17,7 +17,7 @@ struct Row {
     int width = 0, height = 0, columns = 0, rows = 0, cell_columns = 0, cell_rows = 0, ssr = 0, crr = 0;
     int iterations = 0;
     Times mesh, surface;  // of the two stages; the surface's is the CPU's on every backend
-    MeshQuality quality;
+    quality::MeshQuality quality;
 };
 
 // Means over the rows of one set, method and backend; the paper's over the same maps.

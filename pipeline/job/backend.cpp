@@ -38,13 +38,13 @@ Backend cpu_backend(int threads) {
             },
             [threads](const DensityMap& density, const DisparityMap&, const MeshConfig& config,
                       const ProgressFunction& progress) {
-                return solve_mesh(density, config, threads, progress);
+                return mesher::solve_mesh(density, config, threads, progress);
             },
-            [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
-                return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
+            [threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
+                return surface::DisparityMeshResult{surface::cut_disparity_mesh(input, config, threads)};
             },
-            [threads](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
-                balance_patch(density, config, threads, patch);
+            [threads](const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch) {
+                balance::balance_patch(density, config, threads, patch);
             },
             {},
             {},
@@ -70,13 +70,13 @@ Backend cuda_backend(int threads) {
                    const ProgressFunction& progress) {
                 return (*made)->mesher.solve(density, config, progress, &map);
             },
-            [made, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
+            [made, threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
                 CudaMesher& mesher = (*made)->mesher;
-                return mesher.can_cut_meshes()
-                           ? mesher.cut_disparity_mesh(input, config)
-                           : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
+                return mesher.can_cut_meshes() ? mesher.cut_disparity_mesh(input, config)
+                                               : surface::DisparityMeshResult{
+                                                     surface::cut_disparity_mesh(input, config, threads)};
             },
-            [made](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+            [made](const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch) {
                 (*made)->mesher.balance_patch(density, config, patch);
             },
             [made] {

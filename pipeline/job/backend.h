@@ -18,12 +18,13 @@ struct Backend {
     std::string name;    // "cpu" or "cuda"
     std::string device;  // its make and model
     stages::PairMatcher match_pair;
-    std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
-                             const ProgressFunction&)>
+    std::function<mesher::MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
+                                     const ProgressFunction&)>
         solve_mesh;
-    std::function<DisparityMeshResult(const DisparityMeshInput&, const SurfaceConfig&)> cut_disparity_mesh;
+    std::function<surface::DisparityMeshResult(const surface::DisparityMeshInput&, const SurfaceConfig&)>
+        cut_disparity_mesh;
     // balance_patch() of mesher/balance/balance.h.
-    std::function<void(const DensityMap&, const BalanceConfig&, LatticePatch&)> balance_patch;
+    std::function<void(const DensityMap&, const BalanceConfig&, balance::LatticePatch&)> balance_patch;
     // Ends the process's use of the device; nothing above may be called after it. Empty where nobody needs
     // it.
     std::function<void()> give_back;

@@ -35,7 +35,7 @@ PageContent page_content(const LeftView& view, const SurfaceResult& result, cons
     add("mesh2d", "The adapted lattice",
         mesh_picture(lattice, view.color.empty() ? disparities : view.color));
     add("weights", "How equal its honeycomb cells are",
-        weights_picture(honeycomb_weights(lattice, view.density, threads)));
+        weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
 
     add("relief", "The relief, seen from the side", relief.get());
 

@@ -84,7 +84,7 @@ double share_of(PixelOrigin origin, const DisparityMap& map) {
 }
 
 // Honeycomb weights in percent of their mean.
-Json weights_json(const MeshQuality& quality) {
+Json weights_json(const quality::MeshQuality& quality) {
     Json json;
     json["p5"] = finite(quality.percentile5_weight_percent);
     json["p50"] = finite(quality.percentile50_weight_percent);
@@ -93,7 +93,7 @@ Json weights_json(const MeshQuality& quality) {
 }
 
 // Smallest angles of the triangles.
-Json angles_json(const MeshQuality& quality) {
+Json angles_json(const quality::MeshQuality& quality) {
     Json json;
     json["min"] = finite(quality.min_angle_deg);
     json["p1"] = finite(quality.percentile1_angle_deg);
@@ -176,7 +176,7 @@ PictureShares shares_of(const LeftView& view, const SurfaceResult& result) {
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
     const auto& [backend_reason, input, disparity, view, result, measures, coarser, outputs, shares] =
         results;
-    const MeshResult& lattice = result.lattice;
+    const mesher::MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
     report.backend_reason = backend_reason;

@@ -56,7 +56,7 @@ struct RunReport {
     double device_balance_s = 0;   // the same for balancing
     double device_surface_s = 0;   // the same for cutting and fitting the mesh
     std::size_t device_bytes = 0;  // device memory in use at the peak; 0 on the CPU
-    MeshQuality quality;
+    quality::MeshQuality quality;
     std::size_t vertices = 0, triangles = 0;
     int components = 0, boundary_loops = 0;
     std::vector<LevelReport> levels;  // fine to coarse

@@ -20,9 +20,9 @@
 namespace hexrelief {
 namespace {
 
-MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const RunContext& run) {
-    const MeshResult solved = run.backend.solve_mesh(view.density, view.meshed, config,
-                                                     [&run](double share) { run.log.progress(share); });
+mesher::MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const RunContext& run) {
+    const mesher::MeshResult solved = run.backend.solve_mesh(
+        view.density, view.meshed, config, [&run](double share) { run.log.progress(share); });
     if (solved.device_bytes > 0)
         run.log.decide("device: training " + fixed(solved.device_training_s * 1e3, 3) + " ms, balancing " +
                        fixed(solved.device_balance_s * 1e3, 3) + " ms on its own clock, " +
@@ -33,9 +33,9 @@ MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const R
     return solved;
 }
 
-SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const Config& config,
+SpaceSurface surface_of(const mesher::MeshResult& lattice, const LeftView& view, const Config& config,
                         const RunContext& run) {
-    DisparityMeshResult cut =
+    surface::DisparityMeshResult cut =
         run.backend.cut_disparity_mesh({&lattice.mesh, &view.meshed, view.density.background_px,
                                         view.color.empty() ? nullptr : &view.color, lattice.map_on_device},
                                        config.surface);
@@ -50,7 +50,7 @@ SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const C
     return {std::move(mesh), bounds, cut.device_s};
 }
 
-SpaceSurface lift(const MeshResult& lattice, const LeftView& view, const Config& config,
+SpaceSurface lift(const mesher::MeshResult& lattice, const LeftView& view, const Config& config,
                   const RunContext& run) {
     SpaceSurface surface = surface_of(lattice, view, config, run);
     run.log.decide("depth: " + fixed(-surface.bounds.high.z, 3) + " to " + fixed(-surface.bounds.low.z, 3) +
@@ -62,7 +62,8 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
     const int levels = config.exporting.lod;
     const auto progress = [&](double share) { run.log.progress((level - 1 + share) / (levels - 1)); };
     try {
-        const MeshResult lattice = run.backend.solve_mesh(view.density, view.meshed, config.mesh, progress);
+        const mesher::MeshResult lattice =
+            run.backend.solve_mesh(view.density, view.meshed, config.mesh, progress);
         return {config.mesh.spacing_px, surface_of(lattice, view, config, run).mesh};
     } catch (const Error& error) {
         throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
@@ -192,8 +193,9 @@ DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig
 SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run) {
     SurfaceResult result;
     result.lattice = run.log.stage("mesh", [&] { return solve_lattice(view, config.mesh, run); });
-    auto quality = start_work(
-        run.threads, [&] { return measure_quality(result.lattice.mesh, view.density, run.threads); });
+    auto quality = start_work(run.threads, [&] {
+        return quality::measure_quality(result.lattice.mesh, view.density, run.threads);
+    });
     result.surface = run.log.stage("surface", [&] { return lift(result.lattice, view, config, run); });
     result.quality = run.log.stage("quality", [&] { return quality.get(); });
     result.config = config;
@@ -213,7 +215,7 @@ Config with_tolerance(const Config& config, const SurfaceMesh& surface, const Le
     return effective;
 }
 
-void warn_of_inversions(const MeshQuality& quality, RunLog& log) {
+void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log) {
     if (quality.inverted_triangles > 0)
         log.warn(std::to_string(quality.inverted_triangles) +
                  " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");

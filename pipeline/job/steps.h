@@ -58,8 +58,8 @@ struct SpaceSurface {
 // A surface, with the lattice and the configuration that it was made with.
 struct SurfaceResult {
     Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
-    MeshResult lattice;
-    MeshQuality quality;  // of the lattice
+    mesher::MeshResult lattice;
+    quality::MeshQuality quality;  // of the lattice
     SpaceSurface surface;
     BudgetResult budget;  // what the search for the spacing found; no kind = no budget
 };
@@ -123,7 +123,7 @@ SurfaceResult make_surface(const LeftView& view, const Config& config, const Run
 Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
                       const RunContext& run);
 
-void warn_of_inversions(const MeshQuality& quality, RunLog& log);
+void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log);
 
 // export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_surface().
 std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run);

@@ -164,7 +164,8 @@ std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const s
     if (name == "mesh2d.png")
         return encode_png(mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
     if (name == "weights.png")
-        return encode_png(weights_picture(honeycomb_weights(*results.mesh, density, results.threads)));
+        return encode_png(
+            weights_picture(quality::honeycomb_weights(*results.mesh, density, results.threads)));
     if (name == "relief.png") return encode_png(render_relief(*results.surface, results.left));
     if (name != "mesh2d.obj") throw std::logic_error("no stage writes " + name.string());
     const std::string text = mesh_obj(*results.mesh);

@@ -73,7 +73,7 @@ double grid_step(const TilePlan& plan) {
                          c.focal_px;
     // of half a step, across and in disparity
     const double px_of_step = 0.5 * std::max(c.focal_px / near * (1 + aside), depth / (near * near));
-    const LatticeTiling tiling = plan.tiling();
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
     const double tile_px =
         1.5 * std::max(double(plan.width) / tiling.across(), double(plan.height) / tiling.down());
     const double widest = std::max(tile_px / c.focal_px * far + aside * (far - near), far - near);
@@ -88,7 +88,9 @@ Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
     Calibration camera = resolved.calibration;
-    const auto rounded = [](double px) { return std::floor(px * kPlacesPerPixel + 0.5) / kPlacesPerPixel; };
+    const auto rounded = [](double px) {
+        return std::floor(px * mesh_tiles::kPlacesPerPixel + 0.5) / mesh_tiles::kPlacesPerPixel;
+    };
     camera.cx = rounded(camera.cx);
     camera.cy = rounded(camera.cy);
     return camera;
@@ -134,7 +136,7 @@ void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
 }
 
 void lay_lattice(const PlanRequest& request, TilePlan& plan) {
-    const auto lattice = lattice_size(plan.width, plan.height, plan.config.mesh.spacing_px);
+    const auto lattice = som::lattice_size(plan.width, plan.height, plan.config.mesh.spacing_px);
     plan.columns = lattice.columns;
     plan.rows = lattice.rows;
     plan.tile_spacings = request.tile_vertices;
@@ -154,22 +156,22 @@ void write_file(OutputSet& files, const std::filesystem::path& path, const std::
 
 // Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as
 // many at a time as there are threads.
-void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
+void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::CoarseLattice& coarse,
                  const TileWorkers& workers, OutputSet& files, RunLog& log) {
-    const LatticeTiling tiling = plan.tiling();
-    const auto density_by = [&](int threads) -> DensityOfWindow {
-        return [&, threads](const MapRect& window) {
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
+    const auto density_by = [&](int threads) -> mesh_tiles::DensityOfWindow {
+        return [&, threads](const mesh_tiles::MapRect& window) {
             return stages::density_at_scale(map.read(window, threads), plan.density, plan.config.density,
                                             threads);
         };
     };
     const int row_jobs = std::clamp(kRowSeamPixels / plan.width, 1, std::min(4, workers.threads)),
               row_threads = workers.threads / row_jobs;
-    const DensityOfWindow by_some = density_by(row_threads), by_one = density_by(1);
+    const mesh_tiles::DensityOfWindow by_some = density_by(row_threads), by_one = density_by(1);
     const BalanceConfig& config = plan.config.mesh.balance;
-    const TileSolver of_rows(tiling, coarse, config, by_some, row_threads, workers.balance),
+    const mesh_tiles::TileSolver of_rows(tiling, coarse, config, by_some, row_threads, workers.balance),
         of_columns(tiling, coarse, config, by_one, 1, workers.balance);
-    std::vector<Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
+    std::vector<mesh_tiles::Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
     log.stage("row seams", [&] {
         do_jobs(static_cast<std::size_t>(tiling.down()) - 1, row_jobs, [&](std::size_t k) {
             wait_if_interrupted();
@@ -216,7 +218,7 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     log.stage("density", [&] { find_scale(map, threads, plan); });
     plan.grid_step_m = grid_step(plan);
 
-    CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
+    mesh_tiles::CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
     const DensityMap shrunk = log.stage("shrunk density", [&] { return shrunk_density(plan, map, threads); });
     coarse.mesh = log.stage("coarse lattice", [&] {
         return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })

@@ -19,7 +19,7 @@ namespace hexrelief {
 namespace {
 
 namespace fs = std::filesystem;
-using SeamEdge = std::array<TileCorner, 2>;
+using SeamEdge = std::array<mesh_tiles::TileCorner, 2>;
 
 constexpr double kShareOfChildren = 0.25;  // of the triangles
 
@@ -41,7 +41,7 @@ void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int
     std::vector<SeamEdge> edges;
     std::mutex turn;
     do_jobs(tiles.size(), threads, [&](std::size_t k) {
-        const TileMesh mesh = read_tile(tile_file(plan, tiles[k], ".mesh"));
+        const mesh_tiles::TileMesh mesh = read_tile(tile_file(plan, tiles[k], ".mesh"));
         const std::lock_guard lock(turn);
         edges.insert(edges.end(), mesh.seam_edges.begin(), mesh.seam_edges.end());
     });
@@ -57,32 +57,35 @@ void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int
 }
 
 // The pixels that the mesh covers, in whole squares of by x by px.
-MapRect extent_of(const TilePlan& plan, const TileMesh& mesh, int by) {
-    Place least = mesh.corners.front().place, most = least;
-    for (const TileCorner& c : mesh.corners) {
+mesh_tiles::MapRect extent_of(const TilePlan& plan, const mesh_tiles::TileMesh& mesh, int by) {
+    mesh_tiles::Place least = mesh.corners.front().place, most = least;
+    for (const mesh_tiles::TileCorner& c : mesh.corners) {
         least = {std::min(least.x, c.place.x), std::min(least.y, c.place.y)};
         most = {std::max(most.x, c.place.x), std::max(most.y, c.place.y)};
     }
-    const auto below = [&](std::int32_t at) { return std::max(0, at / kPlacesPerPixel / by * by); };
+    const auto below = [&](std::int32_t at) {
+        return std::max(0, at / mesh_tiles::kPlacesPerPixel / by * by);
+    };
     const auto above = [&](std::int32_t at, int size) {
-        return std::min(size, (at / kPlacesPerPixel / by + 1) * by);
+        return std::min(size, (at / mesh_tiles::kPlacesPerPixel / by + 1) * by);
     };
     const int x = below(least.x), y = below(least.y);
     return {x, y, above(most.x, plan.width) - x, above(most.y, plan.height) - y};
 }
 
-TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
+mesh_tiles::TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
     return read_tile(tile_file(plan, tile, ".mesh"));
 }
 
-void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vector<TileMesh>& parts,
-                   const PictureWindows* picture, int threads) {
-    std::vector<TileMesh> children;
+void solve_coarser(const TilePlan& plan, const TileNumber& tile,
+                   const std::vector<mesh_tiles::TileMesh>& parts, const PictureWindows* picture,
+                   int threads) {
+    std::vector<mesh_tiles::TileMesh> children;
     for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
     const Calibration& camera = plan.calibration;
-    const CoarserTile coarser = coarser_tile(children, parts, kShareOfChildren, [&](double disparity) {
-        return -stages::position_in_space(0, 0, disparity, camera)[2];
-    });
+    const mesh_tiles::CoarserTile coarser = mesh_tiles::coarser_tile(
+        children, parts, kShareOfChildren,
+        [&](double disparity) { return -stages::position_in_space(0, 0, disparity, camera)[2]; });
     TileReport report;
     report.error_px = coarser.error_px;
     report.error_m = coarser.error_m;
@@ -91,7 +94,7 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vect
         return;
     }
     const int by = 1 << (plan.finest_level() - tile.level);
-    const MapRect extent = extent_of(plan, coarser.mesh, by);
+    const mesh_tiles::MapRect extent = extent_of(plan, coarser.mesh, by);
     Image texture;
     if (picture) texture = shrunk_picture(*picture, extent, by);
     write_tile(plan, tile, coarser.mesh, tile_scene(plan, coarser.mesh, extent),
@@ -138,16 +141,16 @@ void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
         plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path);
     LevelJobs all;
     add_missing(plan, {0, 0, 0}, all);
-    std::vector<TileMesh> simplified(all.jobs.size());
+    std::vector<mesh_tiles::TileMesh> simplified(all.jobs.size());
     std::mutex turn;
     double done = 0;
     do_jobs_in_turn(all.needed_by, threads, [&](std::size_t k) {
         wait_if_interrupted();
         const LevelJob& job = all.jobs[k];
         if (job.parts.empty()) {
-            simplified[k] = simplified_alone(mesh_of(plan, job.tile), kShareOfChildren);
+            simplified[k] = mesh_tiles::simplified_alone(mesh_of(plan, job.tile), kShareOfChildren);
         } else {
-            std::vector<TileMesh> parts;
+            std::vector<mesh_tiles::TileMesh> parts;
             for (const std::size_t part : job.parts) parts.push_back(std::move(simplified[part]));
             const auto beside = static_cast<int>(tiles_of_level(plan, job.tile.level).size());
             solve_coarser(plan, job.tile, parts, picture.get(), std::max(1, threads / beside));

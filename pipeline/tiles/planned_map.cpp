@@ -15,7 +15,7 @@ namespace {
 constexpr int kFileTile_px = 256;
 
 // The first column of the file's tiles that is right of the window.
-int tiles_end(const MapRect& window) {
+int tiles_end(const mesh_tiles::MapRect& window) {
     return (window.x + window.width - 1) / kFileTile_px + 1;
 }
 
@@ -37,12 +37,12 @@ PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
     if (!needs_colors && !has_transparent_) picture_.reset();
 }
 
-int PlannedMap::strips_of(const MapRect& window, int threads) {
+int PlannedMap::strips_of(const mesh_tiles::MapRect& window, int threads) {
     return std::clamp(tiles_end(window) - window.x / kFileTile_px, 1, std::max(1, threads));
 }
 
 void PlannedMap::read_in_strips(
-    const MapRect& window, int strips,
+    const mesh_tiles::MapRect& window, int strips,
     const std::function<void(int strip, const stages::MapWindow& part)>& take) const {
     const int first = window.x / kFileTile_px, tiles = tiles_end(window) - first,
               right = window.x + window.width, bottom = window.y + window.height;
@@ -62,7 +62,7 @@ void PlannedMap::read_in_strips(
 }
 
 // In bands, so that the picture's samples take little beside the map's.
-void PlannedMap::hide_transparent(const MapRect& window, DisparityMap& map) const {
+void PlannedMap::hide_transparent(const mesh_tiles::MapRect& window, DisparityMap& map) const {
     for (int top = 0; top < window.height; top += kFileTile_px) {
         const int rows = std::min(kFileTile_px, window.height - top);
         const Image part = picture_->read(window.x, window.y + top, window.width, rows);
@@ -72,12 +72,12 @@ void PlannedMap::hide_transparent(const MapRect& window, DisparityMap& map) cons
     }
 }
 
-DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
+DisparityMap PlannedMap::read(const mesh_tiles::MapRect& window, int threads) const {
     const int strips = strips_of(window, threads);
     if (strips == 1) {
         DisparityMap map = map_->read(window.x, window.y, window.width, window.height);
         if (has_transparent_) hide_transparent(window, map);
-        rounded_disparities(map);
+        mesh_tiles::rounded_disparities(map);
         return map;
     }
     DisparityMap map{window.width, window.height, {}};
@@ -90,7 +90,7 @@ DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
 }
 
 stages::MapInStrips PlannedMap::strips(int threads) const {
-    const MapRect all{0, 0, width(), height()};
+    const mesh_tiles::MapRect all{0, 0, width(), height()};
     const int strips = strips_of(all, threads);
     return {strips, [this, all, strips](const auto& take) { read_in_strips(all, strips, take); }};
 }

@@ -25,15 +25,15 @@ class PlannedMap {
     // Disparities as rounded_disparities() leaves them, read by `threads` threads; unknown where the picture
     // is transparent and input.mask.alpha says so. Any number of threads may call. Throws as
     // MapWindows::read() and PictureWindows::read().
-    DisparityMap read(const MapRect& window, int threads = 1) const;
+    DisparityMap read(const mesh_tiles::MapRect& window, int threads = 1) const;
     // All of it, by `threads` threads.
     stages::MapInStrips strips(int threads) const;
 
   private:
-    static int strips_of(const MapRect& window, int threads);
-    void read_in_strips(const MapRect& window, int strips,
+    static int strips_of(const mesh_tiles::MapRect& window, int threads);
+    void read_in_strips(const mesh_tiles::MapRect& window, int strips,
                         const std::function<void(int strip, const stages::MapWindow& part)>& take) const;
-    void hide_transparent(const MapRect& window, DisparityMap& map) const;
+    void hide_transparent(const mesh_tiles::MapRect& window, DisparityMap& map) const;
     std::unique_ptr<MapWindows> map_;
     std::unique_ptr<PictureWindows> picture_;
     bool has_transparent_ = false;

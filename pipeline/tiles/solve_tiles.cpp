@@ -30,11 +30,11 @@ struct SolveContext {
     const TilePlan& plan;
     const TileWorkers& workers;
     int threads;  // of one job
-    LatticeTiling tiling;
+    mesh_tiles::LatticeTiling tiling;
     PlannedMap map;
-    CoarseLattice coarse;
-    DensityOfWindow density;
-    TileSolver solver;
+    mesh_tiles::CoarseLattice coarse;
+    mesh_tiles::DensityOfWindow density;
+    mesh_tiles::TileSolver solver;
 
     SolveContext(const TilePlan& of, const TileWorkers& with, int threads_of_job)
         : plan(of),
@@ -43,19 +43,19 @@ struct SolveContext {
           tiling(of.tiling()),
           map(of, true),
           coarse{read_lattice(coarse_file(of)), of.shrunk_by, of.width, of.height},
-          density([this](const MapRect& window) {
+          density([this](const mesh_tiles::MapRect& window) {
               return stages::density_at_scale(map.read(window), plan.density, plan.config.density);
           }),
           solver(tiling, coarse, plan.config.mesh.balance, density, threads, workers.balance) {}
 };
 
-LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
+mesh_tiles::LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
     const TilePlan& plan = context.plan;
-    std::array<std::unique_ptr<Seam>, 4> seams;  // above, below, left, right
+    std::array<std::unique_ptr<mesh_tiles::Seam>, 4> seams;  // above, below, left, right
     const auto read = [&](std::size_t k, bool is_there, const fs::path& path) {
         if (!is_there) return;
         check_planned_file(plan, path);
-        seams[k] = std::make_unique<Seam>(read_seam(path));
+        seams[k] = std::make_unique<mesh_tiles::Seam>(read_seam(path));
     };
     const int i = tile.i, j = tile.j;
     read(0, j > 0, row_seam_file(plan, j));
@@ -101,19 +101,22 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
 
 void solve_tile(const SolveContext& context, const TileNumber& tile) {
     const TilePlan& plan = context.plan;
-    const LatticeBlock block = solved_block(context, tile);
-    const MapRect window = window_of(block, kTileMargin_px, plan.width, plan.height);
+    const mesh_tiles::LatticeBlock block = solved_block(context, tile);
+    const mesh_tiles::MapRect window =
+        mesh_tiles::window_of(block, mesh_tiles::kTileMargin_px, plan.width, plan.height);
     const DisparityMap map = context.map.read(window);
     Image color;
     if (const PictureWindows* const picture = context.map.picture())
         color = picture->read(window.x, window.y, window.width, window.height);
-    TileSurfaceInput input{window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
+    mesh_tiles::TileSurfaceInput input{
+        window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
     input.whole.cell_px = double(plan.width) * plan.height / (double(plan.columns) * plan.rows);
     input.whole.nearest_px = plan.nearest_px;
     input.whole.farthest_px = plan.farthest_px;
-    TileMesh mesh = tile_mesh_of(cut_tile(context.tiling, tile.i, tile.j, block, input, plan.config.surface,
-                                          context.threads, context.workers.cut),
-                                 window);
+    mesh_tiles::TileMesh mesh = mesh_tiles::tile_mesh_of(
+        mesh_tiles::cut_tile(context.tiling, tile.i, tile.j, block, input, plan.config.surface,
+                             context.threads, context.workers.cut),
+        window);
     drop_specks(mesh, plan.config.surface.min_component);
     TileReport report;
     const TileScene scene = tile_scene(plan, mesh, window);
@@ -131,8 +134,8 @@ int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t til
 }  // namespace
 
 std::uint64_t tile_memory(const TilePlan& plan) {
-    const LatticeTiling tiling = plan.tiling();
-    const auto side = [](int px, int tiles) { return 1.3 * px / tiles + 4 * kTileMargin_px; };
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
+    const auto side = [](int px, int tiles) { return 1.3 * px / tiles + 4 * mesh_tiles::kTileMargin_px; };
     return static_cast<std::uint64_t>(side(plan.width, tiling.across()) * side(plan.height, tiling.down())) *
            kBytesPerPixel;
 }

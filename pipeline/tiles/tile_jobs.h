@@ -15,8 +15,8 @@ namespace hexrelief {
 // What balances and cuts: any number of threads may call.
 struct TileWorkers {
     int threads = 1;  // of all jobs together
-    BalancePatch balance;
-    CutMesh cut;
+    mesh_tiles::BalancePatch balance;
+    mesh_tiles::CutMesh cut;
 };
 
 // A device is one caller's at a time; the CPU works on the caller's thread.

@@ -11,8 +11,8 @@ namespace hexrelief {
 
 namespace fs = std::filesystem;
 
-void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& mesh, const TileScene& scene,
-                const Image* texture, int threads, TileReport report) {
+void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::TileMesh& mesh,
+                const TileScene& scene, const Image* texture, int threads, TileReport report) {
     OutputSet files;
     const auto place = [&](const char* extension) {
         const fs::path path = tile_file(plan, tile, extension);

@@ -91,7 +91,7 @@ Json plan_json(const TilePlan& plan) {
     json["map"]["farthest_px"] = plan.farthest_px;
     if (!plan.color.path.empty()) json["color"] = file_json(plan.color);
     json["calibration"] = camera_json(plan.calibration);
-    const LatticeTiling tiling = plan.tiling();
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
     json["lattice"] = {{"columns", plan.columns},
                        {"rows", plan.rows},
                        {"tile_spacings", plan.tile_spacings},
@@ -164,14 +164,14 @@ fs::path tile_file(const TilePlan& plan, const TileNumber& tile, const std::stri
 }
 
 int TilePlan::finest_level() const {
-    const LatticeTiling all = tiling();
+    const mesh_tiles::LatticeTiling all = tiling();
     int level = 0;
     while ((1 << level) < std::max(all.across(), all.down())) ++level;
     return level;
 }
 
 std::vector<TileNumber> tiles_of_level(const TilePlan& plan, int level) {
-    const LatticeTiling all = plan.tiling();
+    const mesh_tiles::LatticeTiling all = plan.tiling();
     const int by = 1 << (plan.finest_level() - level);
     std::vector<TileNumber> tiles;
     for (int j = 0; j * by < all.down(); ++j)
@@ -180,7 +180,7 @@ std::vector<TileNumber> tiles_of_level(const TilePlan& plan, int level) {
 }
 
 std::vector<TileNumber> children_of(const TilePlan& plan, const TileNumber& tile) {
-    const LatticeTiling all = plan.tiling();
+    const mesh_tiles::LatticeTiling all = plan.tiling();
     const int level = tile.level + 1, by = 1 << (plan.finest_level() - level);
     std::vector<TileNumber> children;
     for (int j = 2 * tile.j; j <= 2 * tile.j + 1 && j * by < all.down(); ++j)

@@ -53,7 +53,7 @@ struct TilePlan {
     double grid_step_m = 0;                   // of all positions in space, a power of two
     std::map<std::string, std::string> sums;  // SHA-256 of the plan's other files, by name in the folder
 
-    LatticeTiling tiling() const { return {columns, rows, tile_spacings}; }
+    mesh_tiles::LatticeTiling tiling() const { return {columns, rows, tile_spacings}; }
     int finest_level() const;
 };
 

@@ -20,9 +20,10 @@ struct TileScene {
 // `window` is the part of the picture that the tile is textured with. A corner is at the same place in space
 // in every tile, to the bit. Corners that cannot be placed (d + doffs <= 0) are left out with their
 // triangles. Throws Error(input) where the tile is too large for the grid.
-TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& window);
+TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
+                     const mesh_tiles::MapRect& window);
 
 // Drops the components of fewer than min_triangles triangles that no seam edge belongs to: these are whole.
-void drop_specks(TileMesh& mesh, int min_triangles);
+void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles);
 
 }  // namespace hexrelief

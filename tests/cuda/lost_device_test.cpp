@@ -73,7 +73,7 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
                              [](const std::string& warning) { std::cerr << warning << "\n"; });
         const DisparityMap map = varied_map(density());
         const MeshConfig config = balanced_config(20);
-        const MeshResult expected = solve_mesh(density(), config, 2, {});
+        const mesher::MeshResult expected = mesher::solve_mesh(density(), config, 2, {});
         for (int i = 0; i < 2; ++i)
             same = same && same_bytes(both.solve_mesh(density(), map, config, {}), expected);
         same = same && *both.is_replaced;

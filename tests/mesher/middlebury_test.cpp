@@ -12,7 +12,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief {
+namespace hexrelief::mesher {
 namespace {
 
 struct PaperMap {
@@ -64,8 +64,8 @@ class Middlebury : public testing::Test {
             file.scale = paper.scale;
             const DisparityMap map = readers::read_disparity_map(folder_ / paper.file, file);
             const DensityMap density = stages::compute_density(map, density_config);
-            const MeshQuality quality =
-                measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
+            const quality::MeshQuality quality =
+                quality::measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
             std::printf("%-8s %%cost %6.2f (the paper's %5.2f), 1st percentile angle %5.2f deg\n", paper.name,
                         quality.percent_cost, paper.paper_cost, quality.percentile1_angle_deg);
             EXPECT_EQ(quality.inverted_triangles, 0) << paper.name;
@@ -128,4 +128,4 @@ TEST_F(Middlebury, DefaultOnLargeMaps) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::mesher

@@ -66,10 +66,10 @@ class DeviceVotes {
     // where only one of them goes, then at both ends of the row.
     struct RowPairs {
         const step::PixelView& view;
-        PixelRun upper, lower;
+        surface::PixelRun upper, lower;
         int first, first_end, second, second_end;  // columns where only one of the rows goes
 
-        __device__ RowPairs(const step::PixelView& v, const PixelRun& u, const PixelRun& l)
+        __device__ RowPairs(const step::PixelView& v, const surface::PixelRun& u, const surface::PixelRun& l)
             : view(v), upper(u), lower(l) {
             const bool meet = max(u.first, l.first) < min(u.end, l.end);
             first = meet ? min(u.first, l.first) : u.first;

@@ -13,7 +13,7 @@
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "pipeline/data/counting_sort.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Of each vertex: 3 * triangle + corner, ascending.
@@ -209,4 +209,4 @@ std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const Triangle
     return Fitter(surfaces, labels, cut, farthest_px, pool).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

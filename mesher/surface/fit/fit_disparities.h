@@ -8,11 +8,11 @@
 #include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Disparities of the vertices, px, above 0. labels: of the lattice that `cut` comes from, with `fitted`.
 // farthest_px: a disparity that counts as one of the map's; 0 = none.
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
                                    const CutTriangles& cut, float farthest_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

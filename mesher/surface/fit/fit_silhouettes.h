@@ -11,7 +11,7 @@
 #include "mesher/surface/topology/label_triangles.h"
 #include "pipeline/data/counting_sort.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Between two fits a lattice may be split, its vertices keep their numbers and stay.
 class SilhouetteFitter {
@@ -76,4 +76,4 @@ class SilhouetteFitter {
     std::vector<std::uint8_t> held_;            // silhouette vertices: by a triangle
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -7,7 +7,7 @@
 #include "mesher/common/block_allocator.h"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Samples as arrays, so that loops over them become vectors: x, y, near_x and near_y of all, one array after
 // the other, filled up to a multiple of kSamplesAtOnce with samples that weigh nothing.
@@ -36,4 +36,4 @@ class SilhouetteSampler {
     std::vector<std::uint32_t> weighing_;         // its samples with a weight
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -7,7 +7,7 @@
 #include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/discontinuities.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Both give the disparity of a region's nearest neighbours to its pixels, take all flags from these and
 // return them: holes, regions of fewer than cell_px pixels without foreground, which take the least around,
@@ -16,4 +16,4 @@ namespace hexrelief {
 std::vector<std::uint32_t> absorb_holes(PixelSurfaces& surfaces, double cell_px, ThreadPool& pool);
 std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& surfaces, int least_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Each thread has its share of the triangles. A fan is known by its first corner, the one with the lowest
@@ -148,4 +148,4 @@ CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& lab
     return VertexCutter(lattice, labels, pool).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

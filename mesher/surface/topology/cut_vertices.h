@@ -12,7 +12,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // The triangles on the foreground. Each vertex holds one fan of triangles.
 struct CutTriangles {
@@ -29,4 +29,4 @@ LatticeFans fans_of(const SplitLattice& lattice, const TriangleLabels& labels);
 // Gives each vertex fan a vertex of its own: the same vertex as before, once or several times.
 CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -5,7 +5,7 @@
 
 #include "mesher/surface/topology/label_triangles.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // From corner k of triangle t.
@@ -65,4 +65,4 @@ void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
         }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

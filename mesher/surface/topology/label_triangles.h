@@ -15,7 +15,7 @@
 #include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/triangle_components.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 struct TriangleLabels {
     RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
@@ -95,4 +95,4 @@ class TriangleLabeler {
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

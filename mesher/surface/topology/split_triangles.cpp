@@ -8,7 +8,7 @@
 #include "mesher/surface/pixels/edge_crossings_step.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Each triangle that is cut finds its parts, and their neighbours, from its own cut and those of its
@@ -250,4 +250,4 @@ void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

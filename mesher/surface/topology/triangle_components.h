@@ -9,7 +9,7 @@
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "pipeline/data/union_find.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Reusable, because a vector of its own for each triangle would take longer than the search.
 class TriangleComponents {
@@ -47,4 +47,4 @@ class TriangleComponents {
     UnionFind components_;  // of segments
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

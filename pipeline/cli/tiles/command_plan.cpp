@@ -55,7 +55,7 @@ int plan_tiles(const PlanOptions& options) {
     const TilePlan plan = make_plan(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (options.quiet) return 0;
-    const LatticeTiling tiling = plan.tiling();
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
     std::printf("%s: %d x %d tiles, a lattice of %d x %d vertices; %.1f s\n",
                 printable(options.folder.string()).c_str(), tiling.across(), tiling.down(), plan.columns,
                 plan.rows, log.seconds());
@@ -75,7 +75,7 @@ void add_plan_command(Command& group) {
     command.add_option(
         "--tile-vertices", &options->tile_vertices,
         "vertices along a tile's side, rounded to a multiple of 6",
-        {.value = "N", .shows_default = true, .range = {{LatticeTiling::kLeastTile, 1000000}}});
+        {.value = "N", .shows_default = true, .range = {{mesh_tiles::LatticeTiling::kLeastTile, 1000000}}});
     command.add_option("--color", &options->color, "the left image, of the map's size, for the texture",
                        {.value = "L"});
     command.add_option("--raw", &options->raw, "the map is samples alone: as 32768x32768,float32",

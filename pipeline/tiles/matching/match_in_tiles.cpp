@@ -57,7 +57,7 @@ class TiledMatcher {
         std::future<StereoPair> next = read(0);
         for (std::size_t k = 0; k < tiles_.size(); ++k) {
             log.progress(static_cast<double>(k) / static_cast<double>(tiles_.size()));
-            const MapRect& tile = tiles_[k];
+            const mesh_tiles::MapRect& tile = tiles_[k];
             const StereoPair pair = next.get();
             if (k + 1 < tiles_.size()) next = read(k + 1);
             rows.resize(static_cast<std::size_t>(width()) * tile.height);
@@ -74,27 +74,27 @@ class TiledMatcher {
   private:
     int width() const { return pair_.left.width(); }
     int height() const { return pair_.left.height(); }
-    MapRect window(const MapRect& tile) const {
+    mesh_tiles::MapRect window(const mesh_tiles::MapRect& tile) const {
         return window_of_tile(tile, {width(), height()}, whole_.config, request_.collar_px);
     }
     // Beside the work on the tile before.
     std::future<StereoPair> read(std::size_t k) const {
         return start_work(threads_, [this, k] {
-            const MapRect w = window(tiles_[k]);
+            const mesh_tiles::MapRect w = window(tiles_[k]);
             auto right = start_work(threads_, [&] { return pair_.right.read(w.x, w.y, w.width, w.height); });
             Image left = pair_.left.read(w.x, w.y, w.width, w.height);
             return StereoPair{std::move(left), right.get()};
         });
     }
 
-    void put_tile(const MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
+    void put_tile(const mesh_tiles::MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
         is_left_blank_ = is_left_blank_ && checks::is_blank(pair.left);
         is_right_blank_ = is_right_blank_ && checks::is_blank(pair.right);
         const DisparityMap map = stages::match_in_range(stages::corrected(pair, whole_.correction, threads_),
                                                         whole_.config, backend_.match_pair, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
-        const MapRect around = window(tile);
+        const mesh_tiles::MapRect around = window(tile);
         for (int y = 0; y < tile.height; ++y) {
             const std::size_t from = static_cast<std::size_t>(tile.y - around.y + y) * map.width +
                                      static_cast<std::size_t>(tile.x - around.x);
@@ -114,7 +114,7 @@ class TiledMatcher {
     const WholePair& whole_;
     const Backend& backend_;
     int threads_;
-    std::vector<MapRect> tiles_;
+    std::vector<mesh_tiles::MapRect> tiles_;
     long long matched_ = 0, known_ = 0;
     bool is_left_blank_ = true, is_right_blank_ = true;
 };

@@ -19,8 +19,8 @@ int aligned_above(int px, int most) {
 
 }  // namespace
 
-MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const stages::DisparityConfig& ranged,
-                       int collar_px) {
+mesh_tiles::MapRect window_of_tile(const mesh_tiles::MapRect& tile, const PairSize& whole,
+                                   const stages::DisparityConfig& ranged, int collar_px) {
     const int least_px = ranged.min_disparity_px, count = ranged.num_disparities_px;
     const int reach_left = std::max(0, least_px + stages::round_up_range(count)),
               reach_right = std::max(0, -least_px);

@@ -17,7 +17,7 @@ struct PairSize {
 // The same rectangle of both pictures: the tile with a collar around it, and with the columns of the right
 // picture that its disparities reach. It begins at even columns and rows, so that the pair at half size has
 // the same pixels in all windows; it is as wide as the range where the pair is. ranged: with a range.
-MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const stages::DisparityConfig& ranged,
-                       int collar_px = kCollar_px);
+mesh_tiles::MapRect window_of_tile(const mesh_tiles::MapRect& tile, const PairSize& whole,
+                                   const stages::DisparityConfig& ranged, int collar_px = kCollar_px);
 
 }  // namespace hexrelief

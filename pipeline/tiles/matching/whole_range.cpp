@@ -25,7 +25,7 @@ int shrunk_by(int width, int height) {
 }
 
 StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
-    const MapRect whole{0, 0, pair.left.width(), pair.left.height()};
+    const mesh_tiles::MapRect whole{0, 0, pair.left.width(), pair.left.height()};
     auto right = start_work(threads, [&] { return shrunk_picture(pair.right, whole, by); });
     Image left = shrunk_picture(pair.left, whole, by);
     return {std::move(left), right.get()};

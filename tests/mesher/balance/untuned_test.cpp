@@ -8,7 +8,7 @@
 #include "pipeline/stages/density.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::balance {
 namespace {
 
 constexpr int kWidth = 450, kHeight = 375;
@@ -59,8 +59,8 @@ TEST_P(Untuned, BalancedAndInShape) {
     for (const int seed : {1, 2}) {
         MeshConfig mesh_config;
         mesh_config.seed = static_cast<std::uint64_t>(seed);
-        const HexMesh2D mesh = solve_mesh(density, mesh_config, 1, {}).mesh;
-        const MeshQuality quality = measure_quality(mesh, density, 1);
+        const HexMesh2D mesh = mesher::solve_mesh(density, mesh_config, 1, {}).mesh;
+        const quality::MeshQuality quality = quality::measure_quality(mesh, density, 1);
         std::printf("%-22s %%cost %5.2f, 1st percentile angle %5.2f deg\n", GetParam().name.c_str(),
                     quality.percent_cost, quality.percentile1_angle_deg);
         EXPECT_LE(quality.percent_cost, GetParam().most_cost);
@@ -99,4 +99,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& i) { return i.param.name; });
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::balance

@@ -11,7 +11,7 @@
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/pixels/eight_flags.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 // A board of fields 7 px wide, up to 60 px high, each at a depth of its own.
@@ -103,4 +103,4 @@ TEST(Crossings, BothEndsOfAnEdgeSeeTheSameDiscontinuities) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

@@ -14,7 +14,7 @@
 #include "pipeline/data/error.h"
 #include "tests/mesher/surface/made_up_scene.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 // Along the silhouettes' edges: the disc's map says no more than half a pixel about its circle, and vertices
@@ -288,7 +288,7 @@ TEST(CutDisparityMesh, StaysSoundOnAdaptedLatticesAndNoise) {
         DensityMap density{kWidth, kHeight, {}, 12};
         for (const float d : scene.map.values)
             density.values.push_back(std::isfinite(d) && d >= 12 ? d * d * d / 125000 : 0);
-        scene.mesh = solve_mesh(density, {}, 2, {}).mesh;
+        scene.mesh = mesher::solve_mesh(density, {}, 2, {}).mesh;
         const DisparityMesh s = scene.open();
         expect_sound(s);
         for (const float d : s.disparities) {
@@ -326,4 +326,4 @@ TEST(CutDisparityMesh, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

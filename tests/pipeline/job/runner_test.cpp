@@ -19,9 +19,9 @@ namespace {
 Backend clocked_backend(BackendChoice, int threads, MeshMethod method) {
     Backend backend = pick_backend(BackendChoice::cpu, threads, method);
     const auto cuts = std::make_shared<int>(0);
-    backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](const DisparityMeshInput& input,
-                                                                          const SurfaceConfig& config) {
-        DisparityMeshResult result = cut(input, config);
+    backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](
+                                     const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
+        surface::DisparityMeshResult result = cut(input, config);
         result.device_s = ++*cuts;
         return result;
     };
@@ -57,7 +57,7 @@ BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
         Backend backend = pick_backend(BackendChoice::cpu, threads, method);
         backend.name = "cuda";
         const auto fail = [kind] { throw Error(kind, "backend cuda: training: unspecified launch failure"); };
-        using Result = MeshResult;
+        using Result = mesher::MeshResult;
         if (when == Fails::matching)
             backend.match_pair = [fail, match = backend.match_pair](const StereoPair& pair,
                                                                     const matching::MatchingConfig& config) {
@@ -72,8 +72,8 @@ BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
                 return {};
             };
         if (when == Fails::cutting)
-            backend.cut_disparity_mesh = [fail](const DisparityMeshInput&,
-                                                const SurfaceConfig&) -> DisparityMeshResult {
+            backend.cut_disparity_mesh = [fail](const surface::DisparityMeshInput&,
+                                                const SurfaceConfig&) -> surface::DisparityMeshResult {
                 fail();
                 return {};
             };

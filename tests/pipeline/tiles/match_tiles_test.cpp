@@ -222,7 +222,7 @@ TEST(MatchTiles, WindowsHoldTileCollarAndReach) {
     stages::DisparityConfig config;
     config.num_disparities_px = 100;  // searched: 112
     const PairSize whole{5000, 3000};
-    MapRect w = window_of_tile({2048, 1024, 512, 512}, whole, config, 51);
+    mesh_tiles::MapRect w = window_of_tile({2048, 1024, 512, 512}, whole, config, 51);
     EXPECT_EQ(w.x, (2048 - 51 - 112) / 32 * 32);
     EXPECT_EQ(w.x + w.width, 2624);   // of 2611
     EXPECT_EQ(w.y, 960);              // of 973

@@ -99,7 +99,7 @@ class PlannedFolder {
     RunLog log_{observer_};
 };
 
-Point in_space(const TilePlan& plan, const TileCorner& corner) {
+Point in_space(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
     Point p = stages::position_in_space(corner.place.x / 1024.0, corner.place.y / 1024.0, corner.disparity,
                                         plan.calibration);
     for (double& x : p) x = std::round(x / plan.grid_step_m) * plan.grid_step_m;
@@ -116,7 +116,7 @@ TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
     std::size_t borders = 0;
     for (int level = 0; level <= plan.finest_level(); ++level)
         for (const TileNumber& tile : tiles_of_level(plan, level)) {
-            const TileMesh mesh = read_tile(tile_file(plan, tile, ".mesh"));
+            const mesh_tiles::TileMesh mesh = read_tile(tile_file(plan, tile, ".mesh"));
             const SpaceMesh file = read_glb(tile_file(plan, tile, ".glb"));
             EXPECT_EQ(file.triangles.size(), mesh.triangles.size());
             std::set<Point> expected, found(file.positions.begin(), file.positions.end());
@@ -202,7 +202,7 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
     const Image picture = readers::read_image(sample("inputs/cut_out.png"));
     const DisparityMap map = busy_map(picture.width, picture.height, 1);
     write_map(folder / "map.tif", map);
-    const MapRect window{10, 5, 60, 50};
+    const mesh_tiles::MapRect window{10, 5, 60, 50};
     RunObserver observer;
     RunLog log(observer);
     const auto unknown_pixels = [&](bool alpha) {

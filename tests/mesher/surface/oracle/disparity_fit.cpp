@@ -5,7 +5,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct FitPixel {
@@ -158,4 +158,4 @@ std::vector<float> fit_disparities(const Surfaces& s, const Labels& labels, cons
     return {values.begin(), values.end()};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

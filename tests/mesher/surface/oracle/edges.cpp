@@ -6,7 +6,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct Votes {
@@ -152,4 +152,4 @@ CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const
     return result;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

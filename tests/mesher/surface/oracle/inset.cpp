@@ -5,7 +5,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 constexpr float kHighStep_px = 2.3f;
@@ -131,4 +131,4 @@ void inset_silhouettes(const Surfaces& s, const DisparityMap& map, double by_px,
         if (!held[v]) mesh.points[v] = targets[v];
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

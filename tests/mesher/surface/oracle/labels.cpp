@@ -5,7 +5,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 // The pixels of a row whose centres lie in a triangle: first .. end - 1.
@@ -185,4 +185,4 @@ Labels label_triangles(const Surfaces& s, const PlaneMesh& mesh, double cell_px)
     return labels;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -5,7 +5,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 // East first, then by rising row: clockwise as the image shows it. -1: beyond the border.
@@ -112,4 +112,4 @@ std::vector<bool> snap_vertices(const Surfaces& s, HexMesh2D& lattice) {
     return on_silhouette;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -3,7 +3,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px, const Image* color,
                         const Config& config) {
     const double cell_px =
@@ -25,4 +25,4 @@ Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float backgr
     return {cut_mesh.points, fit_disparities(s, labels, cut_mesh), cut_mesh.triangles};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -167,7 +167,7 @@
 #include "pipeline/data/hex_mesh.h"
 #include "pipeline/data/image.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 
 struct Config {
     bool bridge = false;               // one surface, cut at background and unknown pixels alone
@@ -187,4 +187,4 @@ struct Mesh {
 Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px, const Image* color,
                         const Config& config);
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -12,7 +12,7 @@
 #include "pipeline/data/hex_mesh.h"
 #include "pipeline/data/image.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 
 // The side between a pixel and its right neighbour or, where `down`, the one below it.
 struct CrackEdge {
@@ -113,4 +113,4 @@ void inset_silhouettes(const Surfaces& s, const DisparityMap& map, double by_px,
 // disparity_fit.cpp
 std::vector<float> fit_disparities(const Surfaces& s, const Labels& labels, const CutMesh& mesh);
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

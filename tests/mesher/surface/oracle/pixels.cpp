@@ -6,7 +6,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 using Region = std::vector<std::size_t>;  // pixels
@@ -217,4 +217,4 @@ Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image
     return s;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 class Random {
@@ -238,4 +238,4 @@ Scene make_scene(int number) {
     return scene;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

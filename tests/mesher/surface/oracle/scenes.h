@@ -5,7 +5,7 @@
 
 #include "oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 
 struct Scene {
     DisparityMap map;
@@ -19,4 +19,4 @@ struct Scene {
 
 Scene make_scene(int number);
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -5,7 +5,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct BorderEdge {
@@ -185,4 +185,4 @@ void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const Cut
     }
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -5,7 +5,7 @@
 
 #include "parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct Pixel {
@@ -151,4 +151,4 @@ Vec2f nearest_silhouette_point(const Surfaces& s, const Vec2f& p, const Vec2f& c
     return {moved(line.x, -kept * line.ny), moved(line.y, kept * line.nx)};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle
