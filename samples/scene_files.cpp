@@ -29,14 +29,14 @@ std::vector<SampleFile> sample_files() {
     const SampleScene scene = render_sample_scene();
     const DisparityMap& map = scene.disparity;
     const std::string calibration = middlebury_calibration(scene);
-    return {{"left.png", encode_png(scene.pair.left)},
-            {"right.png", encode_png(scene.pair.right)},
-            {"disparity.pfm", encode_pfm(map.width, map.height, map.values)},
+    return {{"left.png", exporters::encode_png(scene.pair.left)},
+            {"right.png", exporters::encode_png(scene.pair.right)},
+            {"disparity.pfm", exporters::encode_pfm(map.width, map.height, map.values)},
             {"calib.txt", {calibration.begin(), calibration.end()}}};
 }
 
 void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder) {
-    FileTransaction transaction;
+    exporters::FileTransaction transaction;
     for (const SampleFile& file : files) transaction.write(folder / file.name, file.bytes);
     transaction.commit();
 }

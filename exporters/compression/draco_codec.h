@@ -10,7 +10,7 @@
 #include "exporters/compression/quantisation.h"
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // How finely attributes are kept. A grid, where there is one, replaces the mesh's values; it must have one
 // step for all axes. Bits divide the widest side of the attribute's bounding box.
@@ -67,4 +67,4 @@ struct DracoSummary {
 };
 DracoSummary summarise_draco(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -6,7 +6,7 @@
 #include "exporters/compression/draco_codec.h"
 #include "exporters/images/texture.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // The positions in space are translation + scale * the positions in the file, axis by axis.
 struct FileTransform {
@@ -37,4 +37,4 @@ CompressedMesh compress_draco(const TexturedMesh& textured, const Calibration* c
 // Normals of a surface whose positions have been divided by scale.
 std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@ namespace draco {
 class Mesh;
 }
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Waits until the mesh's attributes hold their values, and says how finely these are kept: on the grids that
 // they lie on. Any thread may call it, as often as it likes.
@@ -22,4 +22,4 @@ using DracoValuesReady = std::function<const DracoQuantisation&()>;
 // that. Throws Error(output) where libdraco refuses the mesh.
 DracoMesh write_draco_stream(const draco::Mesh& mesh, int level, const DracoValuesReady& ready, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

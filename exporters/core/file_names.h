@@ -7,7 +7,7 @@
 
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Whether a format's levels of detail are files of their own, and their paths:
 // "<stem>.lod<level><extension>", level >= 1.
@@ -29,4 +29,4 @@ std::string format_name(MeshFormat format);
 // for an OBJ file whose name has a line break: it could not name its .mtl.
 MeshFormat export_format(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // A set of files that appear together or not at all: each is written to a temporary beside its target;
 // commit() renames them all; without commit() (an exception, an interrupt) the destructor removes what was
@@ -91,4 +91,4 @@ class FileTransaction {
 // a signal handler.
 void remove_pending_files() noexcept;
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

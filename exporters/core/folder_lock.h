@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // A file beside outputs that is neither named nor kept: ".hexrelief-WHAT.tmp".
 std::filesystem::path temporary_name(const std::string& what);
@@ -48,4 +48,4 @@ class FolderLock {
 // its own by claim(), on whatever machine it runs.
 void remove_leftovers(const std::filesystem::path& folder, const std::atomic<bool>& stopping);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // How .glb and .gltf hold the mesh; .drc is always Draco, the others never are
 // compressed.
@@ -99,4 +99,4 @@ struct Scene {
     std::array<double, 3> origin_m = {};
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -7,7 +7,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // All take images of 1 (grey) or 3 (sRGB) channels and throw Error(output) where the format cannot hold the
 // image: WebP ends at 16383 px a side, JPEG at 65500, PNG at 2^31 - 1.
@@ -21,4 +21,4 @@ std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<fl
 void write_png(const std::filesystem::path& path, const Image& image);
 void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& values);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -3,9 +3,9 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Each pixel is the mean over the area of `image` that it covers. Sides are at least 1 px.
 Image resized(const Image& image, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -6,7 +6,7 @@
 #include "exporters/images/image_writer.h"
 #include "exporters/images/resize.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Beyond the outermost texture coordinate, so that linear filtering and a first level of mipmaps find the
@@ -111,4 +111,4 @@ EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, co
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

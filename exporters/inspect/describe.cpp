@@ -13,7 +13,7 @@
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/inspect/limited.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,23 +70,23 @@ MeshDescription describe_glb(const fs::path& path) {
 
 // libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode at
 // more than 256 KiB a second, and into less than a thousand times their bytes.
-DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-    static_assert(std::is_trivially_copyable_v<DracoSummary>);
+exporters::DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    static_assert(std::is_trivially_copyable_v<exporters::DracoSummary>);
     const WorkLimits limits{1 + static_cast<unsigned>(bytes.size() >> 18),
                             (std::uint64_t{1} << 30) + 1024 * bytes.size(), 4096};
     const WorkBytes result = run_limited(limits, "cannot read '" + path.string() + "' as Draco: ", [&] {
-        const DracoSummary summary = summarise_draco(bytes, path.string());
+        const exporters::DracoSummary summary = exporters::summarise_draco(bytes, path.string());
         const auto* const first = reinterpret_cast<const std::uint8_t*>(&summary);
         return WorkBytes(first, first + sizeof summary);
     });
-    DracoSummary summary;
+    exporters::DracoSummary summary;
     if (result.size() != sizeof summary) fail_reading(path, "its decoder ended early");
     std::memcpy(&summary, result.data(), sizeof summary);
     return summary;
 }
 
 MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-    const DracoSummary summary = summarise_limited(path, bytes);
+    const exporters::DracoSummary summary = summarise_limited(path, bytes);
     MeshDescription out;
     out.vertices = summary.vertices;
     out.triangles = summary.triangles;
@@ -101,25 +101,25 @@ MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_
     return out;
 }
 
-MeshDescription describe(MeshFormat format, const fs::path& path) {
+MeshDescription describe(exporters::MeshFormat format, const fs::path& path) {
     switch (format) {
-        case MeshFormat::glb:
+        case exporters::MeshFormat::glb:
             return describe_glb(path);
-        case MeshFormat::gltf: {
+        case exporters::MeshFormat::gltf: {
             const FileHead file = read_head(path, std::numeric_limits<std::uintmax_t>::max());
             return describe_gltf(path, file.bytes, file.file_bytes, false);
         }
-        case MeshFormat::drc:
+        case exporters::MeshFormat::drc:
             return describe_drc(path, read_file(path));
-        case MeshFormat::obj:
+        case exporters::MeshFormat::obj:
             return describe_obj(path, read_file(path));
-        case MeshFormat::ply:
+        case exporters::MeshFormat::ply:
             return describe_ply(path, read_file(path));
-        case MeshFormat::stl:
+        case exporters::MeshFormat::stl:
             return describe_stl(path, read_file(path));
-        case MeshFormat::usdz:
+        case exporters::MeshFormat::usdz:
             return describe_usdz(path, read_file(path));
-        case MeshFormat::html:
+        case exporters::MeshFormat::html:
             return describe_html(path, read_file(path));
     }
     throw std::logic_error("no description of a mesh format");
@@ -128,10 +128,10 @@ MeshDescription describe(MeshFormat format, const fs::path& path) {
 }  // namespace
 
 MeshDescription describe_mesh(const fs::path& path) {
-    const MeshFormat format = export_format(path);
+    const exporters::MeshFormat format = exporters::export_format(path);
     MeshDescription out = describe(format, path);
-    out.format = format_name(format);
+    out.format = exporters::format_name(format);
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

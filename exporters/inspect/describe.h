@@ -8,7 +8,7 @@
 
 #include "pipeline/data/geometry.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 struct LevelDescription {
     long long vertices = 0, triangles = 0;
@@ -39,4 +39,4 @@ struct MeshDescription {
 // file is missing, empty, above 2 GiB (.glb: but for its buffer), truncated or malformed.
 MeshDescription describe_mesh(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -10,7 +10,7 @@
 #include "exporters/inspect/describe.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 // bytes: the whole file, not empty. `path` names the file in messages and finds the files beside it.
 // file_bytes: of the whole file; of a binary one `bytes` may end behind the header of its second chunk.
@@ -35,4 +35,4 @@ inline void include_point(MeshDescription& description, const Vec3f& p) {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

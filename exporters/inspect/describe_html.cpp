@@ -3,7 +3,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 // Ends at the first byte that is no digit of base64.
@@ -42,4 +42,4 @@ MeshDescription describe_html(const std::filesystem::path& path, const std::vect
     return describe_gltf(path, glb, glb.size(), true);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

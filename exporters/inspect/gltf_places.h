@@ -7,7 +7,7 @@
 
 #include "pipeline/data/geometry.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 // Row by row: the point (x, y, z, 1) times each.
 struct Matrix {
@@ -21,4 +21,4 @@ Matrix operator*(const Matrix& outer, const Matrix& inner);
 // exceptions; indices outside their arrays and nodes below themselves are passed over.
 std::vector<std::vector<Matrix>> mesh_places(const nlohmann::json& document, std::size_t meshes);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

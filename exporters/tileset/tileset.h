@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 
 // A node of the quadtree, whose root is (0, 0, 0); those of a level below it have twice its x and y, or one
 // more. Missing nodes are those without anything below.
@@ -36,4 +36,4 @@ struct ImplicitTileset {
 ImplicitTileset implicit_tileset(const std::vector<TilesetTile>& tiles, const std::string& content,
                                  const std::string& generator);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

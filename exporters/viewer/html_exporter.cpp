@@ -12,7 +12,7 @@
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -117,4 +117,4 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

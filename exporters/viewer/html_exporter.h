@@ -3,7 +3,7 @@
 
 #include "exporters/core/format_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // False where the program was built without node.js and npm: then write_html() throws, with kNoViewer's
 // words.
@@ -17,4 +17,4 @@ inline constexpr const char* kNoViewer =
 void write_html(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Empty where the program was built without it. Holds "@title@" twice, "@facts@" and "@glb@", in this order,
 // where these are to be put in; what follows them is the script.
@@ -12,4 +12,4 @@ std::string_view viewer_page();
 // The page of a gallery. Holds "@title@" twice, "@columns@" and "@rows@", in this order.
 std::string_view empty_gallery();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -120,11 +120,11 @@ struct MapBench {
         mesh.normals.clear();
         mesh.texcoords.clear();
         if (mesh.triangles.empty()) return;
-        DracoQuantisation draco;
+        exporters::DracoQuantisation draco;
         draco.position_bits = bits > 0 ? bits : bits_for(mesh, tolerance_px);
         draco.level = kLevel;
-        const DracoMesh packed = encode_draco(mesh, draco);
-        const DracoGeometry decoded = decode_draco(packed.bytes, name);
+        const exporters::DracoMesh packed = exporters::encode_draco(mesh, draco);
+        const inspect::DracoGeometry decoded = inspect::decode_draco(packed.bytes, name);
         SurfaceMesh seen;
         seen.triangles = decoded.triangles;
         for (const Vec3f& p : decoded.positions) {

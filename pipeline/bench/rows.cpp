@@ -29,7 +29,7 @@ std::string json_text(const nlohmann::ordered_json& json, int indent) {
 
 void write_json(const std::filesystem::path& path, const std::string& text) {
     if (path.empty()) return;
-    FileTransaction files;
+    exporters::FileTransaction files;
     files.write(path, text);
     files.commit();
 }

@@ -72,7 +72,7 @@ int show_demo(const DemoOptions& demo) {
     const fs::path& folder = demo.folder;
     const fs::path page = folder / "relief.html";
     std::vector<fs::path> outputs = {folder / "relief.glb"};
-    if (has_viewer()) outputs.push_back(page);
+    if (exporters::has_viewer()) outputs.push_back(page);
     const std::vector<SampleFile> pair = sample_files();
     check_folder(folder, pair, outputs);
     std::error_code failure;
@@ -94,8 +94,8 @@ int show_demo(const DemoOptions& demo) {
     options.request.ends_process = true;
     end_on_interrupt();
     run_and_tell(options);
-    if (!has_viewer())
-        std::printf("%s\n", kNoViewer);
+    if (!exporters::has_viewer())
+        std::printf("%s\n", exporters::kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))
         std::printf("open %s in a browser to look at it\n", printable(page.string()).c_str());
     return 0;

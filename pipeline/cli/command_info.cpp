@@ -25,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_mesh_file(const fs::path& path) {
-    const std::vector<std::string>& known = export_extensions();
-    return std::find(known.begin(), known.end(), extension_of(path)) != known.end();
+    const std::vector<std::string>& known = exporters::export_extensions();
+    return std::find(known.begin(), known.end(), exporters::extension_of(path)) != known.end();
 }
 
 struct RasterOptions {
@@ -53,12 +53,12 @@ std::string number(double value) {
     return digits;
 }
 
-void tell_mesh(const MeshDescription& mesh, Text& text) {
+void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
     line(text, "format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
     line(text, "vertices", std::to_string(mesh.vertices));
     line(text, "triangles", std::to_string(mesh.triangles));
     std::string levels;
-    for (const LevelDescription& level : mesh.coarser)
+    for (const inspect::LevelDescription& level : mesh.coarser)
         levels += (levels.empty() ? "" : "; ") + std::to_string(level.vertices) + " vertices, " +
                   std::to_string(level.triangles) + " triangles";
     if (!levels.empty()) line(text, "coarser", levels);
@@ -184,14 +184,15 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
 // however well they are packed, and 64 bytes for each of the file for what does not pack 8 times as well.
 Text raster_text(const fs::path& path, const RasterOptions& options) {
     const std::uintmax_t bytes = fs::file_size(path);
-    const WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18), (std::uint64_t{1} << 30) + 64 * bytes,
-                            1 << 20};
-    const WorkBytes told = run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
-        Text text;
-        if (const auto raster = readers::describe_raster(path, options.key, options.limits()))
-            tell_raster(path, *raster, options, text);
-        return WorkBytes(text.begin(), text.end());
-    });
+    const inspect::WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18),
+                                     (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
+    const inspect::WorkBytes told =
+        inspect::run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
+            Text text;
+            if (const auto raster = readers::describe_raster(path, options.key, options.limits()))
+                tell_raster(path, *raster, options, text);
+            return inspect::WorkBytes(text.begin(), text.end());
+        });
     return {told.begin(), told.end()};
 }
 
@@ -202,7 +203,7 @@ Text information(const fs::path& path, const RasterOptions& options) {
         throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
     Text text;
     if (is_mesh_file(path)) {
-        tell_mesh(describe_mesh(path), text);
+        tell_mesh(inspect::describe_mesh(path), text);
         return text;
     }
     if (readers::codec::find_codec(path)) return raster_text(path, options);

@@ -116,7 +116,7 @@ std::string manual_page(const CommandDescription& program, const std::string& co
 }
 
 void write_manual_pages(const CommandDescription& program, const std::filesystem::path& folder) {
-    FileTransaction files;
+    exporters::FileTransaction files;
     files.write(folder / (program.name + ".1"), manual_page(program, ""));
     for (const CommandDescription& sub : program.commands)
         files.write(folder / (program.name + "-" + sub.name + ".1"), manual_page(program, sub.name));

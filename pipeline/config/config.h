@@ -75,7 +75,7 @@ struct Config {
     stages::DensityConfig density;
     MeshConfig mesh;
     SurfaceConfig surface;
-    ExportConfig exporting;
+    exporters::ExportConfig exporting;
     BudgetConfig budget;
     LimitsConfig limits;
     ExecutionConfig run;

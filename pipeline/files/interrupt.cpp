@@ -22,7 +22,7 @@ std::atomic<bool> signalled{false};
 
 void end_by_signal(int) {
     signalled = true;
-    remove_pending_files();
+    exporters::remove_pending_files();
     _exit(kInterruptedExitCode);
 }
 

@@ -131,7 +131,7 @@ void OutputSet::commit() {
 }
 
 void roll_back_outputs() {
-    remove_pending_files();
+    exporters::remove_pending_files();
     const std::lock_guard lock(folders_mutex);
     std::error_code ignored;
     // Those inside of others come after them.

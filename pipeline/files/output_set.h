@@ -52,7 +52,7 @@ class OutputSet {
     // To be called before `path` is written to files(): makes its folder where it is missing, or has it go to
     // the standard output.
     void place(const std::filesystem::path& path);
-    FileTransaction& files() { return files_; }
+    exporters::FileTransaction& files() { return files_; }
     const std::vector<WrittenFile>& written() const { return written_; }
     // Throws Error(output) as FileTransaction::commit().
     void commit();
@@ -65,7 +65,7 @@ class OutputSet {
         ~FreshFolders();
     };
     FreshFolders folders_;  // before the files, which leave them first
-    FileTransaction files_;
+    exporters::FileTransaction files_;
     std::vector<WrittenFile> written_;
 };
 

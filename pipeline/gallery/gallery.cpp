@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<GalleryColumn> kColumns = {{"Vertices", 0}, {"Triangles", 0}, {"Bytes", 0},
-                                             {"%cost", 2},    {"Error, px", 3}, {"Seconds", 2}};
+const std::vector<exporters::GalleryColumn> kColumns = {{"Vertices", 0}, {"Triangles", 0}, {"Bytes", 0},
+                                                        {"%cost", 2},    {"Error, px", 3}, {"Seconds", 2}};
 
-GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path& place) {
+exporters::GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path& place) {
     const auto& [vertices, triangles, bytes, percent_cost, error_px, seconds] = result.figures;
     fs::path name = fs::relative(result.file, folder);
-    if (extension_of(name) == ".html") name.replace_extension();
+    if (exporters::extension_of(name) == ".html") name.replace_extension();
     return {name.generic_string(),
             fs::relative(result.file, place),
             std::move(result.picture),
@@ -31,13 +31,14 @@ GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path
 }  // namespace
 
 std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
-    if (!has_viewer()) throw Error(ErrorKind::usage, std::string("no gallery can be made: ") + kNoViewer);
+    if (!exporters::has_viewer())
+        throw Error(ErrorKind::usage, std::string("no gallery can be made: ") + exporters::kNoViewer);
     if (!fs::is_directory(folder))
         throw Error(ErrorKind::input, "cannot read '" + folder.string() + "': it is no folder");
-    if (extension_of(path) != ".html")
+    if (exporters::extension_of(path) != ".html")
         throw Error(ErrorKind::usage, "'" + path.string() + "': a gallery is a page; name a file .html");
     check_writable_file(path);
-    std::vector<GalleryEntry> entries;
+    std::vector<exporters::GalleryEntry> entries;
     for (FoundResult& result : find_results(folder)) {
         check_overwrites({path}, {result.file});
         entries.push_back(entry_of(std::move(result), folder, fs::absolute(path).parent_path()));
@@ -49,7 +50,7 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
     const std::string title = fs::canonical(folder).filename().string();
     OutputSet outputs;
     outputs.place(path);
-    outputs.files().write(path, gallery_page(title, kColumns, entries));
+    outputs.files().write(path, exporters::gallery_page(title, kColumns, entries));
     outputs.commit();
     return entries.size();
 }

@@ -79,7 +79,7 @@ void take_picture(Image image, const fs::path& path, const fs::path& map_path, R
         input.pair.left = std::move(image);
         return;
     }
-    input.pair.left = resized(image, view.width, view.height);
+    input.pair.left = exporters::resized(image, view.width, view.height);
     input.picture = std::move(image);
 }
 

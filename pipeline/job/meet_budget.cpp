@@ -19,20 +19,20 @@ namespace fs = std::filesystem;
 double largest_output(const LeftView& view, const SurfaceResult& result,
                       const std::vector<DetailLevel>& coarser, const std::vector<fs::path>& outputs,
                       const RunContext& run) {
-    Scene scene = scene_of(view, result, coarser);
-    PageContent page;
+    exporters::Scene scene = scene_of(view, result, coarser);
+    exporters::PageContent page;
     if (has_page(outputs)) {
         page = page_content(view, result, measure_written(view, result, outputs, run), run.threads);
         scene.page = &page;
     }
     std::uint64_t most = 0;
     for (const fs::path& path : outputs)
-        most = std::max(most, export_size(scene, result.config.exporting, path));
+        most = std::max(most, exporters::export_size(scene, result.config.exporting, path));
     return static_cast<double>(most);
 }
 
 // True where the tolerance changes the files.
-bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& config) {
+bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(),
                        [&](const fs::path& path) { return is_compressed(path, config); });
@@ -41,26 +41,27 @@ bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& co
 // What may be changed of the texture, where there is one: whatever the configuration does not give.
 std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& config,
                                             const std::vector<fs::path>& outputs) {
-    const ExportConfig& exporting = config.exporting;
+    const exporters::ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
-        const MeshFormat format = export_format(path);
-        return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj ||
-               format == MeshFormat::html || format == MeshFormat::usdz;
+        const exporters::MeshFormat format = exporters::export_format(path);
+        return format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf ||
+               format == exporters::MeshFormat::obj || format == exporters::MeshFormat::html ||
+               format == exporters::MeshFormat::usdz;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
-        exporting.texture == TextureFormat::none)
+        exporting.texture == exporters::TextureFormat::none)
         return std::nullopt;
-    TextureLimits limits{
-        {exporting.texture_max_px, exporting.texture_quality},
-        std::max(view.texture.width, view.texture.height),
-        !config.given.contains("export.texture_max_px"),
-        !config.given.contains("export.texture_quality") && exporting.texture != TextureFormat::png};
+    TextureLimits limits{{exporting.texture_max_px, exporting.texture_quality},
+                         std::max(view.texture.width, view.texture.height),
+                         !config.given.contains("export.texture_max_px"),
+                         !config.given.contains("export.texture_quality") &&
+                             exporting.texture != exporters::TextureFormat::png};
     if (exporting.texture_max_px > 0)
         limits.longest_px = std::min(limits.longest_px, exporting.texture_max_px);
     return limits;
 }
 
-ExportConfig with_texture(ExportConfig config, const TextureChoice& texture) {
+exporters::ExportConfig with_texture(exporters::ExportConfig config, const TextureChoice& texture) {
     config.texture_max_px = texture.max_px;
     config.texture_quality = texture.quality;
     return config;
@@ -72,10 +73,11 @@ std::string text_of(const TextureChoice& texture) {
 }
 
 double texture_bytes(const LeftView& view, const SurfaceResult& result, const TextureChoice& texture) {
-    const ExportConfig config = with_texture(result.config.exporting, texture);
-    const Scene scene = scene_of(view, result, {});
+    const exporters::ExportConfig config = with_texture(result.config.exporting, texture);
+    const exporters::Scene scene = scene_of(view, result, {});
     return static_cast<double>(
-        encode_texture(*scene.texture, textured_mesh(scene, config), config).bytes.size());
+        exporters::encode_texture(*scene.texture, exporters::textured_mesh(scene, config), config)
+            .bytes.size());
 }
 
 }  // namespace

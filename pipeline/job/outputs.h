@@ -21,14 +21,15 @@ struct OutputFile {
 };
 
 // What the exporters are given; it refers to its arguments.
-Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser);
+exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
+                          const std::vector<DetailLevel>& coarser);
 
 // The surface as the files among `outputs` hold it, against the map.
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
                                 const std::vector<std::filesystem::path>& outputs, const RunContext& run);
 
 // Writes each of `paths` with the files beside it; missing folders are made. Throws Error(output).
-std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
+std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
                                    const std::vector<std::filesystem::path>& paths, OutputSet& files,
                                    const RunLog& log);
 

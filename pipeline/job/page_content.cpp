@@ -15,18 +15,18 @@ namespace hexrelief {
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {
     return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
-        return export_format(path) == MeshFormat::html;
+        return exporters::export_format(path) == exporters::MeshFormat::html;
     });
 }
 
-PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,
-                         int threads) {
+exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
+                                    const SurfaceMeasures& measures, int threads) {
     const HexMesh2D& lattice = result.lattice.mesh;
     std::future<Image> relief = start_work(threads, [&] {
         return render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
     });
     const Image disparities = disparity_picture(view.meshed);
-    PageContent page;
+    exporters::PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {
         page.pictures.push_back({name, label, std::move(image)});
     };

@@ -67,7 +67,8 @@ void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
         if (!is_standard_output(output)) continue;
         if (planned_files(output, request.config.exporting).size() > 1)
-            refuse("the standard output takes one file, and " + format_name(export_format(output)) +
+            refuse("the standard output takes one file, and " +
+                   exporters::format_name(exporters::export_format(output)) +
                    " may have several; use -o - for .glb, -o drc:-, html:-, ply:-, stl:- or usdz:-, without "
                    "export.lod");
     }
@@ -178,27 +179,27 @@ bool writes_standard_output(const RunRequest& request) {
 }
 
 std::string levels_inside_warning(const RunRequest& request) {
-    const ExportConfig& config = request.config.exporting;
-    if (config.lod == 1 || config.lod_storage != LevelStorage::inside) return {};
+    const exporters::ExportConfig& config = request.config.exporting;
+    if (config.lod == 1 || config.lod_storage != exporters::LevelStorage::inside) return {};
     for (const fs::path& output : request.outputs)
-        if (const MeshFormat format = export_format(output);
-            format == MeshFormat::glb || format == MeshFormat::gltf)
+        if (const exporters::MeshFormat format = exporters::export_format(output);
+            format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf)
             return "Blender, and other programs that do not know MSFT_lod, show all levels of detail of " +
                    output.string() + " on top of each other; export.lod_storage: files writes a file each";
     return {};
 }
 
-std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
+std::vector<fs::path> planned_files(const fs::path& path, const exporters::ExportConfig& config) {
     std::vector<fs::path> files;
-    const MeshFormat format = export_format(path);
-    const int levels = separate_levels(path, config) ? config.lod : 1;
+    const exporters::MeshFormat format = exporters::export_format(path);
+    const int levels = exporters::separate_levels(path, config) ? config.lod : 1;
     for (int level = 0; level < levels; ++level) {
-        files.push_back(level == 0 ? path : level_path(path, level));
+        files.push_back(level == 0 ? path : exporters::level_path(path, level));
         fs::path companion = files.back();
-        if (format == MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
-        if (format == MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
-        if (format == MeshFormat::obj || format == MeshFormat::gltf)
-            files.push_back(texture_path(companion, config));
+        if (format == exporters::MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
+        if (format == exporters::MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
+        if (format == exporters::MeshFormat::obj || format == exporters::MeshFormat::gltf)
+            files.push_back(exporters::texture_path(companion, config));
     }
     return files;
 }
@@ -233,8 +234,8 @@ void check_request(const RunRequest& request) {
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
     if (request.outputs.empty() && request.config.budget.max_bytes > 0)
         refuse("--max-bytes (budget.max_bytes) limits mesh files, and there is none; give -o FILE");
-    if (has_page(request.outputs) && !has_viewer())
-        refuse(std::string("no page can be written: ") + kNoViewer);
+    if (has_page(request.outputs) && !exporters::has_viewer())
+        refuse(std::string("no page can be written: ") + exporters::kNoViewer);
     check_standard_output(request);
     check_collisions(request);
     for (const fs::path& output : request.outputs)

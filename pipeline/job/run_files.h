@@ -14,7 +14,7 @@ namespace hexrelief {
 // `path` and the files that its format writes beside it (.mtl, .bin, the texture), whether this run needs
 // them or not.
 std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path,
-                                                 const ExportConfig& config);
+                                                 const exporters::ExportConfig& config);
 
 // What is told where levels of detail are inside of a file, which not all programs understand; else empty.
 std::string levels_inside_warning(const RunRequest& request);

@@ -132,9 +132,9 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
 
     OutputSet files;
-    Scene scene = scene_of(view, result, coarser);
+    exporters::Scene scene = scene_of(view, result, coarser);
     scene.threads = relief.threads;
-    PageContent page;
+    exporters::PageContent page;
     if (with_page)
         page = log.stage("page", [&] { return page_content(view, result, measures, relief.threads); });
     scene.page = with_page ? &page : nullptr;

@@ -122,7 +122,7 @@ std::string Mesh::report() const {
     std::vector<std::filesystem::path> paths;
     for (const OutputFile& file : state_->written) paths.emplace_back(file.path);
     std::erase_if(paths, [](const auto& path) {  // textures and the like
-        const auto& known = export_extensions();
+        const auto& known = exporters::export_extensions();
         return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
     });
     const SurfaceMeasures measures = measure_written(view, relief.result, paths, run);

@@ -36,9 +36,9 @@ std::filesystem::path standard_output_name(const std::string& name) {
 
 bool lacks_color(const RunRequest& request) {
     return request.left.empty() && request.stereo.empty() && request.color.empty() &&
-           request.config.exporting.texture != TextureFormat::none &&
+           request.config.exporting.texture != exporters::TextureFormat::none &&
            std::any_of(request.outputs.begin(), request.outputs.end(), [](const std::filesystem::path& path) {
-               return export_format(path) != MeshFormat::drc;
+               return exporters::export_format(path) != exporters::MeshFormat::drc;
            });
 }
 

@@ -162,16 +162,17 @@ void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
 
 // Tiles with something in them, and the root. What a coarser tile is wrong by is added to what those in it
 // are.
-std::vector<TilesetTile> tileset_tiles(const TilePlan& plan) {
-    std::vector<TilesetTile> tiles;
-    std::vector<TilesetTile> below;
+std::vector<tileset::TilesetTile> tileset_tiles(const TilePlan& plan) {
+    std::vector<tileset::TilesetTile> tiles;
+    std::vector<tileset::TilesetTile> below;
     for (int level = plan.finest_level(); level >= 0; --level) {
-        std::vector<TilesetTile> here;
+        std::vector<tileset::TilesetTile> here;
         for (const TileNumber& number : tiles_of_level(plan, level)) {
             const TileReport report = read_tile_report(tile_file(plan, number, ".json"));
             if (report.triangles == 0 && level > 0) continue;
-            TilesetTile tile{level, number.i, number.j, report.low_m, report.high_m, 0, report.triangles > 0};
-            for (const TilesetTile& child : below)
+            tileset::TilesetTile tile{
+                level, number.i, number.j, report.low_m, report.high_m, 0, report.triangles > 0};
+            for (const tileset::TilesetTile& child : below)
                 if (child.x / 2 == tile.x && child.y / 2 == tile.y)
                     tile.error_m = std::max(tile.error_m, child.error_m + report.error_m);
             here.push_back(tile);
@@ -194,11 +195,12 @@ void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& file
         files.place(path);
         files.files().write(path, bytes);
     };
-    const std::vector<TilesetTile> tiles = tileset_tiles(plan);
-    const ImplicitTileset halved = implicit_tileset(tiles, content.generic_string(), generator);
+    const std::vector<tileset::TilesetTile> tiles = tileset_tiles(plan);
+    const tileset::ImplicitTileset halved =
+        tileset::implicit_tileset(tiles, content.generic_string(), generator);
     for (const auto& subtree : halved.subtrees) write(folder / subtree.name, subtree.bytes);
     write(fs::path(output).replace_extension(".implicit.json"), halved.json);
-    write(output, explicit_tileset(tiles, content.generic_string(), generator));
+    write(output, tileset::explicit_tileset(tiles, content.generic_string(), generator));
 }
 
 // What the tiles are made from, and the tiles, stay as they are.
@@ -243,7 +245,7 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     } else {
         files.place(output);
         log.stage("join", [&] {
-            join_glb(contents, std::string("hexrelief ") + HEXRELIEF_VERSION, output, files.files());
+            tileset::join_glb(contents, std::string("hexrelief ") + HEXRELIEF_VERSION, output, files.files());
         });
     }
     files.commit();

@@ -22,11 +22,12 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::
     const fs::path kept = place(".mesh");
     files.files().write(kept, tile_bytes(mesh));
     if (!scene.mesh.empty()) {
-        Scene exported{&scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
+        exporters::Scene exported{
+            &scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
         exported.threads = threads;
         exported.grid_step_m = plan.grid_step_m;
         exported.origin_m = scene.origin_m;
-        export_scene(exported, plan.config.exporting, place(".glb"), files.files());
+        exporters::export_scene(exported, plan.config.exporting, place(".glb"), files.files());
     }
     report.plan = plan.stamp;
     report.vertices = scene.mesh.positions.size();

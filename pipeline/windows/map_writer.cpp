@@ -70,8 +70,8 @@ std::string tiff_directory(std::uint64_t at, std::uint64_t width, std::uint64_t 
 
 }  // namespace
 
-MapWriter::MapWriter(FileTransaction& files, const std::filesystem::path& path, int width, int height,
-                     int tile_px)
+MapWriter::MapWriter(exporters::FileTransaction& files, const std::filesystem::path& path, int width,
+                     int height, int tile_px)
     : path_(path), width_(width), height_(height), tile_px_(tile_px), is_tiff_(is_tiff_name(path)) {
     assert(tile_px >= 1 && tile_px <= 4096);
     if (std::min(width, height) < 1 || std::max(width, height) > kLargestMapSide_px)

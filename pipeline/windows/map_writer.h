@@ -17,7 +17,7 @@ class MapWriter {
     // Writes nothing before write(), and the file appears when `files`, which must outlive this, is committed
     // after finish(). tile_px: 1 to 4096. Throws Error(usage) for another ending, and a size beyond
     // kLargestMapSide_px; Error(output) as FileTransaction::open().
-    MapWriter(FileTransaction& files, const std::filesystem::path& path, int width, int height,
+    MapWriter(exporters::FileTransaction& files, const std::filesystem::path& path, int width, int height,
               int tile_px = 256);
 
     // The next `count` rows, from the top; no more than the map has. Throws Error(output): a full disk.

@@ -127,7 +127,7 @@ void read_manifests(Bytes bytes, const std::string&) {
 }
 
 void describe(Bytes bytes, const std::string& name) {
-    attempt([&] { describe_mesh(file_of(bytes, "." + name)); });
+    attempt([&] { inspect::describe_mesh(file_of(bytes, "." + name)); });
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "exporters/images/texture.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 void append_u32(std::vector<std::uint8_t>& bytes, std::size_t value) {
@@ -62,4 +62,4 @@ void write_gltf(const Scene& scene, const ExportConfig& config, const std::files
     if (!document.texture.bytes.empty()) files.write(image_path, document.texture.bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -6,7 +6,7 @@
 
 #include "exporters/core/format_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files);
@@ -17,4 +17,4 @@ void write_gltf(const Scene& scene, const ExportConfig& config, const std::files
 std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,
                                     const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include "exporters/formats/gltf/parts.h"
 #include "pipeline/data/background.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr const char* kUnlitExtension = "KHR_materials_unlit";
@@ -231,4 +231,4 @@ GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const Gl
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 void use_extension(GltfParts& parts, const std::string& name, bool required) {
     const auto add = [&](std::vector<std::string>& names) {
@@ -43,4 +43,4 @@ void set_bounds(tinygltf::Accessor& accessor, const Vec3f& low, const Vec3f& hig
     accessor.maxValues = {high.x, high.y, high.z};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -8,7 +8,7 @@
 #include "exporters/compression/draco_plan.h"
 #include "exporters/formats/gltf/tinygltf.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Where the bytes of a view of buffer 1 lie compressed in buffer 0.
 struct MeshoptView {
@@ -67,4 +67,4 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
 // front of it. Returns the index of its node.
 int add_camera(GltfParts& parts, const Calibration& camera, const SurfaceMesh& mesh);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

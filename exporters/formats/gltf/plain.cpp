@@ -2,7 +2,7 @@
 #include "exporters/formats/gltf/parts.h"
 #include "pipeline/data/bounds.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     const SurfaceMesh& mesh = textured.mesh;
@@ -38,4 +38,4 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

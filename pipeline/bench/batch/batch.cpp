@@ -52,9 +52,9 @@ std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContex
     const LeftView view{matched.map,     matched.meshed(), density,
                         scene.pair.left, scene.pair.left,  scene.camera};
     const SurfaceResult result = make_surface(view, config, run);
-    Scene written = scene_of(view, result, {});
+    exporters::Scene written = scene_of(view, result, {});
     written.threads = run.threads;
-    return export_size(written, config.exporting, "job.glb");
+    return exporters::export_size(written, config.exporting, "job.glb");
 }
 
 // One worker: a job that starts all that is kept, then those that are still to be had.

@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 std::unique_ptr<draco::Mesh> decode(const std::string& bytes) {
@@ -234,4 +234,4 @@ TEST(Draco, DecoderProgramReadsDrc) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -2,7 +2,7 @@
 
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 struct Case {
@@ -14,14 +14,14 @@ class Describe : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Describe, TellsWhatWasWritten) {
     const auto& [name, draco, textured] = GetParam();
-    const TemporaryFolder folder;
-    const SurfaceMesh mesh = sample_mesh(24, 18);
-    const Image texture = sample_texture(64, 48);
-    ExportConfig config;
-    config.normals = NormalsKind::always;
-    if (draco) config.compression = Compression::draco;
-    const auto paths =
-        export_scene({&mesh, textured ? &texture : nullptr, kGenerator, "{}"}, config, folder / name);
+    const exporters::TemporaryFolder folder;
+    const SurfaceMesh mesh = exporters::sample_mesh(24, 18);
+    const Image texture = exporters::sample_texture(64, 48);
+    exporters::ExportConfig config;
+    config.normals = exporters::NormalsKind::always;
+    if (draco) config.compression = exporters::Compression::draco;
+    const auto paths = exporters::export_scene(
+        {&mesh, textured ? &texture : nullptr, exporters::kGenerator, "{}"}, config, folder / name);
     const MeshDescription out = describe_mesh(paths[0]);
     const std::string format = paths[0].extension().string().substr(1);
     EXPECT_EQ(out.format, format);
@@ -32,7 +32,7 @@ TEST_P(Describe, TellsWhatWasWritten) {
     EXPECT_EQ(out.colors, textured && format == "ply");
     EXPECT_EQ(out.compression, draco || format == "drc" ? "draco" : "none");
     EXPECT_EQ(out.texture_bytes > 0, textured && format != "ply" && format != "drc" && format != "stl");
-    EXPECT_EQ(out.generator, format == "drc" ? "" : kGenerator);
+    EXPECT_EQ(out.generator, format == "drc" ? "" : exporters::kGenerator);
     ASSERT_TRUE(out.has_bounds);
     const float tolerance = out.compression == "draco" ? 2.f / 4095 : 0;
     EXPECT_NEAR(out.min.x, -1, tolerance);
@@ -56,8 +56,9 @@ INSTANTIATE_TEST_SUITE_P(Files, Describe,
                          [](const auto& instance) { return std::to_string(instance.index); });
 
 TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {
-    const TemporaryFolder folder;
-    put(folder / "a.obj",
+    const exporters::TemporaryFolder folder;
+    exporters::put(
+        folder / "a.obj",
         "v 0 0 0 1 0 0\r\nv +1 0 0 1 0 0\r\nv 1 1 0 1 0 0\r\nv 0 1e0 -2.5 1 0 0\r\nf -4 -3 -2 -1\r\nf 1 2 3");
     const MeshDescription out = describe_mesh(folder / "a.obj");
     EXPECT_EQ(out.vertices, 4);
@@ -68,8 +69,9 @@ TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {
 }
 
 TEST(DescribePly, AsciiWithStrangeElements) {
-    const TemporaryFolder folder;
-    put(folder / "a.ply",
+    const exporters::TemporaryFolder folder;
+    exporters::put(
+        folder / "a.ply",
         "ply\nformat ascii 1.0\nobj_info x\nelement camera 1\nproperty list uchar float view\nelement vertex "
         "3\n"
         "property double x\nproperty double y\nproperty double z\nproperty uchar red\nelement face 1\n"
@@ -83,15 +85,15 @@ TEST(DescribePly, AsciiWithStrangeElements) {
 }
 
 TEST(DescribePly, BigEndian) {
-    const TemporaryFolder folder;
+    const exporters::TemporaryFolder folder;
     std::string text =
         "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty "
         "float z\n"
         "end_header\n";
     text += std::string("\x3f\x80\x00\x00\x40\x00\x00\x00\xbf\x80\x00\x00", 12);  // 1, 2, -1
-    put(folder / "a.ply", text);
+    exporters::put(folder / "a.ply", text);
     EXPECT_EQ(describe_mesh(folder / "a.ply").max, (Vec3f{1, 2, -1}));
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

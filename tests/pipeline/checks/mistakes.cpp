@@ -33,7 +33,7 @@ Image as_grey(const Image& image) {
 }
 
 Image as_stored(const Image& image, int quality) {
-    return readers::image_of(readers::codec::decode_jpeg({"picture", encode_jpeg(image, quality)}),
+    return readers::image_of(readers::codec::decode_jpeg({"picture", exporters::encode_jpeg(image, quality)}),
                              "picture");
 }
 

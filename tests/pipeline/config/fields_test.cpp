@@ -51,7 +51,8 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);
     EXPECT_EQ(fields_below("mesh.balance"), member_count<BalanceConfig>());
     EXPECT_EQ(fields_below("surface"), member_count<SurfaceConfig>());
-    EXPECT_EQ(fields_below("export"), member_count<DracoConfig>() + member_count<ExportConfig>() - 1);
+    EXPECT_EQ(fields_below("export"),
+              member_count<exporters::DracoConfig>() + member_count<exporters::ExportConfig>() - 1);
     EXPECT_EQ(fields_below("run"), member_count<ExecutionConfig>());
 }
 

@@ -34,7 +34,7 @@ TEST(ConfigFile, PartialFilesChangeWhatTheyName) {
                "");
     EXPECT_EQ(config.mesh.spacing_px, 4);
     EXPECT_EQ(config.mesh.method, MeshMethod::sequential);
-    EXPECT_EQ(config.exporting.compression, Compression::draco);
+    EXPECT_EQ(config.exporting.compression, exporters::Compression::draco);
     EXPECT_EQ(config.density.exponent, 3);
 }
 
@@ -124,7 +124,7 @@ TEST(Setting, ChangesOneKey) {
     apply_setting(config, "input.disparity.unknown=0");
     apply_setting(config, "input.disparity.unknown=null");
     EXPECT_EQ(config.mesh.spacing_px, 4.5);
-    EXPECT_EQ(config.exporting.compression, Compression::draco);
+    EXPECT_EQ(config.exporting.compression, exporters::Compression::draco);
     EXPECT_EQ(config.input.calibration.file, "a=b.txt");
     EXPECT_TRUE(std::isnan(config.input.disparity.unknown));
 }

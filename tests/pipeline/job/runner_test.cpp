@@ -207,7 +207,7 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     request.color = folder / "c.ppm";
     request.config.input.calibration.file = folder / "camera";
     request.config.mesh.spacing_px = 4;
-    request.config.exporting.texture = TextureFormat::png;
+    request.config.exporting.texture = exporters::TextureFormat::png;
     request.config.exporting.texture_crop = false;
     request.outputs = {folder / "a.obj"};
     const RunReport report = run_job(request, {});

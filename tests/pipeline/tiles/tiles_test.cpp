@@ -50,7 +50,7 @@ void write_map(const std::string& path, const DisparityMap& map) {
     files.commit();
 }
 
-Config small_config(Compression compression) {
+Config small_config(exporters::Compression compression) {
     Config config;
     config.mesh.spacing_px = 3;
     config.exporting.compression = compression;
@@ -65,12 +65,13 @@ Backend cpu(int threads) {
 
 class PlannedFolder {
   public:
-    explicit PlannedFolder(const DisparityMap& map, Compression compression = Compression::none,
+    explicit PlannedFolder(const DisparityMap& map,
+                           exporters::Compression compression = exporters::Compression::none,
                            bool with_picture = false) {
         write_map(folder_ / "map.tif", map);
         PlanRequest request{folder_ / "map.tif", {}, folder_ / "p", {}, kTile, small_config(compression)};
         if (with_picture) {
-            write_png(folder_ / "left.png", busy_picture(map, 1));
+            exporters::write_png(folder_ / "left.png", busy_picture(map, 1));
             request.color = folder_ / "left.png";
         }
         plan = make_plan(request, cpu(2), 2, log_);
@@ -106,7 +107,7 @@ Point in_space(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
     return p;
 }
 
-class TileFormats : public ::testing::TestWithParam<Compression> {};
+class TileFormats : public ::testing::TestWithParam<exporters::Compression> {};
 
 TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
     PlannedFolder folder(busy_map(kTall_px, kTall_px, 1), GetParam());
@@ -130,12 +131,12 @@ TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TileFormats,
-                         ::testing::Values(Compression::none, Compression::quantized, Compression::meshopt,
-                                           Compression::draco));
+                         ::testing::Values(exporters::Compression::none, exporters::Compression::quantized,
+                                           exporters::Compression::meshopt, exporters::Compression::draco));
 
 TEST(Tiles, AreTheSameBytesInAnyOrderAndByAnyNumberOfWorkers) {
     const DisparityMap map = busy_map(kWidth_px, kHeight_px, 2);
-    PlannedFolder one(map, Compression::none, true), many(map, Compression::none, true);
+    PlannedFolder one(map, exporters::Compression::none, true), many(map, exporters::Compression::none, true);
     one.solve(one.tiles(), 1, 1);
     std::vector<TileNumber> backwards = many.tiles();
     std::reverse(backwards.begin(), backwards.end());
@@ -168,7 +169,8 @@ TEST(Tiles, OnlyWhatIsMissingOrDamagedIsSolvedAgain) {
 }
 
 TEST(Tiles, AsOneGlbHaveTheTrianglesOfAll) {
-    for (const Compression compression : {Compression::none, Compression::meshopt, Compression::draco}) {
+    for (const exporters::Compression compression :
+         {exporters::Compression::none, exporters::Compression::meshopt, exporters::Compression::draco}) {
         PlannedFolder folder(busy_map(kWidth_px, kHeight_px, 1), compression, true);
         folder.solve();
         const MergedTiles merged = folder.merge("scene.glb");
@@ -211,7 +213,7 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
                             folder / "p",
                             {},
                             kTile,
-                            small_config(Compression::none)};
+                            small_config(exporters::Compression::none)};
         request.config.input.mask.alpha = alpha;
         const DisparityMap read = PlannedMap(make_plan(request, cpu(1), 1, log), false).read(window);
         std::vector<std::uint8_t> unknown;

@@ -19,7 +19,7 @@ DisparityMap sample_map(int width, int height) {
 }
 
 void write_map(const fs::path& path, const DisparityMap& map, int tile_px, int rows_at_once) {
-    FileTransaction files;
+    exporters::FileTransaction files;
     MapWriter writer(files, path, map.width, map.height, tile_px);
     for (int y = 0; y < map.height; y += rows_at_once)
         writer.write(&map.values[static_cast<std::size_t>(y) * map.width],
@@ -54,7 +54,7 @@ TEST(MapWriter, LeavesNothingWithoutCommit) {
     const readers::Folder folder;
     folder.write("map.pfm", "old");
     {
-        FileTransaction files;
+        exporters::FileTransaction files;
         MapWriter writer(files, folder.path() / "map.pfm", 2, 2);
         const float row[2] = {1, 2};
         writer.write(row, 1);
@@ -65,7 +65,7 @@ TEST(MapWriter, LeavesNothingWithoutCommit) {
 
 TEST(MapWriter, RefusesOtherNamesAndSizes) {
     const readers::Folder folder;
-    FileTransaction files;
+    exporters::FileTransaction files;
     const auto failure = [&](const char* name, int width, int height, ErrorKind kind) {
         return readers::error_of([&] { MapWriter(files, folder.path() / name, width, height); }, kind);
     };

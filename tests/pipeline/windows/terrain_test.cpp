@@ -54,7 +54,7 @@ TEST(Terrain, FilesAreTheSameForAnyNumberOfThreads) {
     readers::Bytes first;
     for (const int threads : {1, 3}) {
         for (const char* const name : {"map.tif", "map.pfm"}) {
-            FileTransaction files;
+            exporters::FileTransaction files;
             MapWriter writer(files, folder.path() / name, 130, 70, 32);
             write_terrain(writer, 130, 70, 9, threads);
             writer.finish();

@@ -37,7 +37,7 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
     const fs::path rows = folder.write("map.raw", ""), tiles = folder.path() / "map.tif";
     fs::resize_file(rows, std::uintmax_t{4} << 30);  // holes, which take no space
     {
-        FileTransaction files;
+        exporters::FileTransaction files;
         MapWriter writer(files, tiles, 4096, 4096);
         const std::vector<float> row(4096, 5.0f);
         for (int y = 0; y < 4096; ++y) writer.write(row.data(), 1);
