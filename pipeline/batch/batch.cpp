@@ -191,7 +191,7 @@ class Scheduler {
                 result_.units[unit] = worker.finish();
             }
         for (std::size_t i = next_; i < units_.size(); ++i) {
-            result_.units[i].exit_code = kInterruptedExitCode;
+            result_.units[i].exit_code = files::kInterruptedExitCode;
             result_.units[i].message = "interrupted";
         }
         workers_.clear();

@@ -48,7 +48,7 @@ void send_result(int socket, const UnitResult& result) {
     // Where memory runs out, the system is to end a worker rather than the batch.
     std::ofstream("/proc/self/oom_score_adj") << "300";
     if (!device.empty()) ::setenv("CUDA_VISIBLE_DEVICES", device.c_str(), 1);
-    install_interrupt_handling();
+    files::install_interrupt_handling();
     const BackendPicker pick = keep_backends();
     std::size_t unit = 0;
     while (::recv(socket, &unit, sizeof unit, 0) == sizeof unit)
@@ -125,8 +125,8 @@ UnitResult Worker::result_of_death() {
                          (WTERMSIG(status) == SIGKILL ? " (by hand, or for want of memory)" : "");
     else
         result.message = "its process ended with exit code " + std::to_string(WEXITSTATUS(status));
-    if (WIFEXITED(status) && WEXITSTATUS(status) == kInterruptedExitCode) {
-        result.exit_code = kInterruptedExitCode;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == files::kInterruptedExitCode) {
+        result.exit_code = files::kInterruptedExitCode;
         result.message = "interrupted";
     }
     return result;

@@ -47,7 +47,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     std::vector<std::string> missing;
     std::vector<FoundMap> found;
     if (!options.data.empty()) found = find_maps(options.data, {}, {}, missing);
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
     const int threads = effective_threads(options.threads);
     cuda_bench::Solvers solvers(threads);
 

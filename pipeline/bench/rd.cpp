@@ -261,7 +261,7 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
             if (rd::peer_files(peer, one.map->name).empty())
                 missing.push_back((peer.folder / (std::string(one.map->name) + "_*.obj")).string());
     }
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
     const int threads = effective_threads(options.threads);
 
     Json json;

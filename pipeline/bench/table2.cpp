@@ -158,7 +158,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     const Config own = read_config({"", options.settings});
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
     const int threads = effective_threads(options.threads);
     const std::vector<Backend> backends = usable_backends(threads);
 

@@ -22,7 +22,7 @@ const std::string kOutOfMemory =
     "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
 int complain(const std::string& message, int code) {
-    wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
+    files::wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
     std::string text = message;
     std::replace(text.begin(), text.end(), '\n', ' ');
     std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
@@ -32,7 +32,7 @@ int complain(const std::string& message, int code) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-    guard_standard_streams();
+    files::guard_standard_streams();
     try {
         ArgumentParser parser("hexrelief",
                               "Stereo pairs and disparity maps to compact, textured, metric 3D meshes.",

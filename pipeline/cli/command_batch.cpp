@@ -203,7 +203,7 @@ void write_table(const TableFiles& table, const std::vector<BatchUnit>& units, c
         if (units[i].wrong.empty()) row.report = request_of_words(units[i].words).report;
         rows.push_back(std::move(row));
     }
-    OutputSet files;
+    files::OutputSet files;
     write_text_file(table_csv(rows), table.csv, files);
     write_text_file(table_json(rows), table.json, files);
     files.commit();
@@ -224,8 +224,8 @@ int run_batch(const BatchCommand& command) {
     const bool writes_table = !command.output.empty() && !command.dry_run;
     const TableFiles table = table_files(command.output, shard);
     if (writes_table) {
-        check_writable_folder(command.output);
-        check_overwrites({table.csv, table.json}, {command.what, command.config.file});
+        files::check_writable_folder(command.output);
+        files::check_overwrites({table.csv, table.json}, {command.what, command.config.file});
     }
 
     BatchTeller teller(command, units);
@@ -234,7 +234,7 @@ int run_batch(const BatchCommand& command) {
                   {[&](std::size_t unit, const UnitResult& ended) { teller.unit_ended(unit, ended); },
                    [&] { teller.draw(); }});
     teller.batch_ended(result);
-    if (result.interrupted) return kInterruptedExitCode;
+    if (result.interrupted) return files::kInterruptedExitCode;
     if (writes_table) write_table(table, units, result);
     const auto failed = std::find_if(result.units.begin(), result.units.end(), [](const UnitResult& unit) {
         return unit.outcome == UnitOutcome::failed;

@@ -56,7 +56,7 @@ bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
 // Where an earlier demo left its pair, all is written anew; else nobody's files are.
 void check_folder(const fs::path& folder, const std::vector<SampleFile>& pair,
                   const std::vector<fs::path>& outputs) {
-    check_writable_folder(folder);
+    files::check_writable_folder(folder);
     if (std::all_of(pair.begin(), pair.end(), [&](const auto& f) { return holds(folder / f.name, f.bytes); }))
         return;
     std::vector<fs::path> files;

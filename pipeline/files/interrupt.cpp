@@ -15,7 +15,7 @@
 #include "exporters/core/file_transaction.h"
 #include "pipeline/files/output_set.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 std::atomic<bool> signalled{false};
@@ -79,4 +79,4 @@ void wait_if_interrupted() {
     while (signalled) pause();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

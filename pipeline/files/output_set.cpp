@@ -12,7 +12,7 @@
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/sha256.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -140,4 +140,4 @@ void roll_back_outputs() {
     fresh_folders.clear();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -8,7 +8,7 @@
 
 #include "exporters/core/file_transaction.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 // True for "-" with or without an extension, which stands for the standard output.
 bool is_standard_output(const std::filesystem::path& path);
@@ -72,4 +72,4 @@ class OutputSet {
 // For the interrupt's thread: undoes all sets and makes every later write fail.
 void roll_back_outputs();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 // 64 hexadecimal digits.
 std::string sha256_of(const void* data, std::size_t bytes);
 // Throws Error(input) where the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 // Remembers which files are at these names, how long they are and when they were changed. Those that are
 // missing are left to their readers. The clock may be set meanwhile: times are only compared for equality.
@@ -23,4 +23,4 @@ class UnchangedFiles {
     std::vector<std::pair<std::filesystem::path, State>> files_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -37,10 +37,10 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
         throw Error(ErrorKind::input, "cannot read '" + folder.string() + "': it is no folder");
     if (exporters::extension_of(path) != ".html")
         throw Error(ErrorKind::usage, "'" + path.string() + "': a gallery is a page; name a file .html");
-    check_writable_file(path);
+    files::check_writable_file(path);
     std::vector<exporters::GalleryEntry> entries;
     for (FoundResult& result : find_results(folder)) {
-        check_overwrites({path}, {result.file});
+        files::check_overwrites({path}, {result.file});
         entries.push_back(entry_of(std::move(result), folder, fs::absolute(path).parent_path()));
     }
     if (entries.empty())
@@ -48,7 +48,7 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
                                           "' holds no result; hexrelief run -o a.html --report a.json "
                                           "writes what a gallery shows");
     const std::string title = fs::canonical(folder).filename().string();
-    OutputSet outputs;
+    files::OutputSet outputs;
     outputs.place(path);
     outputs.files().write(path, exporters::gallery_page(title, kColumns, entries));
     outputs.commit();

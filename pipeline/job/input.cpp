@@ -31,7 +31,7 @@ ViewSize size_of(const Raster& raster) {
 }
 
 InputFile hashed(const std::string& role, const fs::path& path) {
-    return {role, path.string(), sha256_of_file(path)};
+    return {role, path.string(), files::sha256_of_file(path)};
 }
 
 struct HashedImage {
@@ -208,7 +208,7 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
     for (const std::string& told : file->told) log.warn(config.file + ": " + told);
     if (!request.stages_folder.empty())
         for (const fs::path& name : rectified_file_names())
-            check_overwrites({request.stages_folder / name}, read_files(request));
+            files::check_overwrites({request.stages_folder / name}, read_files(request));
     rectify::RectifiedPair rectified = rectify::rectify(input.pair, cameras, threads);
     if (const Image alpha{size.width, size.height, 1, input.pair.left.alpha}; !alpha.empty())
         rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
@@ -270,7 +270,7 @@ const std::vector<fs::path>& rectified_file_names() {
 }
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
-    const UnchangedFiles sources(read_files(request));
+    const files::UnchangedFiles sources(read_files(request));
     const bool is_map = !request.depth.empty() || !request.disparity.empty();
     readers::DepthFile depth;
     RunInput input = !request.stereo.empty() ? read_stereo(request, log)

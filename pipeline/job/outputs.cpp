@@ -34,7 +34,8 @@ SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& resul
 }
 
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
-                                   const std::vector<fs::path>& paths, OutputSet& files, const RunLog& log) {
+                                   const std::vector<fs::path>& paths, files::OutputSet& files,
+                                   const RunLog& log) {
     std::vector<OutputFile> outputs;
     double done = 0;
     for (const fs::path& name : paths) {
@@ -42,7 +43,7 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
         const std::size_t before = files.written().size();
         exporters::export_scene(scene, config, name, files.files());
         for (std::size_t i = before; i < files.written().size(); ++i) {
-            const WrittenFile& file = files.written()[i];
+            const files::WrittenFile& file = files.written()[i];
             const std::string extension = file.path.extension().string();
             outputs.push_back({file.path.string(),
                                i == before ? exporters::format_name(exporters::export_format(name))
@@ -54,24 +55,24 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
     return outputs;
 }
 
-void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder, OutputSet& files,
-                 const RunContext& run) {
+void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder,
+                 files::OutputSet& files, const RunContext& run) {
     files.make_folder(folder);
-    const StageResults results{&view.meshed,
-                               &view.density,
-                               &result.lattice.mesh,
-                               &result.surface.mesh,
-                               view.color.empty() ? nullptr : &view.color,
-                               result.config.mesh.seed,
-                               run.threads};
+    const pictures::StageResults results{&view.meshed,
+                                         &view.density,
+                                         &result.lattice.mesh,
+                                         &result.surface.mesh,
+                                         view.color.empty() ? nullptr : &view.color,
+                                         result.config.mesh.seed,
+                                         run.threads};
     double done = 0;
-    for (const fs::path& name : stage_file_names()) {
-        files.files().write(folder / name, encode_stage_file(results, name));
-        run.log.progress(++done / static_cast<double>(stage_file_names().size()));
+    for (const fs::path& name : pictures::stage_file_names()) {
+        files.files().write(folder / name, pictures::encode_stage_file(results, name));
+        run.log.progress(++done / static_cast<double>(pictures::stage_file_names().size()));
     }
 }
 
-void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& files) {
+void save_rectified(const RunInput& input, const fs::path& folder, files::OutputSet& files) {
     files.make_folder(folder);
     const std::vector<fs::path>& names = rectified_file_names();
     files.files().write(folder / names[0], exporters::encode_png(input.pair.left));
@@ -93,7 +94,7 @@ void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& fi
     write_text_file(text, folder / names[2], files);
 }
 
-void write_text_file(const std::string& text, const fs::path& name, OutputSet& files) {
+void write_text_file(const std::string& text, const fs::path& name, files::OutputSet& files) {
     files.place(name);
     files.files().write(name, text);
 }

@@ -23,19 +23,19 @@ exporters::PageContent page_content(const LeftView& view, const SurfaceResult& r
                                     const SurfaceMeasures& measures, int threads) {
     const HexMesh2D& lattice = result.lattice.mesh;
     std::future<Image> relief = start_work(threads, [&] {
-        return render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
+        return pictures::render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
     });
-    const Image disparities = disparity_picture(view.meshed);
+    const Image disparities = pictures::disparity_picture(view.meshed);
     exporters::PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {
         page.pictures.push_back({name, label, std::move(image)});
     };
     add("disparity", "Disparities, yellow is near", disparities);
-    add("density", "Density that the lattice is adapted to", density_picture(view.density));
+    add("density", "Density that the lattice is adapted to", pictures::density_picture(view.density));
     add("mesh2d", "The adapted lattice",
-        mesh_picture(lattice, view.color.empty() ? disparities : view.color));
+        pictures::mesh_picture(lattice, view.color.empty() ? disparities : view.color));
     add("weights", "How equal its honeycomb cells are",
-        weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
+        pictures::weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
 
     add("relief", "The relief, seen from the side", relief.get());
 

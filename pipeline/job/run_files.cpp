@@ -44,9 +44,9 @@ void check_inputs_named(const RunRequest& request) {
 }
 
 int files_for_standard_output(const RunRequest& request) {
-    return static_cast<int>(is_standard_output(request.report) + std::count_if(request.outputs.begin(),
-                                                                               request.outputs.end(),
-                                                                               is_standard_output));
+    return static_cast<int>(
+        files::is_standard_output(request.report) +
+        std::count_if(request.outputs.begin(), request.outputs.end(), files::is_standard_output));
 }
 
 // As make reads it: spaces, '#' and '%' after a backslash, '$' doubled. Make knows no name with a line end.
@@ -65,7 +65,7 @@ std::string make_name(const fs::path& path) {
 // One file can go to the standard output.
 void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
-        if (!is_standard_output(output)) continue;
+        if (!files::is_standard_output(output)) continue;
         if (planned_files(output, request.config.exporting).size() > 1)
             refuse("the standard output takes one file, and " +
                    exporters::format_name(exporters::export_format(output)) +
@@ -78,7 +78,7 @@ void check_standard_output(const RunRequest& request) {
 
 // A file that a run writes, and what for.
 struct PlannedFile {
-    FileIdentity identity;
+    files::FileIdentity identity;
     fs::path path;
     std::string purpose;
     bool texture = false;  // two outputs may share it: its bytes are the same
@@ -87,7 +87,8 @@ struct PlannedFile {
 std::vector<PlannedFile> plan(const RunRequest& request) {
     std::vector<PlannedFile> files;
     auto add = [&](const fs::path& path, const std::string& purpose, bool texture = false) {
-        if (!is_standard_output(path)) files.push_back({identify(path), path, purpose, texture});
+        if (!files::is_standard_output(path))
+            files.push_back({files::identify(path), path, purpose, texture});
     };
     for (const fs::path& output : request.outputs)
         for (const fs::path& file : planned_files(output, request.config.exporting)) {
@@ -99,7 +100,7 @@ std::vector<PlannedFile> plan(const RunRequest& request) {
     if (!request.report.empty()) add(request.report, "the report");
     if (!request.depfile.empty()) add(request.depfile, "the rule for make");
     if (!request.stages_folder.empty())
-        for (const fs::path& name : stage_file_names())
+        for (const fs::path& name : pictures::stage_file_names())
             add(request.stages_folder / name, "a stage's result in " + request.stages_folder.string());
     return files;
 }
@@ -112,7 +113,7 @@ void check_collisions(const RunRequest& request) {
                 refuse(files[j].purpose + " and " + files[i].purpose + " would be one file, " +
                        files[i].path.string() + "; choose another name");
     for (const fs::path& source : read_files(request)) {
-        const FileIdentity identity = identify(source);
+        const files::FileIdentity identity = files::identify(source);
         for (const PlannedFile& file : files)
             if (file.identity == identity)
                 refuse(file.purpose + " would overwrite the input " + source.string() +
@@ -166,7 +167,7 @@ void check_memory(const RunRequest& request) {
 std::string depfile_rule(const RunRequest& request) {
     std::string targets, sources, alone;
     for (const fs::path& output : request.outputs)
-        if (!is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
+        if (!files::is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
     for (const fs::path& source : read_files(request)) {
         sources += " \\\n  " + make_name(source);
         alone += "\n" + make_name(source) + ":\n";
@@ -211,7 +212,8 @@ std::vector<fs::path> written_files(const RunRequest& request) {
     if (!request.depfile.empty()) files.push_back(request.depfile);
     if (!request.report.empty()) files.push_back(request.report);
     if (!request.stages_folder.empty())
-        for (const fs::path& name : stage_file_names()) files.push_back(request.stages_folder / name);
+        for (const fs::path& name : pictures::stage_file_names())
+            files.push_back(request.stages_folder / name);
     return files;
 }
 
@@ -239,15 +241,16 @@ void check_request(const RunRequest& request) {
     check_standard_output(request);
     check_collisions(request);
     for (const fs::path& output : request.outputs)
-        if (!is_standard_output(output))
+        if (!files::is_standard_output(output))
             for (const fs::path& file : planned_files(output, request.config.exporting))
-                check_writable_file(file);
-    if (!request.report.empty() && !is_standard_output(request.report)) check_writable_file(request.report);
+                files::check_writable_file(file);
+    if (!request.report.empty() && !files::is_standard_output(request.report))
+        files::check_writable_file(request.report);
     if (!request.depfile.empty()) {
         static_cast<void>(depfile_rule(request));  // names that make cannot hold
-        check_writable_file(request.depfile);
+        files::check_writable_file(request.depfile);
     }
-    if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
+    if (!request.stages_folder.empty()) files::check_writable_folder(request.stages_folder);
     check_memory(request);
 }
 

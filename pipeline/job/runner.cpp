@@ -131,7 +131,7 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
     if (result.config.exporting.lod > 1)
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
 
-    OutputSet files;
+    files::OutputSet files;
     exporters::Scene scene = scene_of(view, result, coarser);
     scene.threads = relief.threads;
     exporters::PageContent page;

@@ -159,7 +159,8 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
     RunRequest request = state.request;
     request.config = config;
     request.outputs = {path};
-    for (const std::filesystem::path& file : planned_files(path, config.exporting)) check_writable_file(file);
+    for (const std::filesystem::path& file : planned_files(path, config.exporting))
+        files::check_writable_file(file);
     const RunReport report = write_relief(state.relief, request, state.log);
     std::vector<std::string> files;
     for (const OutputFile& file : report.outputs) {
@@ -245,7 +246,7 @@ void check_run(const FileRequest& files, const Options& options) {
 }
 
 void end_on_interrupt() {
-    install_interrupt_handling();
+    files::install_interrupt_handling();
 }
 
 std::string version() {

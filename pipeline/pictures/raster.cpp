@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 
 Image blank_picture(int width, int height, Rgb colour) {
     Image picture{width, height, 3, {}};
@@ -72,4 +72,4 @@ Image shrink(const Image& picture, int factor) {
     return small;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

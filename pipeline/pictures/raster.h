@@ -7,7 +7,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
@@ -21,4 +21,4 @@ void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float 
 // Means of factor x factor blocks; the sides must be multiples of factor.
 Image shrink(const Image& picture, int factor);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

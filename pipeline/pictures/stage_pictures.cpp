@@ -11,7 +11,7 @@
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 namespace {
 
 constexpr int kSamples = 10000;
@@ -173,4 +173,4 @@ std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const s
     return {text.begin(), text.end()};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

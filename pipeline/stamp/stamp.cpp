@@ -38,13 +38,13 @@ std::string config_text(const Config& config) {
 std::string digest_line(const char* role, const fs::path& path) {
     if (path.empty()) return "";
     static_cast<void>(readers::codec::load_head(path, 0));  // refuses as the run would
-    return std::string(role) + " " + sha256_of_file(path) + "\n";
+    return std::string(role) + " " + files::sha256_of_file(path) + "\n";
 }
 
 bool is_as_written(const Json& output, const fs::path& file) {
     std::error_code code;
     return fs::file_size(file, code) == output.at("bytes").get<std::uintmax_t>() && !code &&
-           sha256_of_file(file) == output.at("sha256").get<std::string>();
+           files::sha256_of_file(file) == output.at("sha256").get<std::string>();
 }
 
 // Different paths by their file name, in order.
@@ -96,11 +96,11 @@ std::string unit_stamp(const RunRequest& request) {
             digest_line("depth", request.depth) + digest_line("color", request.color) +
             digest_line("mask", request.mask) + digest_line("confidence", request.confidence) +
             digest_line("calibration", request.config.input.calibration.file);
-    return sha256_of(text.data(), text.size());
+    return files::sha256_of(text.data(), text.size());
 }
 
 UnitState stamp_request(RunRequest& request) {
-    if (request.report.empty() || is_standard_output(request.report)) return UnitState::missing;
+    if (request.report.empty() || files::is_standard_output(request.report)) return UnitState::missing;
     request.stamp = unit_stamp(request);
     return unit_state(request, request.stamp);
 }

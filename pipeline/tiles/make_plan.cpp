@@ -48,7 +48,7 @@ DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threa
     const int side = std::max(kWindow_px, by), across = (plan.width + side - 1) / side,
               down = (plan.height + side - 1) / side;
     do_jobs(static_cast<std::size_t>(across) * down, threads, [&](std::size_t k) {
-        wait_if_interrupted();
+        files::wait_if_interrupted();
         const int left = static_cast<int>(k) % across * side, top = static_cast<int>(k) / across * side;
         const DensityMap fine = stages::density_at_scale(
             map.read({left, top, std::min(side, plan.width - left), std::min(side, plan.height - top)}),
@@ -149,7 +149,8 @@ void lay_lattice(const PlanRequest& request, TilePlan& plan) {
     while (pixels() > kCoarsePixels) plan.shrunk_by *= 2;
 }
 
-void write_file(OutputSet& files, const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+void write_file(files::OutputSet& files, const std::filesystem::path& path,
+                const std::vector<std::uint8_t>& bytes) {
     files.place(path);
     files.files().write(path, bytes);
 }
@@ -157,7 +158,7 @@ void write_file(OutputSet& files, const std::filesystem::path& path, const std::
 // Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as
 // many at a time as there are threads.
 void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::CoarseLattice& coarse,
-                 const TileWorkers& workers, OutputSet& files, RunLog& log) {
+                 const TileWorkers& workers, files::OutputSet& files, RunLog& log) {
     const mesh_tiles::LatticeTiling tiling = plan.tiling();
     const auto density_by = [&](int threads) -> mesh_tiles::DensityOfWindow {
         return [&, threads](const mesh_tiles::MapRect& window) {
@@ -174,7 +175,7 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::
     std::vector<mesh_tiles::Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
     log.stage("row seams", [&] {
         do_jobs(static_cast<std::size_t>(tiling.down()) - 1, row_jobs, [&](std::size_t k) {
-            wait_if_interrupted();
+            files::wait_if_interrupted();
             rows[k + 1] = of_rows.row_seam(static_cast<int>(k) + 1);
         });
     });
@@ -187,7 +188,7 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::
     std::vector<std::vector<std::uint8_t>> columns(static_cast<std::size_t>(inner) * tiling.down());
     log.stage("column seams", [&] {
         do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
-            wait_if_interrupted();
+            files::wait_if_interrupted();
             const int i = static_cast<int>(k) % inner + 1, j = static_cast<int>(k) / inner;
             columns[k] = seam_bytes(of_columns.column_seam(i, j, row_seam(j), row_seam(j + 1)));
         });
@@ -224,7 +225,7 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
         return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })
             .mesh;
     });
-    OutputSet files;
+    files::OutputSet files;
     write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));
     const TileWorkers workers = workers_of(backend, threads);
     write_seams(plan, map, coarse, workers, files, log);

@@ -11,7 +11,7 @@ namespace hexrelief {
 
 struct PlanRequest {
     std::filesystem::path map, color, folder;  // color: empty = none
-    std::optional<RawMapLayout> raw;
+    std::optional<windows::RawMapLayout> raw;
     int tile_vertices = 512;  // along a side
     Config config;            // checked and complete
 };

@@ -78,7 +78,7 @@ mesh_tiles::TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
 }
 
 void solve_coarser(const TilePlan& plan, const TileNumber& tile,
-                   const std::vector<mesh_tiles::TileMesh>& parts, const PictureWindows* picture,
+                   const std::vector<mesh_tiles::TileMesh>& parts, const windows::PictureWindows* picture,
                    int threads) {
     std::vector<mesh_tiles::TileMesh> children;
     for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
@@ -137,15 +137,15 @@ std::size_t add_missing(const TilePlan& plan, const TileNumber& tile, LevelJobs&
 }
 
 void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
-    const std::unique_ptr<PictureWindows> picture =
-        plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path);
+    const std::unique_ptr<windows::PictureWindows> picture =
+        plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path);
     LevelJobs all;
     add_missing(plan, {0, 0, 0}, all);
     std::vector<mesh_tiles::TileMesh> simplified(all.jobs.size());
     std::mutex turn;
     double done = 0;
     do_jobs_in_turn(all.needed_by, threads, [&](std::size_t k) {
-        wait_if_interrupted();
+        files::wait_if_interrupted();
         const LevelJob& job = all.jobs[k];
         if (job.parts.empty()) {
             simplified[k] = mesh_tiles::simplified_alone(mesh_of(plan, job.tile), kShareOfChildren);
@@ -183,7 +183,7 @@ std::vector<tileset::TilesetTile> tileset_tiles(const TilePlan& plan) {
     return tiles;
 }
 
-void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& files) {
+void write_tileset(const TilePlan& plan, const fs::path& output, files::OutputSet& files) {
     const std::string generator = std::string("hexrelief ") + HEXRELIEF_VERSION;
     const fs::path folder = output.parent_path();
     const fs::path content =
@@ -210,8 +210,8 @@ void check_output(const TilePlan& plan, const fs::path& output) {
         throw Error(ErrorKind::usage, "'" + output.string() + "': tiles are merged into .json or .glb");
     std::vector<fs::path> read = {plan_file(plan.folder), plan.map.path, plan.color.path};
     for (const auto& [name, sum] : plan.sums) read.push_back(plan.folder / name);
-    check_overwrites({output}, read);
-    const fs::path tiles = fs::weakly_canonical(plan.folder / "tiles"), at = identify(output).path;
+    files::check_overwrites({output}, read);
+    const fs::path tiles = fs::weakly_canonical(plan.folder / "tiles"), at = files::identify(output).path;
     if (std::mismatch(tiles.begin(), tiles.end(), at.begin(), at.end()).first == tiles.end())
         throw Error(ErrorKind::usage, output.string() + " would be among the tiles; choose another folder");
 }
@@ -237,7 +237,7 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     }
     if (merged.empty == merged.tiles)
         throw Error(ErrorKind::input, plan.folder.string() + ": nothing is in any of the tiles");
-    OutputSet files;
+    files::OutputSet files;
     if (output.extension() == ".json") {
         merged.levels = plan.finest_level() + 1;
         log.stage("levels", [&] { solve_coarser_levels(plan, threads, log); });

@@ -22,8 +22,8 @@ int tiles_end(const mesh_tiles::MapRect& window) {
 }  // namespace
 
 PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
-    : map_(MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
-      picture_(plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path)),
+    : map_(windows::MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
+      picture_(plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path)),
       has_transparent_(picture_ && picture_->has_alpha() && plan.config.input.mask.alpha) {
     if (picture_ && (picture_->width() != width() || picture_->height() != height()))
         throw Error(ErrorKind::input, plan.color.path.string() + ": is " +
@@ -53,7 +53,7 @@ void PlannedMap::read_in_strips(
         };
         const int x = edge(strip), width = edge(strip + 1) - x;
         for (int y = window.y, next = 0; y < bottom; y = next) {
-            wait_if_interrupted();
+            files::wait_if_interrupted();
             next = std::min((y / kFileTile_px + 1) * kFileTile_px, bottom);
             const DisparityMap part = read({x, y, width, next - y});
             take(strip, {x, y, width, part.height, part.values.data(), static_cast<std::size_t>(width)});

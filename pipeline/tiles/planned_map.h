@@ -21,7 +21,7 @@ class PlannedMap {
 
     int width() const { return map_->width(); }
     int height() const { return map_->height(); }
-    const PictureWindows* picture() const { return picture_.get(); }  // null where none is kept
+    const windows::PictureWindows* picture() const { return picture_.get(); }  // null where none is kept
     // Disparities as rounded_disparities() leaves them, read by `threads` threads; unknown where the picture
     // is transparent and input.mask.alpha says so. Any number of threads may call. Throws as
     // MapWindows::read() and PictureWindows::read().
@@ -34,8 +34,8 @@ class PlannedMap {
     void read_in_strips(const mesh_tiles::MapRect& window, int strips,
                         const std::function<void(int strip, const stages::MapWindow& part)>& take) const;
     void hide_transparent(const mesh_tiles::MapRect& window, DisparityMap& map) const;
-    std::unique_ptr<MapWindows> map_;
-    std::unique_ptr<PictureWindows> picture_;
+    std::unique_ptr<windows::MapWindows> map_;
+    std::unique_ptr<windows::PictureWindows> picture_;
     bool has_transparent_ = false;
 };
 

@@ -8,6 +8,6 @@ namespace hexrelief {
 
 // Means over squares of by x by px; x and y of the part are multiples of `by`, and it may end before a whole
 // square. Memory: the result, and a band of the part.
-Image shrunk_picture(const PictureWindows& picture, const mesh_tiles::MapRect& part, int by);
+Image shrunk_picture(const windows::PictureWindows& picture, const mesh_tiles::MapRect& part, int by);
 
 }  // namespace hexrelief

@@ -106,7 +106,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
         mesh_tiles::window_of(block, mesh_tiles::kTileMargin_px, plan.width, plan.height);
     const DisparityMap map = context.map.read(window);
     Image color;
-    if (const PictureWindows* const picture = context.map.picture())
+    if (const windows::PictureWindows* const picture = context.map.picture())
         color = picture->read(window.x, window.y, window.width, window.height);
     mesh_tiles::TileSurfaceInput input{
         window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
@@ -150,7 +150,7 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, con
     const SolveContext context(plan, workers, std::max(1, settings.threads / jobs));
     std::mutex turn;
     do_jobs(tiles.size(), jobs, [&](std::size_t k) {
-        wait_if_interrupted();
+        files::wait_if_interrupted();
         UnitResult result;
         try {
             solve_tile(context, tiles[k]);

@@ -48,16 +48,17 @@ PlannedFile file_of(const Json& json) {
     return {json.at("path").get<std::string>(), json.at("bytes"), json.at("modified_ns")};
 }
 
-Json raw_json(const RawMapLayout& raw) {
+Json raw_json(const windows::RawMapLayout& raw) {
     return {{"width", raw.width},
             {"height", raw.height},
-            {"sample", raw.sample == MapSample::uint16 ? "uint16" : "float32"},
+            {"sample", raw.sample == windows::MapSample::uint16 ? "uint16" : "float32"},
             {"big_endian", raw.is_big_endian}};
 }
 
-RawMapLayout raw_of(const Json& json) {
+windows::RawMapLayout raw_of(const Json& json) {
     return {json.at("width"), json.at("height"),
-            json.at("sample") == "uint16" ? MapSample::uint16 : MapSample::float32, json.at("big_endian")};
+            json.at("sample") == "uint16" ? windows::MapSample::uint16 : windows::MapSample::float32,
+            json.at("big_endian")};
 }
 
 Json camera_json(const Calibration& camera) {
@@ -194,7 +195,7 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
     return tile.level == plan.finest_level() ? name : name + " of level " + std::to_string(tile.level);
 }
 
-void write_plan(TilePlan& plan, OutputSet& files) {
+void write_plan(TilePlan& plan, files::OutputSet& files) {
     const fs::path config = plan_config_file(plan.folder), whole = plan_file(plan.folder);
     Config kept = plan.config;
     // Nothing depends on who made the plan: the tiles of one made otherwise are not solved again.
@@ -203,11 +204,11 @@ void write_plan(TilePlan& plan, OutputSet& files) {
     files.place(config);
     files.files().write(config, config_yaml(kept));
     Json json = plan_json(plan);
-    for (const WrittenFile& file : files.written())
+    for (const files::WrittenFile& file : files.written())
         plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;
     for (const auto& [name, sum] : plan.sums) json["files"][name] = sum;
     const std::string text = json.dump(2) + "\n";
-    plan.stamp = sha256_of(text.data(), text.size());
+    plan.stamp = files::sha256_of(text.data(), text.size());
     files.place(whole);
     files.files().write(whole, text);
 }
@@ -228,7 +229,7 @@ TilePlan read_plan(const fs::path& folder) {
         refuse_plan(path, "damaged");
     }
     plan.folder = folder;
-    plan.stamp = sha256_of(text.data(), text.size());
+    plan.stamp = files::sha256_of(text.data(), text.size());
     check_planned_file(plan, plan_config_file(folder));
     apply_config_file(plan.config, plan_config_file(folder));
     check_unchanged(plan.map);
@@ -238,7 +239,7 @@ TilePlan read_plan(const fs::path& folder) {
 
 void check_planned_file(const TilePlan& plan, const fs::path& path) {
     const auto sum = plan.sums.find(path.lexically_relative(plan.folder).string());
-    if (sum == plan.sums.end() || !fs::is_regular_file(path) || sha256_of_file(path) != sum->second)
+    if (sum == plan.sums.end() || !fs::is_regular_file(path) || files::sha256_of_file(path) != sum->second)
         refuse_plan(path, "is not as the plan left it");
 }
 

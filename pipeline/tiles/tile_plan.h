@@ -42,7 +42,7 @@ struct TilePlan {
     std::filesystem::path folder;
     std::string stamp;  // SHA-256 of all that the tiles' bytes depend on
     PlannedFile map, color;
-    std::optional<RawMapLayout> raw;
+    std::optional<windows::RawMapLayout> raw;
     Config config;            // effective; read_plan() leaves run.backend and run.threads as by default
     Calibration calibration;  // of the map; cx and cy are multiples of 1/1024 px
     int width = 0, height = 0;
@@ -75,7 +75,7 @@ std::filesystem::path tile_file(const TilePlan& plan, const TileNumber& tile, co
 
 // plan.json and config.yaml, to be written last into the set that holds the plan's other files. Gives the
 // plan its stamp.
-void write_plan(TilePlan& plan, OutputSet& files);
+void write_plan(TilePlan& plan, files::OutputSet& files);
 
 // Throws Error(input) where the folder holds no plan, one of another version, the configuration is
 // damaged, or the map or the picture has changed since.

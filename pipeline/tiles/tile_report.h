@@ -17,7 +17,7 @@ struct TileReport {
     // Root mean square differences between surface and map, over the foreground's pixels that it covers, in
     // some of the rows.
     double error_px = 0, error_m = 0;
-    std::vector<WrittenFile> files;  // names within the plan's folder
+    std::vector<files::WrittenFile> files;  // names within the plan's folder
 };
 
 std::string report_text(const TileReport& report);

@@ -3,7 +3,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/windows/window_source.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const MapWindowConfig& config) {
@@ -43,4 +43,4 @@ DisparityMap MapWindows::read(int x, int y, int width, int height) const {
     return readers::disparities_of_part(read_window(*source_, path_, {x, y, width, height}), path_, config_);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -9,7 +9,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 // Beyond, floats no longer tell half a pixel of a coordinate.
 inline constexpr int kLargestMapSide_px = 1 << 23;
@@ -60,4 +60,4 @@ class MapWindows {
     std::unique_ptr<WindowSource> source_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -13,7 +13,7 @@
 #include "pipeline/readers/raster.h"
 #include "pipeline/windows/map_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 constexpr std::uint64_t kTiffHeaderBytes = 16;
@@ -154,4 +154,4 @@ void MapWriter::finish() {
     write_at(0, header.data(), header.size());
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

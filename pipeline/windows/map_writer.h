@@ -8,7 +8,7 @@
 
 #include "exporters/core/file_transaction.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 // The name's ending is the format: .tif and .tiff are BigTIFF in square tiles, not compressed; .pfm is PFM.
 // Both are little endian; samples are written as they are, so that unknown is +infinity.
@@ -40,4 +40,4 @@ class MapWriter {
     std::vector<float> band_;  // a row of tiles, one after the other
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -6,7 +6,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/windows/window_source.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 // A picture that is held as a whole.
@@ -93,4 +93,4 @@ Image PictureWindows::read(int x, int y, int width, int height) const {
     return readers::image_of(read_window(*source_, path_, {x, y, width, height}), path_);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -7,7 +7,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 class WindowSource;
 
@@ -38,4 +38,4 @@ class PictureWindows {
     std::unique_ptr<WindowSource> source_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -15,7 +15,7 @@
 #include "pipeline/readers/text.h"
 #include "pipeline/windows/window_source.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 1 << 16;  // of a PFM, a PGM or a PPM, with comments
@@ -207,4 +207,4 @@ std::unique_ptr<WindowSource> raw_windows(std::shared_ptr<const MapFile> file, c
     return source;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -6,7 +6,7 @@
 #include "pipeline/readers/tiff/tiff_file.h"
 #include "pipeline/windows/window_source.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 // A handle of libtiff's, which serves one thread at a time.
@@ -138,4 +138,4 @@ std::unique_ptr<WindowSource> tiff_picture_windows(std::shared_ptr<const MapFile
     return plain_windows(std::move(file), std::move(tiff), layout);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -4,7 +4,7 @@
 
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 std::string size_text(unsigned long long width, unsigned long long height) {
@@ -50,4 +50,4 @@ readers::codec::Raster no_samples(const WindowSource& source) {
     return raster;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

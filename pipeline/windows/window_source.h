@@ -10,7 +10,7 @@
 #include "pipeline/readers/raster.h"
 #include "pipeline/windows/map_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 // A regular file, read by position, by any number of threads. Throws Error(input).
 class MapFile {
@@ -79,4 +79,4 @@ readers::codec::Raster read_window(const WindowSource& source, const std::filesy
 // What a window of no pixels would be, by which a file is judged before it is read.
 readers::codec::Raster no_samples(const WindowSource& source);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

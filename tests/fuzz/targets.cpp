@@ -98,9 +98,10 @@ void read_corners(const Windows& file) {
 }
 
 void read_windows(Bytes bytes, const std::string&) {
-    attempt([&] { parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
-    attempt([&] { read_corners(*MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
-    attempt([&] { read_corners(*PictureWindows::open(file_of(bytes, ""), kLimits)); });
+    attempt([&] { windows::parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
+    attempt(
+        [&] { read_corners(*windows::MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
+    attempt([&] { read_corners(*windows::PictureWindows::open(file_of(bytes, ""), kLimits)); });
 }
 
 void read_calibrations(Bytes bytes, const std::string&) {

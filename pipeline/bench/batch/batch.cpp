@@ -169,7 +169,7 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
     const std::vector<Scenery> scenes = load(options, config);
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
     const int threads = effective_threads(options.threads);
     const int workers = options.workers > 0 ? options.workers : threads;
 

@@ -95,7 +95,7 @@ void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
     if (options.jobs < 1) throw Error(ErrorKind::usage, "--jobs: must be at least 1");
     Config config;
     for (const std::string& setting : options.settings) apply_setting(config, setting);
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
     const int workers = options.workers > 0 ? options.workers : effective_threads(options.threads);
     Json json = {{"schema", 1},          {"version", HEXRELIEF_VERSION}, {"workers", workers},
                  {"jobs", options.jobs}, {"settings", options.settings}, {"rows", Json::array()}};

@@ -168,7 +168,7 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
         throw Error(ErrorKind::input, "--data " + options.data.string() +
                                           ": no folder below it holds left.*, right.* and disp.*");
     const std::vector<match::ScenePair> scenes = chosen(found, options.scenes, "--scenes");
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
 
     Json json = begin(options, backends, threads, left_out, out);
     std::vector<match::Row> rows;

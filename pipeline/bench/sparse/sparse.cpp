@@ -153,7 +153,7 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
         if (options.warns) options.warns(warning);
     const int threads = effective_threads(options.threads);
     const std::vector<ScenePair> scenes = chosen_scenes(options, out);
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
 
     Json json;
     json["schema"] = 1;

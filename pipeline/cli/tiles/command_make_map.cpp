@@ -37,14 +37,14 @@ std::pair<int, int> parse_map_size(const std::string& text) {
 
 int make_map(const MakeMapOptions& options) {
     const auto [width, height] = parse_map_size(options.size);
-    check_writable_file(options.output);
-    install_interrupt_handling();
-    OutputSet outputs;
+    files::check_writable_file(options.output);
+    files::install_interrupt_handling();
+    files::OutputSet outputs;
     outputs.place(options.output);
-    MapWriter writer(outputs.files(), options.output, width, height);
+    windows::MapWriter writer(outputs.files(), options.output, width, height);
     const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
-                  options.threads > 0 ? options.threads : all);
+    windows::write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
+                           options.threads > 0 ? options.threads : all);
     writer.finish();
     outputs.commit();
     std::printf("%s: %dx%d px\n", printable(options.output.string()).c_str(), width, height);

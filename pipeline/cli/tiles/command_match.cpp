@@ -38,10 +38,10 @@ int match_tiles(const MatchOptions& options) {
                                .map = options.output,
                                .tile_px = options.tile_px,
                                .config = config_of(options)};
-    check_writable_file(options.output);
+    files::check_writable_file(options.output);
     const int threads = effective_threads(request.config.run.threads);
     const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
-    install_interrupt_handling();
+    files::install_interrupt_handling();
 
     const StageTeller teller(options.quiet, options.verbose);
     RunLog log(teller.observer());

@@ -19,9 +19,9 @@ struct MergeOptions {
 
 int merge(const MergeOptions& options) {
     const TilePlan plan = read_plan(options.folder);
-    check_writable_file(options.output);
+    files::check_writable_file(options.output);
     const int threads = effective_threads(options.threads);
-    install_interrupt_handling();
+    files::install_interrupt_handling();
     const StageTeller teller(options.quiet, options.verbose);
     RunLog log(teller.observer());
     const MergedTiles merged = merge_tiles(plan, options.output, threads, log);

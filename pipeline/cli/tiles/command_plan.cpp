@@ -41,14 +41,14 @@ Config config_of(const PlanOptions& options) {
 int plan_tiles(const PlanOptions& options) {
     PlanRequest request{options.map, options.color,         options.folder,
                         {},          options.tile_vertices, config_of(options)};
-    if (!options.raw.empty()) request.raw = parse_raw_map_layout(options.raw);
-    check_writable_folder(options.folder);
-    check_overwrites(
+    if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
+    files::check_writable_folder(options.folder);
+    files::check_overwrites(
         {plan_file(options.folder), plan_config_file(options.folder)},
         {options.map, options.color, options.config.file, request.config.input.calibration.file});
     const int threads = effective_threads(request.config.run.threads);
     const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
-    install_interrupt_handling();
+    files::install_interrupt_handling();
 
     const StageTeller teller(options.quiet, options.verbose);
     RunLog log(teller.observer());

@@ -120,7 +120,7 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
     if (missing.empty()) return teller.all_ended();
     const Backend backend =
         pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
-    install_interrupt_handling();
+    files::install_interrupt_handling();
     const SolveSettings settings{threads, options.jobs, memory};
     solve_tiles(plan, missing, backend, settings,
                 {[&](const TileNumber& tile, const std::string& failure, int exit_code) {

@@ -23,7 +23,7 @@ void check_request(const MatchRequest& request) {
     if (request.config.disparity.method != stages::DisparityMethod::sgm)
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
     const CalibrationConfig& calibration = request.config.input.calibration;
-    check_overwrites({request.map}, {request.left, request.right, calibration.file});
+    files::check_overwrites({request.map}, {request.left, request.right, calibration.file});
     if (calibration.file.empty() && calibration.rectify == readers::Rectify::always)
         refuse("input.calibration.rectify: must not be always; tiles are matched in rectified pairs");
     if (!calibration.file.empty() && readers::read_stereo_calibration(calibration.file, calibration.rectify))
@@ -33,7 +33,7 @@ void check_request(const MatchRequest& request) {
 }
 
 // Of the pair's pictures.
-Calibration camera_of(const MatchRequest& request, const PictureWindows& left) {
+Calibration camera_of(const MatchRequest& request, const windows::PictureWindows& left) {
     const ViewSize size{left.width(), left.height()};
     return resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
         .calibration;
@@ -124,12 +124,12 @@ class TiledMatcher {
 TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log) {
     check_request(request);
     const readers::ReaderLimits& limits = request.config.limits.reading;
-    const auto left = PictureWindows::open(request.left, limits);
-    const auto right = PictureWindows::open(request.right, limits);
+    const auto left = windows::PictureWindows::open(request.left, limits);
+    const auto right = windows::PictureWindows::open(request.right, limits);
     const PairWindows pair{*left, *right};
-    OutputSet outputs;
+    files::OutputSet outputs;
     outputs.place(request.map);
-    MapWriter writer(outputs.files(), request.map, left->width(), left->height());
+    windows::MapWriter writer(outputs.files(), request.map, left->width(), left->height());
     const WholePair whole = log.stage("range", [&] {
         return look_at_whole(pair, camera_of(request, *left), request.config.disparity, threads, log);
     });

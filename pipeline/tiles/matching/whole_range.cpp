@@ -46,7 +46,7 @@ int num_disparities_of_whole(const stages::DisparityConfig& shrunk, int by,
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
                         const stages::DisparityConfig& config, int threads, RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
-    const auto sizes_of = [](const PictureWindows& picture) {
+    const auto sizes_of = [](const windows::PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
     };
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
@@ -65,7 +65,7 @@ WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
         shrunk.num_disparities_px = 0;
         small = stages::find_range(shrunk_pair(pair, by, threads), shrunk, threads);
         const PixelRect middle = stages::middle_of(width, height);
-        const auto read = [&](const PictureWindows& picture) {
+        const auto read = [&](const windows::PictureWindows& picture) {
             return picture.read(middle.x, middle.y, middle.width, middle.height);
         };
         whole.correction = stages::find_correction(small.coarse, read(pair.left), read(pair.right));

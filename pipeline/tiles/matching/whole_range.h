@@ -10,7 +10,7 @@
 namespace hexrelief {
 
 struct PairWindows {
-    const PictureWindows &left, &right;
+    const windows::PictureWindows &left, &right;
 };
 
 struct WholePair {

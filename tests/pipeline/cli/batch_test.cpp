@@ -27,8 +27,8 @@ TEST(Batch, WritesWhatSingleRunsWrite) {
     const ProcessResult single = run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
                                               sample("calib.txt"), "-o", folder / "single.drc"});
     ASSERT_EQ(single.exit_code, 0) << single.err;
-    EXPECT_EQ(sha256_of_file(folder / "a b.drc"), sha256_of_file(folder / "single.drc"));
-    EXPECT_NE(sha256_of_file(folder / "c.drc"), sha256_of_file(folder / "single.drc"));
+    EXPECT_EQ(files::sha256_of_file(folder / "a b.drc"), files::sha256_of_file(folder / "single.drc"));
+    EXPECT_NE(files::sha256_of_file(folder / "c.drc"), files::sha256_of_file(folder / "single.drc"));
 }
 
 TEST(Batch, ChecksAllLinesBeforeTheFirstJob) {

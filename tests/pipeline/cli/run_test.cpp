@@ -188,7 +188,7 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["depth_range"][0].get<double>(), -report["surface"]["bounds"][1][2].get<double>());
     EXPECT_GT(report["seconds"].get<double>(), report["stages"][0]["seconds"].get<double>());
     EXPECT_GT(report["peak_bytes"].get<double>(), 1 << 20);
-    EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
+    EXPECT_EQ(report["input"]["sha256"]["left"], files::sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"],
                 {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds",
                  "device_balance_seconds", "device_sheet_seconds", "device_surface_seconds", "device_bytes",
@@ -226,7 +226,7 @@ TEST(Run, ReportFollowsTheSchema) {
         expect_keys(output, {"path", "format", "bytes", "sha256"});
         const std::string path = output["path"];
         EXPECT_EQ(output["bytes"], std::filesystem::file_size(path));
-        EXPECT_EQ(output["sha256"], sha256_of_file(path));
+        EXPECT_EQ(output["sha256"], files::sha256_of_file(path));
     }
     EXPECT_EQ(report["outputs"][0]["format"], "glb");
     ASSERT_GE(report["stages"].size(), 6u);

@@ -9,7 +9,7 @@
 #include "pipeline/pictures/weights_picture.h"
 #include "tests/mesher/regular_lattice.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 namespace {
 
 TEST(StagePictures, UnknownDisparityIsBlackAndKnownIsNot) {
@@ -149,4 +149,4 @@ TEST(ReliefPicture, ShowsTheTextureAndHidesWhatLiesBehind) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

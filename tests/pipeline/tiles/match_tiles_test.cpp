@@ -211,8 +211,8 @@ TEST(MatchTiles, AreTheSameBytesForAnyNumberOfThreads) {
     std::string sum;
     for (const int threads : {1, 4}) {
         match(request, threads);
-        if (sum.empty()) sum = sha256_of_file(request.map);
-        EXPECT_EQ(sha256_of_file(request.map), sum);
+        if (sum.empty()) sum = files::sha256_of_file(request.map);
+        EXPECT_EQ(files::sha256_of_file(request.map), sum);
     }
     request.map = folder / "map.pfm";
     EXPECT_EQ(match(request).values, readers::read_disparity_map(folder / "map.tif", {}).values);
@@ -266,8 +266,8 @@ TEST(MatchTiles, TransparentPixelsAreUnknown) {
 // That of the calibration, else the one that the pair is given as a whole; of a larger pair, nearly.
 TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const PairFolder folder(400, 300);
-    const auto left = PictureWindows::open(folder / "left.pgm"),
-               right = PictureWindows::open(folder / "right.pgm");
+    const auto left = windows::PictureWindows::open(folder / "left.pgm"),
+               right = windows::PictureWindows::open(folder / "right.pgm");
     std::vector<std::string> told;
     RunObserver observer;
     observer.decides = [&](const std::string& decision) { told.push_back(decision); };
@@ -299,8 +299,8 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     };
     write_pnm(folder / "left.pgm", enlarged(folder.made.pair.left));
     write_pnm(folder / "right.pgm", enlarged(folder.made.pair.right));
-    const auto left = PictureWindows::open(folder / "left.pgm"),
-               right = PictureWindows::open(folder / "right.pgm");
+    const auto left = windows::PictureWindows::open(folder / "left.pgm"),
+               right = windows::PictureWindows::open(folder / "right.pgm");
     std::string told;
     RunObserver observer;
     observer.decides = [&](const std::string& decision) { told = decision; };

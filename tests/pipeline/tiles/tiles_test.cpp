@@ -42,9 +42,9 @@ constexpr int kWidth_px = 372, kHeight_px = 290, kTile = 78;  // 2 x 1 tiles, or
 constexpr int kTall_px = 372;
 
 void write_map(const std::string& path, const DisparityMap& map) {
-    OutputSet files;
+    files::OutputSet files;
     files.place(path);
-    MapWriter writer(files.files(), path, map.width, map.height, 64);
+    windows::MapWriter writer(files.files(), path, map.width, map.height, 64);
     writer.write(map.values.data(), map.height);
     writer.finish();
     files.commit();
@@ -87,7 +87,7 @@ class PlannedFolder {
         std::map<std::string, std::string> found;
         for (const auto& entry : std::filesystem::recursive_directory_iterator(plan.folder))
             if (entry.is_regular_file())
-                found[entry.path().lexically_relative(plan.folder)] = sha256_of_file(entry.path());
+                found[entry.path().lexically_relative(plan.folder)] = files::sha256_of_file(entry.path());
         return found;
     }
     std::string operator/(const std::string& name) const { return folder_ / name; }
@@ -266,11 +266,11 @@ TEST(TilesByCommand, KilledWorkersLoseNothing) {
     std::map<std::string, std::string> sums;
     for (const TileNumber& tile : tiles_of_level(plan, plan.finest_level()))
         for (const char* ending : {".mesh", ".glb", ".json"})
-            sums[tile_file(plan, tile, ending)] = sha256_of_file(tile_file(plan, tile, ending));
+            sums[tile_file(plan, tile, ending)] = files::sha256_of_file(tile_file(plan, tile, ending));
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "p"))
         EXPECT_FALSE(entry.path().filename().string().ends_with(".tmp")) << entry.path();
     ASSERT_EQ(run_program({"tiles", "solve", folder / "p", "--force", "--quiet"}).exit_code, 0);
-    for (const auto& [name, sum] : sums) EXPECT_EQ(sha256_of_file(name), sum) << name;
+    for (const auto& [name, sum] : sums) EXPECT_EQ(files::sha256_of_file(name), sum) << name;
 }
 
 TEST(TilesByCommand, APlanIsTheSameByAnyThreadsAndBackend) {

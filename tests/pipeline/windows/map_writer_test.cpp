@@ -6,7 +6,7 @@
 #include "pipeline/windows/map_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,4 +78,4 @@ TEST(MapWriter, RefusesOtherNamesAndSizes) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::windows

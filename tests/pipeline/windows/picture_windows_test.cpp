@@ -9,7 +9,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,4 +200,4 @@ TEST(PictureWindows, FilesThatShrinkAreRefused) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::windows

@@ -6,7 +6,7 @@
 #include "pipeline/windows/map_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::windows {
 namespace {
 
 std::vector<float> block(int x, int y, int width, int height, std::uint32_t seed) {
@@ -69,4 +69,4 @@ TEST(Terrain, FilesAreTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::windows
