@@ -41,7 +41,7 @@ std::string unknown_key(const std::string& key) {
     std::vector<std::string> names = {"name", "formats", "config", "strict"};
     names.insert(names.end(), kFileKeys.begin(), kFileKeys.end());
     names.insert(names.end(), kValueKeys.begin(), kValueKeys.end());
-    const std::string near = nearest_name(key, names);
+    const std::string near = config::nearest_name(key, names);
     return "unknown key " + readers::codec::excerpt(key) +
            (near.empty() ? "" : " (did you mean '" + near + "'?)") +
            "; keys of the configuration are written as mesh.spacing_px";
@@ -84,7 +84,7 @@ struct RowReader {
         } else if (holds(kValueKeys, key)) {
             words.push_back("--" + key + "=" + value);  // one word: a value may begin with a dash
         } else if (key == "config") {
-            words.insert(words.end(), {"--config", find_preset(value) ? value : placed(value)});
+            words.insert(words.end(), {"--config", config::find_preset(value) ? value : placed(value)});
         } else if (key == "strict") {
             if (value != "true" && value != "false")
                 return "strict must be true or false, not " + readers::codec::excerpt(value);

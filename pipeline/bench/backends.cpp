@@ -3,10 +3,10 @@
 namespace hexrelief {
 
 std::vector<Backend> usable_backends(int threads) {
-    std::vector<Backend> backends{pick_backend(BackendChoice::cpu, threads)};
+    std::vector<Backend> backends{pick_backend(config::BackendChoice::cpu, threads)};
     for (const DeviceDescription& device : list_devices())
         if (device.backend == "cuda" && device.usable) {
-            backends.push_back(pick_backend(BackendChoice::cuda, threads));
+            backends.push_back(pick_backend(config::BackendChoice::cuda, threads));
             break;
         }
     return backends;

@@ -116,8 +116,8 @@ MeshConfig same_schedule(const paper::Config& config) {
 
 Solvers::Solvers(int threads) : state_(std::make_unique<State>()) {
     state_->threads = threads;
-    state_->cuda = pick_backend(BackendChoice::cuda, threads);
-    state_->cpu = pick_backend(BackendChoice::cpu, threads);
+    state_->cuda = pick_backend(config::BackendChoice::cuda, threads);
+    state_->cpu = pick_backend(config::BackendChoice::cpu, threads);
 }
 
 Solvers::~Solvers() = default;

@@ -28,7 +28,7 @@ void check_names(const std::vector<std::string>& given, const std::vector<std::s
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
         std::string list;
         for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-        const std::string near = nearest_name(name, known);
+        const std::string near = config::nearest_name(name, known);
         throw Error(ErrorKind::usage, std::string(option) + ": unknown name '" + name + "'" +
                                           (near.empty() ? "" : " (did you mean '" + near + "'?)") +
                                           "; choose among " + list);

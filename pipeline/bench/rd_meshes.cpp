@@ -65,7 +65,7 @@ SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triang
     return out;
 }
 
-SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads) {
+SurfaceMesh preset_mesh(const DisparityMap& map, const config::Config& config, int threads) {
     const DensityMap density = stages::compute_density(map, config.density);
     const mesher::MeshResult solved = mesher::solve_mesh(density, config.mesh, threads, {});
     // any camera will do, because errors are measured in the image

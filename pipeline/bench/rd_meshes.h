@@ -10,7 +10,7 @@
 namespace hexrelief::rd {
 
 // By a preset's configuration, on the CPU. Throws Error where the map leaves nothing to mesh.
-SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads);
+SurfaceMesh preset_mesh(const DisparityMap& map, const config::Config& config, int threads);
 
 // A rectangular grid with a vertex about every spacing_px both ways, from the first pixel's centre to the
 // last one's, each taking its pixel's disparity; triangles without a corner in the foreground (>=

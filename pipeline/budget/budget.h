@@ -8,7 +8,7 @@
 #include "pipeline/budget/texture_choice.h"
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::budget {
 
 // What the search asks of a run.
 struct BudgetJob {
@@ -40,6 +40,6 @@ struct BudgetResult {
 // texture gets at most half of the bytes, as choose_texture() finds it; where no mesh fits beside that, a
 // quarter, then the smallest texture of all. The mesh has the rest. Deterministic. Throws Error(usage) where
 // the limit is out of reach.
-BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job);
+BudgetResult fit_budget(const config::BudgetConfig& budget, const BudgetJob& job);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 
 struct TextureChoice {
     int max_px = 0;  // of the longest side; 0 = as large as it is
@@ -26,4 +26,4 @@ std::vector<TextureChoice> texture_choices(const TextureLimits& limits);
 TextureChoice choose_texture(const TextureLimits& limits, double max_bytes, double share,
                              const std::function<double(const TextureChoice&)>& bytes);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

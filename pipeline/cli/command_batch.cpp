@@ -63,7 +63,7 @@ RunRequest request_of_words(const std::vector<std::string>& words) {
 
 struct BatchCommand {
     fs::path what, output;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::vector<std::string> formats;
     std::string backend, gpus, shard, memory, log = "auto";
     int jobs = 0, threads = 0;

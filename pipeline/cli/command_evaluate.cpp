@@ -17,11 +17,15 @@ struct MapOptions {
 
     // Through the field table, which knows the ranges.
     readers::DisparityFileConfig file_config(const std::string& prefix) const {
-        Config config;
-        if (scale) apply_option(config, prefix + "scale", "input.disparity.scale", shortest(*scale));
+        config::Config config;
+        if (scale)
+            config::apply_option(config, prefix + "scale", "input.disparity.scale", config::shortest(*scale));
         if (offset_px)
-            apply_option(config, prefix + "offset", "input.disparity.offset_px", shortest(*offset_px));
-        if (unknown) apply_option(config, prefix + "unknown", "input.disparity.unknown", shortest(*unknown));
+            config::apply_option(config, prefix + "offset", "input.disparity.offset_px",
+                                 config::shortest(*offset_px));
+        if (unknown)
+            config::apply_option(config, prefix + "unknown", "input.disparity.unknown",
+                                 config::shortest(*unknown));
         config.input.disparity.scale_option = prefix + "scale";
         config.input.disparity.unknown_option = prefix + "unknown";
         return config.input.disparity;

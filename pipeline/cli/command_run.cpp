@@ -123,7 +123,7 @@ std::string text_of(long long value) {
     return std::to_string(value);
 }
 std::string text_of(double value) {
-    return shortest(value);
+    return config::shortest(value);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace hexrelief {
 
 struct RunOptions {
     FileRequest request;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::optional<double> scale, offset_px, fov_x_deg;
     std::string unknown, depth_unit, depth_kind, key, calibration, layout, backend;
     std::optional<int> threads;

@@ -18,7 +18,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
@@ -84,4 +84,4 @@ struct Config {
     std::set<std::string> given;         // paths of the keys that a file, a setting or an option gave
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -4,7 +4,7 @@
 
 #include "pipeline/config/field_makers.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 std::vector<Field> input_fields() {
@@ -345,4 +345,4 @@ const std::vector<Field>& config_fields() {
     return table;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -14,7 +14,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 constexpr std::size_t kMaxConfigBytes = 1 << 20;
@@ -177,4 +177,4 @@ void apply_setting(Config& config, const std::string& setting) {
     if (!wrong.empty()) fail(place, field->path + " " + wrong);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -7,7 +7,7 @@
 #include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 std::string format_number(double value) {
@@ -149,4 +149,4 @@ void check_rules(const Config& config, const std::string& origin) {
         fail(wrong);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

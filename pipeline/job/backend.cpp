@@ -126,10 +126,10 @@ void copy_from_cuda_device(void*, const void*, std::size_t) {
 }
 #endif
 
-Backend pick_any(BackendChoice choice, int threads, MeshMethod method) {
-    if (choice == BackendChoice::cuda) return cuda_backend(threads);
+Backend pick_any(config::BackendChoice choice, int threads, MeshMethod method) {
+    if (choice == config::BackendChoice::cuda) return cuda_backend(threads);
     std::string why;
-    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
+    if (choice == config::BackendChoice::automatic && method == MeshMethod::cellular)
         if (auto backend = usable_cuda_backend(threads, why)) return std::move(*backend);
     Backend cpu = cpu_backend(threads);
     cpu.missed = why;
@@ -146,7 +146,7 @@ int effective_threads(int configured) {
     return configured > 0 ? std::min(configured, std::max(usable, kHarmless)) : std::max(1, usable);
 }
 
-Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
+Backend pick_backend(config::BackendChoice choice, int threads, MeshMethod method) {
     Backend backend = pick_any(choice, threads, method);
     backend.give_back = {};
     return backend;
@@ -158,8 +158,8 @@ BackendPicker pick_for_one_run() {
 }
 
 BackendPicker keep_backends() {
-    using Key = std::tuple<BackendChoice, int, MeshMethod>;
-    return [kept = std::make_shared<std::map<Key, Backend>>()](BackendChoice choice, int threads,
+    using Key = std::tuple<config::BackendChoice, int, MeshMethod>;
+    return [kept = std::make_shared<std::map<Key, Backend>>()](config::BackendChoice choice, int threads,
                                                                MeshMethod method) {
         const Key key{choice, threads, method};
         const auto known = kept->find(key);

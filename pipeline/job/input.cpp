@@ -140,7 +140,7 @@ fs::path name_of(const fs::path& file, const char* in_memory) {
 // is filled, but not where a mask says that nothing is.
 readers::PixelMask read_masks(const RunRequest& request, GivenMasks given, ViewSize view, RunInput& input,
                               RunLog& log) {
-    const InputConfig& config = request.config.input;
+    const config::InputConfig& config = request.config.input;
     if (config.mask.alpha) {
         // take_picture() has found that it fits.
         if (const readers::PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
@@ -191,7 +191,7 @@ fs::path photograph_of(const RunRequest& request) {
 
 // In the pair's stead, where its calibration tells of the cameras as they stand.
 void rectify_input(const RunRequest& request, int threads, RunInput& input, RunLog& log) {
-    const CalibrationConfig& config = request.config.input.calibration;
+    const config::CalibrationConfig& config = request.config.input.calibration;
     if (config.file.empty()) {
         if (config.rectify == readers::Rectify::always)
             throw Error(ErrorKind::usage, "input.calibration.rectify needs a calibration file (--calib)");
@@ -226,7 +226,7 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
 ResolvedCalibration complete_input(const RunRequest& request, readers::DepthFile depth, GivenMasks masks,
                                    RunInput& input, RunLog& log) {
     const bool is_depth = !depth.map.values.empty();
-    const CalibrationConfig& config = request.config.input.calibration;
+    const config::CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
     const Calibration rectified = input.calibration;
     const Image& picture = input.texture();

@@ -142,7 +142,7 @@ Json surface_json(const RunReport& report) {
     return json;
 }
 
-Json budget_json(const BudgetResult& budget) {
+Json budget_json(const budget::BudgetResult& budget) {
     if (budget.kind.empty()) return nullptr;
     Json json;
     json["kind"] = budget.kind;
@@ -236,7 +236,7 @@ std::string report_json(const RunReport& report) {
     json["device"] = report.device;
     json["threads"] = report.threads;
     json["seed"] = report.config.mesh.seed;
-    json["config"] = config_json(report.config);
+    json["config"] = config::config_json(report.config);
     json["input"] = input_json(report);
     json["foreground_share"] = report.shares.foreground;
     json["picture"] = picture_json(report.shares);
@@ -266,14 +266,14 @@ std::string report_json(const RunReport& report) {
 }
 
 std::string extras_json(const LeftView& view, const SurfaceResult& result) {
-    Json parameters = config_json(result.config);
+    Json parameters = config::config_json(result.config);
     parameters.erase("run");
     parameters.erase("budget");  // what it led to is in the other keys
     Json& input = parameters["input"];
     input["calibration"].erase("file");
     if (input["disparity"]["key"] == "") input["disparity"].erase("key");
     // Where depths were not read otherwise than by default, files stay what they were before there were any.
-    const Json defaults = config_json({})["input"];
+    const Json defaults = config::config_json({})["input"];
     for (const char* const section : {"depth", "mask", "confidence"})
         if (input[section] == defaults[section]) input.erase(section);
     Json json;

@@ -40,7 +40,7 @@ struct RunReport {
     std::string stamp;  // of the request; empty = none
     std::string backend, backend_reason, device;
     int threads = 0;
-    Config config;  // effective
+    config::Config config;  // effective
     std::vector<InputFile> inputs;
     int width = 0, height = 0;
     Calibration calibration;  // in effect
@@ -63,7 +63,7 @@ struct RunReport {
     Bounds bounds;
     PictureShares shares;
     stages::SurfaceQuality surface_quality;  // measured only where a report is asked for
-    BudgetResult budget;
+    budget::BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
     double seconds = 0;          // from the beginning of the run until its report

@@ -14,7 +14,7 @@ struct RunRequest {
     std::filesystem::path left, right, stereo;
     std::filesystem::path disparity, depth, color;
     std::filesystem::path mask, confidence;  // of the left view; confidences of a map alone
-    Config config;
+    config::Config config;
     std::filesystem::path config_file;           // that config was read from; empty = none
     std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
     std::filesystem::path report;                // empty = none

@@ -124,7 +124,7 @@ Calibration scaled_to(const Calibration& camera, ViewSize size) {
 }
 
 ResolvedCalibration resolve_calibration(const CameraSource& source) {
-    const CalibrationConfig& config = source.config;
+    const config::CalibrationConfig& config = source.config;
     const ViewSize view = source.view;
     ResolvedCalibration resolved;
     Calibration& camera = resolved.calibration;

@@ -27,7 +27,7 @@ Calibration scaled_to(const Calibration& camera, ViewSize size);
 
 // What a run is given to find its camera.
 struct CameraSource {
-    const CalibrationConfig& config;
+    const config::CalibrationConfig& config;
     ViewSize view;                            // of the map, or of the pair's pictures
     ViewSize picture;                         // of the left picture; as the view where there is none
     const Calibration* rectified = nullptr;   // of the pair that was rectified, in place of the file's

@@ -142,7 +142,7 @@ MainInput main_input(const RunRequest& request) {
     return {};
 }
 
-std::uint64_t memory_for(const MainInput& input, const Config& config) {
+std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
     const double spacing = config.mesh.spacing_px, bytes_per_pixel = 100 + 1800 / (spacing * spacing);
     return kBaseBytes +
            static_cast<std::uint64_t>(static_cast<double>(input.width * input.height) * bytes_per_pixel);

@@ -33,7 +33,7 @@ mesher::MeshResult solve_lattice(const LeftView& view, const MeshConfig& config,
     return solved;
 }
 
-SpaceSurface surface_of(const mesher::MeshResult& lattice, const LeftView& view, const Config& config,
+SpaceSurface surface_of(const mesher::MeshResult& lattice, const LeftView& view, const config::Config& config,
                         const RunContext& run) {
     surface::DisparityMeshResult cut =
         run.backend.cut_disparity_mesh({&lattice.mesh, &view.meshed, view.density.background_px,
@@ -50,7 +50,7 @@ SpaceSurface surface_of(const mesher::MeshResult& lattice, const LeftView& view,
     return {std::move(mesh), bounds, cut.device_s};
 }
 
-SpaceSurface lift(const mesher::MeshResult& lattice, const LeftView& view, const Config& config,
+SpaceSurface lift(const mesher::MeshResult& lattice, const LeftView& view, const config::Config& config,
                   const RunContext& run) {
     SpaceSurface surface = surface_of(lattice, view, config, run);
     run.log.decide("depth: " + fixed(-surface.bounds.high.z, 3) + " to " + fixed(-surface.bounds.low.z, 3) +
@@ -58,7 +58,8 @@ SpaceSurface lift(const mesher::MeshResult& lattice, const LeftView& view, const
     return surface;
 }
 
-DetailLevel coarser_level(int level, const LeftView& view, const Config& config, const RunContext& run) {
+DetailLevel coarser_level(int level, const LeftView& view, const config::Config& config,
+                          const RunContext& run) {
     const int levels = config.exporting.lod;
     const auto progress = [&](double share) { run.log.progress((level - 1 + share) / (levels - 1)); };
     try {
@@ -143,8 +144,8 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, c
 }
 
 DisparityMap densify_input(DisparityMap map, const Image& left, const readers::PixelMask& mask,
-                           const Config& config, const RunContext& run) {
-    if (config.input.densify == Densification::off) return map;
+                           const config::Config& config, const RunContext& run) {
+    if (config.input.densify == config::Densification::off) return map;
     const densify::Sparsity sparsity = densify::measure_sparsity(map);
     if (!sparsity.is_sparse()) return map;
     DisparityMap dense = run.log.stage("densify", [&] {
@@ -160,7 +161,7 @@ DisparityMap densify_input(DisparityMap map, const Image& left, const readers::P
     return dense;
 }
 
-DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run) {
+DisparityResult smooth_input(DisparityMap map, const config::Config& config, const RunContext& run) {
     DisparityResult result{std::move(map), false, {}};
     if (config.disparity.dequantize == stages::Dequantization::none) return result;
     const double quantum_px = dequantize::find_quantum_px(result.map);
@@ -190,7 +191,7 @@ DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig
     return density;
 }
 
-SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run) {
+SurfaceResult make_surface(const LeftView& view, const config::Config& config, const RunContext& run) {
     SurfaceResult result;
     result.lattice = run.log.stage("mesh", [&] { return solve_lattice(view, config.mesh, run); });
     auto quality = start_work(run.threads, [&] {
@@ -205,9 +206,9 @@ SurfaceResult make_surface(const LeftView& view, const Config& config, const Run
     return result;
 }
 
-Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
-                      const RunContext& run) {
-    Config effective = config;
+config::Config with_tolerance(const config::Config& config, const SurfaceMesh& surface, const LeftView& view,
+                              const RunContext& run) {
+    config::Config effective = config;
     if (!(config.exporting.tolerance_share > 0)) return effective;
     effective.exporting.tolerance_px =
         tolerance_for(config.exporting, surface, view.disparity, view.density.background_px, run.threads);
@@ -221,9 +222,10 @@ void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log) {
                  " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");
 }
 
-std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run) {
+std::vector<DetailLevel> coarser_levels(const LeftView& view, const config::Config& config,
+                                        const RunContext& run) {
     std::vector<DetailLevel> levels;
-    Config coarser = config;
+    config::Config coarser = config;
     for (int level = 1; level < config.exporting.lod; ++level) {
         coarser.mesh.spacing_px *= 2;
         levels.push_back(coarser_level(level, view, coarser, run));

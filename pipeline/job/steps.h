@@ -57,11 +57,11 @@ struct SpaceSurface {
 
 // A surface, with the lattice and the configuration that it was made with.
 struct SurfaceResult {
-    Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
+    config::Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
     mesher::MeshResult lattice;
     quality::MeshQuality quality;  // of the lattice
     SpaceSurface surface;
-    BudgetResult budget;  // what the search for the spacing found; no kind = no budget
+    budget::BudgetResult budget;  // what the search for the spacing found; no kind = no budget
 };
 
 // A coarser level of detail.
@@ -101,14 +101,14 @@ DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, co
 // A supplied map; where it is sparse and the configuration lets it, filled between its measurements in a
 // stage "densify", but for what the mask hides. Then alone it has origins. left, mask: empty = none.
 DisparityMap densify_input(DisparityMap map, const Image& left, const readers::PixelMask& mask,
-                           const Config& config, const RunContext& run);
+                           const config::Config& config, const RunContext& run);
 
 // With doffs, points as far as a disparity of -doffs have a depth, but what is 0 or less would be left out.
 // Where there is such, doffs is added to all disparities, and the calibration has none: the same points.
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, const RunLog& log);
 
 // A supplied map, without its steps where the configuration asks for that.
-DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);
+DisparityResult smooth_input(DisparityMap map, const config::Config& config, const RunContext& run);
 
 // Throws Error(input) where nothing is foreground.
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,
@@ -116,17 +116,18 @@ DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig
 
 // Stages mesh, surface and quality, whose work goes on beside the surface's, and tolerance where the
 // configuration asks for it.
-SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run);
+SurfaceResult make_surface(const LeftView& view, const config::Config& config, const RunContext& run);
 
 // The configuration with its tolerance lowered by the surface's own error (tolerance.h), where
 // export.tolerance_share asks for that; else unchanged.
-Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
-                      const RunContext& run);
+config::Config with_tolerance(const config::Config& config, const SurfaceMesh& surface, const LeftView& view,
+                              const RunContext& run);
 
 void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log);
 
 // export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_surface().
-std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run);
+std::vector<DetailLevel> coarser_levels(const LeftView& view, const config::Config& config,
+                                        const RunContext& run);
 
 // The topology of the surface, and the quality of the same as files hold it (tolerance.h). Takes as long as
 // a good part of the surface stage: only for a report.

@@ -87,23 +87,25 @@ readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
     return raster;
 }
 
-Config configured(const Options& options, const Camera& camera, bool is_depth, const Config& base) {
-    ConfigOptions said{options.config, {}};
+config::Config configured(const Options& options, const Camera& camera, bool is_depth,
+                          const config::Config& base) {
+    config::ConfigOptions said{options.config, {}};
     for (const auto& [key, value] : options.settings) said.settings.push_back(key + "=" + value);
-    Config config = read_config(said, base);
+    config::Config config = config::read_config(said, base);
     const auto take = [&](const char* name, double value) {
         if (!std::isnan(value))
-            apply_option(config, std::string("camera.") + name, std::string("input.calibration.") + name,
-                         shortest(value));
+            config::apply_option(config, std::string("camera.") + name,
+                                 std::string("input.calibration.") + name, config::shortest(value));
     };
-    if (!camera.file.empty()) apply_option(config, "camera.file", "input.calibration.file", camera.file);
+    if (!camera.file.empty())
+        config::apply_option(config, "camera.file", "input.calibration.file", camera.file);
     take("focal_px", camera.focal_px);
     take("baseline_m", camera.baseline_m);
     take("cx", camera.cx);
     take("cy", camera.cy);
     take("doffs_px", camera.doffs_px);
     for (const auto& [option, value] : options.direct)
-        apply_option(config, option, key_of(option, is_depth), value);
+        config::apply_option(config, option, key_of(option, is_depth), value);
     return config;
 }
 
@@ -146,23 +148,24 @@ readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceC
     return readers::confidence_of(raster_of(view, "confidence"), "confidence", config);
 }
 
-Config config_of(const Options& options, const Camera& camera, bool is_depth) {
-    Config config = configured(options, camera, is_depth, {});
-    if (options.config.empty()) config = configured(options, camera, is_depth, budget_base(config.budget));
-    finish_config(config);
+config::Config config_of(const Options& options, const Camera& camera, bool is_depth) {
+    config::Config config = configured(options, camera, is_depth, {});
+    if (options.config.empty())
+        config = configured(options, camera, is_depth, config::budget_base(config.budget));
+    config::finish_config(config);
     return config;
 }
 
-void apply_export_settings(Config& config, const Options& options) {
+void apply_export_settings(config::Config& config, const Options& options) {
     if (!options.config.empty())
         throw Error(ErrorKind::usage, "save() takes settings of 'export', not a configuration");
     for (const auto& [key, value] : options.settings) {
         if (!key.starts_with("export."))
             throw Error(ErrorKind::usage,
                         "'" + key + "' is not a setting of 'export'; give it where the mesh is made");
-        apply_setting(config, key + "=" + value);
+        config::apply_setting(config, key + "=" + value);
     }
-    finish_config(config);
+    config::finish_config(config);
 }
 
 bool sets_tolerance(const Options& options) {

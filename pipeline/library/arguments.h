@@ -23,10 +23,10 @@ readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceC
 
 // As the command line reads --config, --set, its direct options and what it is told of the camera. is_depth:
 // the map that options speak of is one of depths. Throws Error(usage).
-Config config_of(const Options& options, const Camera& camera, bool is_depth = false);
+config::Config config_of(const Options& options, const Camera& camera, bool is_depth = false);
 
 // Settings of `export` on top of a configuration. Throws Error(usage) for other keys.
-void apply_export_settings(Config& config, const Options& options);
+void apply_export_settings(config::Config& config, const Options& options);
 bool sets_tolerance(const Options& options);
 
 }  // namespace hexrelief

@@ -45,7 +45,7 @@ const BackendPicker& kept_backends() {
     return *picker;
 }
 
-MapArrays arrays_of(const MapInput& input, const InputConfig& config) {
+MapArrays arrays_of(const MapInput& input, const config::InputConfig& config) {
     MapArrays arrays;
     if (input.depth.values)
         arrays.depth = depth_of(input.depth, config.depth);
@@ -144,14 +144,14 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
     // For this call alone.
     struct Restore {
         State& state;
-        const Config config = state.relief.result.config;
+        const config::Config config = state.relief.result.config;
         ~Restore() {
             state.relief.result.config = config;
             state.observer = {};
         }
     } restore{state};
     state.observer = observer_of(options);
-    Config& config = state.relief.result.config;
+    config::Config& config = state.relief.result.config;
     apply_export_settings(config, options);
     if (sets_tolerance(options))
         config = with_tolerance(config, state.surface(), state.relief.view(),
@@ -186,7 +186,7 @@ Picture read_picture(const std::string& path) {
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {
-    const Config config = config_of(options, {});
+    const config::Config config = config_of(options, {});
     DisparityMap map = readers::read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }

@@ -63,7 +63,7 @@ RunRequest request_of(const FileRequest& files, const Options& options) {
     request.stages_folder = files.stages_folder;
     request.jobs = files.runs;
     request.config = config_of(options, {}, !files.depth.empty());
-    if (!find_preset(options.config)) request.config_file = options.config;
+    if (!config::find_preset(options.config)) request.config_file = options.config;
     return request;
 }
 
@@ -99,7 +99,7 @@ RunSummary summary_of(const RunReport& report, const RunRequest& request) {
         summary.filled = report.filling->filled_share;
     }
     summary.lacks_color = lacks_color(request);
-    const BudgetResult& budget = report.budget;
+    const budget::BudgetResult& budget = report.budget;
     summary.budget = {budget.kind,       budget.limit,        budget.reached,
                       budget.spacing_px, budget.tolerance_px, budget.solves};
     summary.backend = report.backend;

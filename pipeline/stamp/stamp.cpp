@@ -22,8 +22,8 @@ using Json = nlohmann::ordered_json;
 
 // With what the configuration does not tell: that a key was given, even with its default (a budget does not
 // change what was given).
-std::string config_text(const Config& config) {
-    Json json = config_json(config);
+std::string config_text(const config::Config& config) {
+    Json json = config::config_json(config);
     json["run"].erase("threads");
     json["run"].erase("backend");
     json.erase("limits");                        // they change no byte

@@ -22,7 +22,7 @@ constexpr long long kCoarsePixels = 1 << 28;
 // Row seams are solved at once while they are together not longer than this.
 constexpr int kRowSeamPixels = 1 << 17;
 
-void check_settings(const Config& config) {
+void check_settings(const config::Config& config) {
     const auto refuse = [](const std::string& key, const std::string& why) {
         throw Error(ErrorKind::usage, key + ": " + why + "; tiles are solved apart");
     };
@@ -33,7 +33,7 @@ void check_settings(const Config& config) {
     if (config.surface.silhouette_rounds > 0) refuse("surface.silhouette_rounds", "must be 0");
     if (config.exporting.lod > 1)
         refuse("export.lod", "must be 1, because 'hexrelief tiles merge' makes levels of detail");
-    const BudgetConfig& budget = config.budget;
+    const config::BudgetConfig& budget = config.budget;
     if (budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0)
         refuse("budget", "no limit can be given; give mesh.spacing_px");
 }

@@ -13,7 +13,7 @@ struct PlanRequest {
     std::filesystem::path map, color, folder;  // color: empty = none
     std::optional<windows::RawMapLayout> raw;
     int tile_vertices = 512;  // along a side
-    Config config;            // checked and complete
+    config::Config config;    // checked and complete
 };
 
 // Writes the plan's folder, all files or none, with plan.json as the last. Memory: the map shrunk by

@@ -197,12 +197,12 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
 
 void write_plan(TilePlan& plan, files::OutputSet& files) {
     const fs::path config = plan_config_file(plan.folder), whole = plan_file(plan.folder);
-    Config kept = plan.config;
+    config::Config kept = plan.config;
     // Nothing depends on who made the plan: the tiles of one made otherwise are not solved again.
-    kept.run.backend = ExecutionConfig{}.backend;
-    kept.run.threads = ExecutionConfig{}.threads;
+    kept.run.backend = config::ExecutionConfig{}.backend;
+    kept.run.threads = config::ExecutionConfig{}.threads;
     files.place(config);
-    files.files().write(config, config_yaml(kept));
+    files.files().write(config, config::config_yaml(kept));
     Json json = plan_json(plan);
     for (const files::WrittenFile& file : files.written())
         plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;
@@ -231,7 +231,7 @@ TilePlan read_plan(const fs::path& folder) {
     plan.folder = folder;
     plan.stamp = files::sha256_of(text.data(), text.size());
     check_planned_file(plan, plan_config_file(folder));
-    apply_config_file(plan.config, plan_config_file(folder));
+    config::apply_config_file(plan.config, plan_config_file(folder));
     check_unchanged(plan.map);
     check_unchanged(plan.color);
     return plan;

@@ -43,7 +43,7 @@ struct TilePlan {
     std::string stamp;  // SHA-256 of all that the tiles' bytes depend on
     PlannedFile map, color;
     std::optional<windows::RawMapLayout> raw;
-    Config config;            // effective; read_plan() leaves run.backend and run.threads as by default
+    config::Config config;    // effective; read_plan() leaves run.backend and run.threads as by default
     Calibration calibration;  // of the map; cx and cy are multiples of 1/1024 px
     int width = 0, height = 0;
     int columns = 0, rows = 0, tile_spacings = 0;  // of the lattice and of a tile, as LatticeTiling's

@@ -112,9 +112,9 @@ void read_calibrations(Bytes bytes, const std::string&) {
 
 void read_config(Bytes bytes, const std::string&) {
     const std::string text(bytes.begin(), bytes.end());
-    Config config;
-    attempt([&] { apply_yaml(config, text, "config", "."); });
-    attempt([&] { apply_setting(config, text); });
+    config::Config config;
+    attempt([&] { config::apply_yaml(config, text, "config", "."); });
+    attempt([&] { config::apply_setting(config, text); });
 }
 
 // As each kind of manifest, and as lines of options. What is wrong with a row is told in a line, too.

@@ -36,7 +36,7 @@ class Library : public testing::Test {
         RunRequest request;
         request.disparity = sample("disparity.pfm");
         request.color = sample("left.png");
-        request.config = read_config({"", settings}, {});
+        request.config = config::read_config({"", settings}, {});
         request.config.input.calibration.file = sample("calib.txt");
         request.outputs = {file(name)};
         run_job(request, {});

@@ -34,7 +34,7 @@ struct Scenery {
 };
 
 struct Crew {
-    BackendChoice backend;
+    config::BackendChoice backend;
     int workers, threads;  // threads of each worker
 };
 
@@ -45,7 +45,7 @@ struct BatchRow {
 };
 
 // The steps of run_job(), without its files.
-std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContext& run) {
+std::uint64_t do_job(const Scenery& scene, const config::Config& config, const RunContext& run) {
     const ChosenRange chosen = choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
     const DisparityResult matched = match_input(scene.pair, chosen, run);
     const DensityMap density = density_of(matched.meshed(), config.density, run.threads, run.log);
@@ -60,7 +60,7 @@ std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContex
 // One worker: a job that starts all that is kept, then those that are still to be had.
 class Worker {
   public:
-    Worker(const Scenery& scene, const Config& config, const Crew& crew)
+    Worker(const Scenery& scene, const config::Config& config, const Crew& crew)
         : scene_(scene),
           config_(config),
           threads_(crew.threads),
@@ -85,7 +85,7 @@ class Worker {
         return do_job(scene_, config_, {backend_, threads_, log});
     }
     const Scenery& scene_;
-    const Config& config_;
+    const config::Config& config_;
     int threads_;
     Backend backend_;
     std::uint64_t bytes_ = 0;
@@ -94,7 +94,7 @@ class Worker {
 // Work in threads of its own, whatever the number of workers.
 constexpr int kOwnThread = 2;
 
-BatchRow measure(const Scenery& scene, const Config& config, const Crew& crew, int jobs) {
+BatchRow measure(const Scenery& scene, const config::Config& config, const Crew& crew, int jobs) {
     BatchRow row;
     const double starting = now_seconds();
     std::vector<std::future<Worker>> starts;
@@ -118,7 +118,7 @@ BatchRow measure(const Scenery& scene, const Config& config, const Crew& crew, i
     return row;
 }
 
-std::vector<Scenery> load(const BatchOptions& options, const Config& config) {
+std::vector<Scenery> load(const BatchOptions& options, const config::Config& config) {
     std::vector<std::string> left_out, names;
     const std::vector<match::ScenePair> found = match::find_scenes(options.data, left_out);
     for (const match::ScenePair& scene : found) names.push_back(scene.name);
@@ -164,8 +164,8 @@ void report(const Scenery& scene, const std::string& backend, const Crew& crew, 
 void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     if (options.jobs < 1) throw Error(ErrorKind::usage, "--jobs: must be at least 1");
     if (options.workers < 0) throw Error(ErrorKind::usage, "--workers: must not be negative");
-    Config config;
-    for (const std::string& setting : options.settings) apply_setting(config, setting);
+    config::Config config;
+    for (const std::string& setting : options.settings) config::apply_setting(config, setting);
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
     const std::vector<Scenery> scenes = load(options, config);
@@ -190,7 +190,8 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
                   "jobs", "start s", "jobs/s", "median ms", "most ms", "bytes");
     for (const Scenery& scene : scenes)
         for (const Backend& backend : backends) {
-            const BackendChoice choice = backend.name == "cuda" ? BackendChoice::cuda : BackendChoice::cpu;
+            const config::BackendChoice choice =
+                backend.name == "cuda" ? config::BackendChoice::cuda : config::BackendChoice::cpu;
             const Crew crew{choice, workers, std::max(1, threads / workers)};
             report(scene, backend.name, crew, measure(scene, config, crew, options.jobs), out, json["rows"]);
         }

@@ -53,7 +53,8 @@ double children_cpu_seconds() {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-Throughput measure_workers(const match::ScenePair& scene, const Config& config, int jobs, int workers) {
+Throughput measure_workers(const match::ScenePair& scene, const config::Config& config, int jobs,
+                           int workers) {
     const ScratchFolder folder;
     std::vector<BatchUnit> units;
     for (int i = 0; i < jobs; ++i) {
@@ -93,8 +94,8 @@ Json throughput_json(const Throughput& taken, int jobs) {
 
 void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
     if (options.jobs < 1) throw Error(ErrorKind::usage, "--jobs: must be at least 1");
-    Config config;
-    for (const std::string& setting : options.settings) apply_setting(config, setting);
+    config::Config config;
+    for (const std::string& setting : options.settings) config::apply_setting(config, setting);
     if (!options.json.empty()) files::check_writable_file(options.json);
     const int workers = options.workers > 0 ? options.workers : effective_threads(options.threads);
     Json json = {{"schema", 1},          {"version", HEXRELIEF_VERSION}, {"workers", workers},

@@ -154,8 +154,8 @@ Json begin(const MatchOptions& options, const std::vector<Backend>& backends, in
 
 void run_bench_match(const MatchOptions& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
-    Config config;
-    for (const std::string& setting : options.settings) apply_setting(config, setting);
+    config::Config config;
+    for (const std::string& setting : options.settings) config::apply_setting(config, setting);
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
     match::check_disturbance(options.disturbance);

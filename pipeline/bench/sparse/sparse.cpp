@@ -43,7 +43,7 @@ struct TrueScene {
     DisparityMap truth;
     Image left;  // empty = none
     double quantum_px;
-    const Config& config;
+    const config::Config& config;
     int threads;
     float background_px = stages::compute_density(truth, config.density).background_px;
 
@@ -121,7 +121,7 @@ std::string mean_text(const std::vector<Row>& rows, const std::string& pattern) 
                   std::exp(logarithms / count), worst);
 }
 
-TrueScene load(const ScenePair& found, const Config& config, bool without_picture, int threads) {
+TrueScene load(const ScenePair& found, const config::Config& config, bool without_picture, int threads) {
     readers::DisparityFileConfig file;
     file.scale = found.scale;
     DisparityMap truth = readers::read_disparity_map(found.truth, file);
@@ -148,7 +148,7 @@ std::vector<ScenePair> chosen_scenes(const SparseOptions& options, std::ostream&
 
 void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     check_names(options.patterns, sparse::patterns(), "--patterns");
-    const Config config = read_config({options.preset, options.settings});
+    const config::Config config = config::read_config({options.preset, options.settings});
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
     const int threads = effective_threads(options.threads);

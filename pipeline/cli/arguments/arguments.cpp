@@ -40,7 +40,7 @@ std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
         if (std::find(names.begin(), names.end(), argument) != names.end()) continue;
         const bool option = argument.starts_with("--");
         if (!option && i + 1 < argc) continue;  // a value, most likely
-        const std::string near = nearest_name(argument, names);
+        const std::string near = config::nearest_name(argument, names);
         if (!near.empty() && near.starts_with("--") == option) return " (did you mean '" + near + "'?)";
     }
     return {};

@@ -4,9 +4,9 @@
 
 namespace hexrelief {
 
-void add_config_options(Command& command, ConfigOptions& options, const std::string& group) {
+void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group) {
     std::string names;
-    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
+    for (const config::Preset& preset : config::presets()) names += (names.empty() ? "" : ", ") + preset.name;
     command.add_option("--config", &options.file,
                        "YAML file, see 'hexrelief config show', or a preset: " + names,
                        {.group = group, .value = "F.yaml"});

@@ -8,6 +8,6 @@
 
 namespace hexrelief {
 
-void add_config_options(Command& command, ConfigOptions& options, const std::string& group);
+void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group);
 
 }  // namespace hexrelief

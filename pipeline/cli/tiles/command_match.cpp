@@ -14,21 +14,21 @@ namespace {
 
 struct MatchOptions {
     std::filesystem::path left, right, output;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::string calibration, backend;
     int tile_px = MatchRequest().tile_px, threads = 0;
     bool quiet = false, verbose = false;
 };
 
-Config config_of(const MatchOptions& options) {
-    Config config = read_config(options.config);
+config::Config config_of(const MatchOptions& options) {
+    config::Config config = config::read_config(options.config);
     const auto apply = [&](const std::string& option, const char* path, const std::string& value) {
-        if (!value.empty()) apply_option(config, option, path, value);
+        if (!value.empty()) config::apply_option(config, option, path, value);
     };
     apply("--calib", "input.calibration.file", options.calibration);
     apply("--backend", "run.backend", options.backend);
     if (options.threads > 0) apply("--threads", "run.threads", std::to_string(options.threads));
-    finish_config(config);
+    config::finish_config(config);
     return config;
 }
 

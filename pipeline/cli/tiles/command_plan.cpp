@@ -15,26 +15,26 @@ namespace {
 
 struct PlanOptions {
     std::filesystem::path map, color, folder;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::string raw, calibration, unknown, backend;
     std::optional<double> scale, offset_px;
     int tile_vertices = 512, threads = 0;
     bool quiet = false, verbose = false;
 };
 
-Config config_of(const PlanOptions& options) {
-    Config config = read_config(options.config);
+config::Config config_of(const PlanOptions& options) {
+    config::Config config = config::read_config(options.config);
     const auto apply = [&](const std::string& option, const char* path, const std::string& value) {
-        if (!value.empty()) apply_option(config, option, path, value);
+        if (!value.empty()) config::apply_option(config, option, path, value);
     };
     apply("--calib", "input.calibration.file", options.calibration);
     apply("--unknown", "input.disparity.unknown", options.unknown);
     apply("--backend", "run.backend", options.backend);
-    if (options.scale) apply("--disparity-scale", "input.disparity.scale", shortest(*options.scale));
+    if (options.scale) apply("--disparity-scale", "input.disparity.scale", config::shortest(*options.scale));
     if (options.offset_px)
-        apply("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
+        apply("--disparity-offset", "input.disparity.offset_px", config::shortest(*options.offset_px));
     if (options.threads > 0) apply("--threads", "run.threads", std::to_string(options.threads));
-    finish_config(config);
+    config::finish_config(config);
     return config;
 }
 

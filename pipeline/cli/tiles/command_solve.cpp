@@ -104,9 +104,9 @@ class TileTeller {
     double begun_ = now_seconds();
 };
 
-BackendChoice backend_of(const SolveOptions& options, const Config& planned) {
-    Config config = planned;
-    if (!options.backend.empty()) apply_option(config, "--backend", "run.backend", options.backend);
+config::BackendChoice backend_of(const SolveOptions& options, const config::Config& planned) {
+    config::Config config = planned;
+    if (!options.backend.empty()) config::apply_option(config, "--backend", "run.backend", options.backend);
     return config.run.backend;
 }
 

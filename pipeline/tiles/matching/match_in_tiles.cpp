@@ -22,7 +22,7 @@ void check_request(const MatchRequest& request) {
     const auto refuse = [](const std::string& message) { throw Error(ErrorKind::usage, message); };
     if (request.config.disparity.method != stages::DisparityMethod::sgm)
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
-    const CalibrationConfig& calibration = request.config.input.calibration;
+    const config::CalibrationConfig& calibration = request.config.input.calibration;
     files::check_overwrites({request.map}, {request.left, request.right, calibration.file});
     if (calibration.file.empty() && calibration.rectify == readers::Rectify::always)
         refuse("input.calibration.rectify: must not be always; tiles are matched in rectified pairs");

@@ -14,7 +14,7 @@ struct MatchRequest {
     std::filesystem::path map;          // .tif, .tiff or .pfm, as MapWriter writes it
     int tile_px = 2048;                 // a tile's side, at least 16
     int collar_px = kCollar_px;
-    Config config = {};  // checked and complete
+    config::Config config = {};  // checked and complete
 };
 
 struct TiledMatch {

@@ -25,7 +25,7 @@ RunRequest request_of_test(const std::vector<std::string>& words) {
     request.disparity = words[1];
     request.outputs = {words[0] + ".drc"};
     request.report = words[0] + ".json";
-    apply_setting(request.config, "mesh.spacing_px=24");
+    config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }
 

@@ -16,7 +16,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // Counts an aggregate's members: the most initialisers that it takes.
@@ -261,4 +261,4 @@ TEST(ConfigDocument, PresetsAreValid) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::config

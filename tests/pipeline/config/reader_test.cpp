@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // The message that reading `text` as my.yaml fails with; empty where it is accepted.
@@ -218,4 +218,4 @@ TEST(Setting, RefusesWhatItCannotSet) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -16,8 +16,8 @@ namespace hexrelief {
 namespace {
 
 // The CPU, but with a device's clock: each cut takes a second more than the one before.
-Backend clocked_backend(BackendChoice, int threads, MeshMethod method) {
-    Backend backend = pick_backend(BackendChoice::cpu, threads, method);
+Backend clocked_backend(config::BackendChoice, int threads, MeshMethod method) {
+    Backend backend = pick_backend(config::BackendChoice::cpu, threads, method);
     const auto cuts = std::make_shared<int>(0);
     backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](
                                      const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
@@ -53,8 +53,8 @@ enum class Fails { matching, solving, cutting };
 
 // The CPU in the place of a device that fails at `when`.
 BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
-    return [when, kind](BackendChoice, int threads, MeshMethod method) {
-        Backend backend = pick_backend(BackendChoice::cpu, threads, method);
+    return [when, kind](config::BackendChoice, int threads, MeshMethod method) {
+        Backend backend = pick_backend(config::BackendChoice::cpu, threads, method);
         backend.name = "cuda";
         const auto fail = [kind] { throw Error(kind, "backend cuda: training: unspecified launch failure"); };
         using Result = mesher::MeshResult;
@@ -118,8 +118,8 @@ TEST(Runner, ADeviceThatDoesNotStartIsTold) {
     std::vector<std::string> told;
     RunObserver observer;
     observer.warns = [&](const std::string& warning) { told.push_back(warning); };
-    run_job(pair_request(folder), observer, [](BackendChoice, int threads, MeshMethod method) {
-        Backend cpu = pick_backend(BackendChoice::cpu, threads, method);
+    run_job(pair_request(folder), observer, [](config::BackendChoice, int threads, MeshMethod method) {
+        Backend cpu = pick_backend(config::BackendChoice::cpu, threads, method);
         cpu.missed = "backend cuda: too little device memory";
         return cpu;
     });
@@ -130,7 +130,7 @@ TEST(Runner, ADeviceThatDoesNotStartIsTold) {
 TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
     const test::TemporaryFolder folder;
     RunRequest request = pair_request(folder);
-    request.config.run.backend = BackendChoice::cuda;
+    request.config.run.backend = config::BackendChoice::cuda;
     for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
         try {
             run_job(request, {}, failing_device(when));
@@ -327,7 +327,8 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     std::string mask = "P5\n60 40\n255\n" + std::string(60 * 40, '\xff');
     std::fill_n(mask.end() - 60 * 40, 60 * 10, '\0');
     test::write_text(folder / "mask.pgm", mask);
-    const auto run = [&](Densification densification, std::string& told, const char* masked = nullptr) {
+    const auto run = [&](config::Densification densification, std::string& told,
+                         const char* masked = nullptr) {
         RunRequest request;
         if (masked) request.mask = folder / masked;
         request.disparity = folder / "d.pgm";
@@ -342,7 +343,7 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
         return run_job(request, observer);
     };
     std::string told;
-    const RunReport filled = run(Densification::automatic, told);
+    const RunReport filled = run(config::Densification::automatic, told);
     EXPECT_EQ(told,
               "densify: 20.0 % of the pixels are known, with unknown ones between them; 100.0 % are known "
               "when filled");
@@ -351,12 +352,12 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     const auto input = nlohmann::json::parse(report_json(filled))["input"];
     EXPECT_NEAR(input["densified"]["measured_share"], 0.2, 1e-9);
     EXPECT_NEAR(input["densified"]["filled_share"], 0.8, 1e-9);
-    const RunReport masked = run(Densification::automatic, told, "mask.pgm");
+    const RunReport masked = run(config::Densification::automatic, told, "mask.pgm");
     ASSERT_TRUE(masked.filling);
     EXPECT_NEAR(masked.filling->measured_share + masked.filling->filled_share, 0.75, 1e-9)
         << "nothing is filled where the mask hides";
     told.clear();
-    EXPECT_FALSE(run(Densification::off, told).filling);
+    EXPECT_FALSE(run(config::Densification::off, told).filling);
     EXPECT_EQ(told, "");
 }
 

@@ -22,7 +22,7 @@ RunRequest map_request(const TemporaryFolder& folder) {
     request.disparity = folder / "d.pfm";
     request.outputs = {folder / "a.drc"};
     request.report = folder / "a.json";
-    apply_setting(request.config, "mesh.spacing_px=24");
+    config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }
 
@@ -39,11 +39,11 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
 
     RunRequest other = request;
     other.config.run.threads = 7;
-    other.config.run.backend = BackendChoice::cpu;
+    other.config.run.backend = config::BackendChoice::cpu;
     other.outputs = {"elsewhere/a.drc"};
     EXPECT_EQ(unit_stamp(other), stamp) << "threads, backend and folders change no byte";
     other = request;
-    apply_setting(other.config, "mesh.seed=2");
+    config::apply_setting(other.config, "mesh.seed=2");
     EXPECT_NE(unit_stamp(other), stamp);
     other = request;
     other.outputs = {folder / "a.glb"};

@@ -108,7 +108,7 @@ void write_pnm(const std::string& path, const Image& image) {
 DisparityMap match(const MatchRequest& request, int threads = 2) {
     const RunObserver observer;
     RunLog log(observer);
-    match_in_tiles(request, pick_backend(BackendChoice::cpu, threads), threads, log);
+    match_in_tiles(request, pick_backend(config::BackendChoice::cpu, threads), threads, log);
     return readers::read_disparity_map(request.map, {});
 }
 

@@ -50,8 +50,8 @@ void write_map(const std::string& path, const DisparityMap& map) {
     files.commit();
 }
 
-Config small_config(exporters::Compression compression) {
-    Config config;
+config::Config small_config(exporters::Compression compression) {
+    config::Config config;
     config.mesh.spacing_px = 3;
     config.exporting.compression = compression;
     config.input.calibration.focal_px = 400;
@@ -60,7 +60,7 @@ Config small_config(exporters::Compression compression) {
 }
 
 Backend cpu(int threads) {
-    return pick_backend(BackendChoice::cpu, threads);
+    return pick_backend(config::BackendChoice::cpu, threads);
 }
 
 class PlannedFolder {
