@@ -58,13 +58,13 @@ std::string progress_bar(const BatchCounts& counts, double seconds) {
     if (counts.failed > 0) bar += ", " + std::to_string(counts.failed) + " failed";
     const double per_second = rate(counts, seconds);
     if (per_second <= 0) return bar;
-    return bar + ", " + fixed(per_second, 1) + " a second, " +
+    return bar + ", " + job::fixed(per_second, 1) + " a second, " +
            clock_text(static_cast<double>(counts.units - counts.ended()) / per_second) + " left";
 }
 
 std::string batch_summary(const BatchCounts& counts, double seconds) {
     std::string text = std::to_string(counts.units) + (counts.units == 1 ? " row in " : " rows in ") +
-                       fixed(seconds, 2) + " s, " + fixed(rate(counts, seconds), 1) + " a second: ";
+                       job::fixed(seconds, 2) + " s, " + job::fixed(rate(counts, seconds), 1) + " a second: ";
     if (counts.would_run > 0)
         text += std::to_string(counts.would_run) + " to do, ";
     else

@@ -13,7 +13,7 @@
 namespace hexrelief {
 
 // Makes of the options of `hexrelief run` what is asked for. Throws Error.
-using RequestParser = std::function<RunRequest(const std::vector<std::string>& words)>;
+using RequestParser = std::function<job::RunRequest(const std::vector<std::string>& words)>;
 
 enum class UnitOutcome { done, up_to_date, would_run, failed };
 std::string outcome_name(UnitOutcome outcome);  // "done", "up_to_date", "would_run", "failed"
@@ -37,7 +37,7 @@ struct UnitRules {
 
 // Never throws: what fails is told in the result. A unit without a report is always done: nothing says that
 // it was.
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick);
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick);
 
 // What the program says, and its exit code, for an exception at hand. Call it in a catch block.
 UnitResult result_of_exception();

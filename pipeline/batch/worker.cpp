@@ -49,7 +49,7 @@ void send_result(int socket, const UnitResult& result) {
     std::ofstream("/proc/self/oom_score_adj") << "300";
     if (!device.empty()) ::setenv("CUDA_VISIBLE_DEVICES", device.c_str(), 1);
     files::install_interrupt_handling();
-    const BackendPicker pick = keep_backends();
+    const job::BackendPicker pick = job::keep_backends();
     std::size_t unit = 0;
     while (::recv(socket, &unit, sizeof unit, 0) == sizeof unit)
         send_result(socket, do_unit(units[unit], rules, pick));
@@ -141,10 +141,10 @@ std::vector<std::string> device_names() {
     if (::pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
     const pid_t process = fork_or_throw();
     if (process == 0) {
-        const std::vector<DeviceDescription> devices = list_devices();
+        const std::vector<job::DeviceDescription> devices = job::list_devices();
         const auto count = static_cast<unsigned char>(std::count_if(
             devices.begin(), devices.end(),
-            [](const DeviceDescription& device) { return device.backend == "cuda" && device.usable; }));
+            [](const job::DeviceDescription& device) { return device.backend == "cuda" && device.usable; }));
         ::_exit(::write(ends[1], &count, 1) == 1 ? 0 : 1);
     }
     ::close(ends[1]);

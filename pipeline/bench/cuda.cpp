@@ -48,7 +48,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     std::vector<FoundMap> found;
     if (!options.data.empty()) found = find_maps(options.data, {}, {}, missing);
     if (!options.json.empty()) files::check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
     cuda_bench::Solvers solvers(threads);
 
     Json head;

@@ -9,7 +9,7 @@ namespace hexrelief::cuda_bench {
 
 struct Solvers::State {
     int threads;
-    Backend cuda, cpu;
+    job::Backend cuda, cpu;
 #ifdef HEXRELIEF_HAS_CUDA
     std::unique_ptr<paper::Som> som;
 #endif
@@ -37,7 +37,7 @@ void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs
     row.rows = mesh.rows;
 }
 
-Row measure(const Case& c, const std::string& solver, const Backend& backend, const MeshConfig& config,
+Row measure(const Case& c, const std::string& solver, const job::Backend& backend, const MeshConfig& config,
             int runs, int threads) {
     Row row = empty_row(c, solver);
     row.co = config.co;
@@ -116,8 +116,8 @@ MeshConfig same_schedule(const paper::Config& config) {
 
 Solvers::Solvers(int threads) : state_(std::make_unique<State>()) {
     state_->threads = threads;
-    state_->cuda = pick_backend(config::BackendChoice::cuda, threads);
-    state_->cpu = pick_backend(config::BackendChoice::cpu, threads);
+    state_->cuda = job::pick_backend(config::BackendChoice::cuda, threads);
+    state_->cpu = job::pick_backend(config::BackendChoice::cpu, threads);
 }
 
 Solvers::~Solvers() = default;

@@ -155,7 +155,7 @@ struct MapBench {
             const double begun = now_seconds();
             const SurfaceMesh mesh = rd::preset_mesh(meshed, config, threads);
             add(preset, spacing, now_seconds() - begun, mesh, 0,
-                tolerance_for(config.exporting, mesh, map, background_px, threads));
+                job::tolerance_for(config.exporting, mesh, map, background_px, threads));
         }
     }
 
@@ -262,7 +262,7 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
                 missing.push_back((peer.folder / (std::string(one.map->name) + "_*.obj")).string());
     }
     if (!options.json.empty()) files::check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
 
     Json json;
     json["schema"] = 1;

@@ -89,7 +89,7 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
 }
 
 table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const Method& method,
-                    const Backend& backend, int runs, int threads) {
+                    const job::Backend& backend, int runs, int threads) {
     const MeshConfig& config = method.mesh;
     const auto cells = [&](int pixels) { return (pixels + config.co - 1) / config.co; };
     table2::Row row;
@@ -119,7 +119,7 @@ table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const M
 }
 
 // The first call on a device pays for its context, which belongs to no map.
-void warm_up(const Backend& backend, const LoadedMap& map) {
+void warm_up(const job::Backend& backend, const LoadedMap& map) {
     MeshConfig config;
     config.t_max = 1;
     config.balance.enabled = false;
@@ -159,15 +159,15 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
     if (!options.json.empty()) files::check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
-    const std::vector<Backend> backends = usable_backends(threads);
+    const int threads = job::effective_threads(options.threads);
+    const std::vector<job::Backend> backends = usable_backends(threads);
 
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const Backend& backend : backends) {
+    for (const job::Backend& backend : backends) {
         out << backend.name << ": " << backend.device
             << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
         json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
@@ -192,7 +192,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
                                       ? Method{name, own.mesh, own.density}
                                       : Method{name, method_config(name, found[i].map->ssr), paper_density()};
             map.density = stages::compute_density(map.disparity, method.density);
-            for (const Backend& backend : backends) {
+            for (const job::Backend& backend : backends) {
                 if (backend.name != "cpu" && needs_cpu(name)) continue;
                 if (backend.name != "cpu" && !warm) warm_up(backend, map);
                 warm |= backend.name != "cpu";

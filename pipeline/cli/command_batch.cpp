@@ -47,7 +47,7 @@ Examples:
   hexrelief batch 'scenes/{name}/left.png' -o out --shard 3/16
   hexrelief batch pairs.yaml -o out --print-commands | parallel)";
 
-RunRequest request_of_words(const std::vector<std::string>& words) {
+job::RunRequest request_of_words(const std::vector<std::string>& words) {
     RunOptions options;
     ArgumentParser parser("hexrelief run", "", {});
     Command command = parser.root();
@@ -204,8 +204,8 @@ void write_table(const TableFiles& table, const std::vector<BatchUnit>& units, c
         rows.push_back(std::move(row));
     }
     files::OutputSet files;
-    write_text_file(table_csv(rows), table.csv, files);
-    write_text_file(table_json(rows), table.json, files);
+    job::write_text_file(table_csv(rows), table.csv, files);
+    job::write_text_file(table_json(rows), table.json, files);
     files.commit();
 }
 

@@ -17,7 +17,7 @@
 #include "cuda/cuda_mesher.h"
 #endif
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 std::string cpu_name() {
@@ -222,4 +222,4 @@ void copy_from_device(void* target, const void* source, std::size_t bytes) {
     copy_from_cuda_device(target, source, bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

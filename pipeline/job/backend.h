@@ -12,7 +12,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct Backend {
     std::string name;    // "cpu" or "cuda"
@@ -97,4 +97,4 @@ double estimated_cpu_seconds(const RunSize& size, const config::Config& config);
 // started, or where only it can do what is asked for.
 BackendDecision choose_backend(const RunSize& size, const config::Config& config);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -3,7 +3,7 @@
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/run_log.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 // Seconds on one thread.
@@ -42,4 +42,4 @@ BackendDecision choose_backend(const RunSize& size, const config::Config& config
     return {config::BackendChoice::automatic, figures};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -20,7 +20,7 @@
 #include "pipeline/readers/stereo_reader.h"
 #include "pipeline/rectify/rectify.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -310,4 +310,4 @@ RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log) {
     return input;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

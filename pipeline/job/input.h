@@ -12,7 +12,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct InputFile {
     // "left", "right", "stereo", "disparity", "depth", "color", "calibration", "mask", "confidence"
@@ -65,4 +65,4 @@ struct MapArrays {
 RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log);
 RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -10,7 +10,7 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 // The disparities themselves are then right.
@@ -54,4 +54,4 @@ void check_input(const RunRequest& request, const RunInput& input, const ChosenR
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

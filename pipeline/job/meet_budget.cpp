@@ -11,7 +11,7 @@
 #include "pipeline/job/page_content.h"
 #include "pipeline/job/tolerance.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
     return std::move(*result);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

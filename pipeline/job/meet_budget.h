@@ -6,7 +6,7 @@
 
 #include "pipeline/job/steps.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 bool has_budget(const config::BudgetConfig& budget);
 
@@ -16,4 +16,4 @@ bool has_budget(const config::BudgetConfig& budget);
 SurfaceResult meet_budget(const LeftView& view, const config::Config& config,
                           const std::vector<std::filesystem::path>& outputs, const RunContext& run);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -8,7 +8,7 @@
 #include "pipeline/job/tolerance.h"
 #include "pipeline/pictures/stage_pictures.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 namespace fs = std::filesystem;
 
@@ -99,4 +99,4 @@ void write_text_file(const std::string& text, const fs::path& name, files::Outpu
     files.files().write(name, text);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -11,7 +11,7 @@
 #include "pipeline/job/input.h"
 #include "pipeline/job/steps.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct OutputFile {
     std::string path;
@@ -43,4 +43,4 @@ void save_rectified(const RunInput& input, const std::filesystem::path& folder, 
 // Throws Error(output).
 void write_text_file(const std::string& text, const std::filesystem::path& name, files::OutputSet& files);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

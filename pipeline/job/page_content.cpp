@@ -11,7 +11,7 @@
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/pictures/weights_picture.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {
     return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
@@ -50,4 +50,4 @@ exporters::PageContent page_content(const LeftView& view, const SurfaceResult& r
     return page;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -9,7 +9,7 @@
 
 #include "pipeline/config/document.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -285,4 +285,4 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     return dump(json, -1);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -17,7 +17,7 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // A coarser level of detail.
 struct LevelReport {
@@ -99,4 +99,4 @@ std::string report_json(const RunReport& report);
 // so that the same input gives the same bytes everywhere.
 std::string extras_json(const LeftView& view, const SurfaceResult& result);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -7,7 +7,7 @@
 
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Either left and right, or stereo, which holds both, or disparity or depth (with color or without).
 struct RunRequest {
@@ -29,4 +29,4 @@ struct RunRequest {
 // and Error(input) for a run that is estimated to take more memory than limits.max_memory.
 void check_request(const RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

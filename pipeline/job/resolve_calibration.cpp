@@ -9,7 +9,7 @@
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 void override_by(double& value, double given) {
@@ -174,4 +174,4 @@ std::string missing_for_metres(const ResolvedCalibration& resolved) {
            "and baseline_m";
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -8,7 +8,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct ViewSize {
     int width = 0, height = 0;
@@ -55,4 +55,4 @@ ResolvedCalibration resolve_calibration(const CameraSource& source);
 // What is missing for a mesh in metres, as a warning; empty where nothing is. Of a pair or a disparity map.
 std::string missing_for_metres(const ResolvedCalibration& resolved);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

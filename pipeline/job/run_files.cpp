@@ -10,7 +10,7 @@
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/readers/describe.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -254,4 +254,4 @@ void check_request(const RunRequest& request) {
     check_memory(request);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

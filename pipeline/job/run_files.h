@@ -9,7 +9,7 @@
 #include "exporters/exporter.h"
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // `path` and the files that its format writes beside it (.mtl, .bin, the texture), whether this run needs
 // them or not.
@@ -35,4 +35,4 @@ std::vector<std::filesystem::path> read_files(const RunRequest& request);
 // spacing than this is told. 40 MiB where the header cannot be read: such a run fails early.
 std::uint64_t estimated_memory(const RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

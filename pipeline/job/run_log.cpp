@@ -5,7 +5,7 @@
 
 #include "pipeline/files/interrupt.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 void RunLog::begin_stage(const std::string& name) const {
     files::wait_if_interrupted();
@@ -42,4 +42,4 @@ std::string fixed(double value, int digits) {
     return buffer;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

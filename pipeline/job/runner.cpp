@@ -14,7 +14,7 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/job/tolerance.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 namespace {
 
@@ -167,4 +167,4 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     return write_relief(relief, request, log);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

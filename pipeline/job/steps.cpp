@@ -17,7 +17,7 @@
 #include "pipeline/stages/silhouettes.h"
 #include "pipeline/stages/surface.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 mesher::MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const RunContext& run) {
@@ -251,4 +251,4 @@ SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& w
     return measures;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

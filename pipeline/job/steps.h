@@ -19,7 +19,7 @@
 #include "pipeline/stages/surface_quality.h"
 #include "pipeline/stages/surface_topology.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // What every step is given besides its values.
 struct RunContext {
@@ -134,4 +134,4 @@ std::vector<DetailLevel> coarser_levels(const LeftView& view, const config::Conf
 SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& written, const LeftView& view,
                                 const RunContext& run);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -9,7 +9,7 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera,
     return seen;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

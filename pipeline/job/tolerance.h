@@ -9,7 +9,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // The tolerance of positions, px: config.tolerance_px, or, where tolerance_share is above 0 and that is less,
 // this share of the surface's error away from discontinuities (SurfaceQuality::flat_rmse_px), at least
@@ -27,4 +27,4 @@ SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera,
                        const exporters::ExportConfig& config,
                        const std::vector<std::filesystem::path>& outputs);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -23,8 +23,8 @@ namespace {
 // Held by each call that works: a set of files is the process's own, and a device does one job at a time.
 std::mutex library_mutex;
 
-RunObserver observer_of(const Options& options) {
-    RunObserver observer;
+job::RunObserver observer_of(const Options& options) {
+    job::RunObserver observer;
     if (options.progress) {
         const auto stage = std::make_shared<std::string>();
         observer.stage_begins = [stage, tell = options.progress](const std::string& name) {
@@ -40,13 +40,13 @@ RunObserver observer_of(const Options& options) {
 
 // The first device that is taken is kept: the next call need not wait for it to start. It is never given
 // back, for at the process's end the driver may be gone before.
-const BackendPicker& kept_backends() {
-    static const auto* const picker = new BackendPicker(keep_backends());
+const job::BackendPicker& kept_backends() {
+    static const auto* const picker = new job::BackendPicker(job::keep_backends());
     return *picker;
 }
 
-MapArrays arrays_of(const MapInput& input, const config::InputConfig& config) {
-    MapArrays arrays;
+job::MapArrays arrays_of(const MapInput& input, const config::InputConfig& config) {
+    job::MapArrays arrays;
     if (input.depth.values)
         arrays.depth = depth_of(input.depth, config.depth);
     else
@@ -72,11 +72,11 @@ const float* floats_of(const std::vector<Vec3f>& points) {
 inline namespace v0 {
 
 struct Mesh::State {
-    RunObserver observer;  // the log's, empty between the calls
-    RunLog log{observer};
-    RunRequest request;
-    Relief relief;
-    std::vector<OutputFile> written;
+    job::RunObserver observer;  // the log's, empty between the calls
+    job::RunLog log{observer};
+    job::RunRequest request;
+    job::Relief relief;
+    std::vector<job::OutputFile> written;
 
     const SurfaceMesh& surface() const { return relief.result.surface.mesh; }
 };
@@ -116,26 +116,26 @@ int Mesh::lattice_rows() const {
 
 std::string Mesh::report() const {
     const std::lock_guard lock(library_mutex);
-    const Relief& relief = state_->relief;
-    const LeftView view = relief.view();
-    const RunContext run{relief.backend, relief.threads, state_->log};
+    const job::Relief& relief = state_->relief;
+    const job::LeftView view = relief.view();
+    const job::RunContext run{relief.backend, relief.threads, state_->log};
     std::vector<std::filesystem::path> paths;
-    for (const OutputFile& file : state_->written) paths.emplace_back(file.path);
+    for (const job::OutputFile& file : state_->written) paths.emplace_back(file.path);
     std::erase_if(paths, [](const auto& path) {  // textures and the like
         const auto& known = exporters::export_extensions();
         return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
     });
-    const SurfaceMeasures measures = measure_written(view, relief.result, paths, run);
-    return report_json(assemble_report({relief.backend_reason,
-                                        relief.input,
-                                        relief.disparity,
-                                        view,
-                                        relief.result,
-                                        measures,
-                                        {},
-                                        state_->written,
-                                        shares_of(view, relief.result)},
-                                       run));
+    const job::SurfaceMeasures measures = job::measure_written(view, relief.result, paths, run);
+    return job::report_json(job::assemble_report({relief.backend_reason,
+                                                  relief.input,
+                                                  relief.disparity,
+                                                  view,
+                                                  relief.result,
+                                                  measures,
+                                                  {},
+                                                  state_->written,
+                                                  job::shares_of(view, relief.result)},
+                                                 run));
 }
 
 std::vector<std::string> Mesh::save(const std::string& path, const Options& options) const {
@@ -154,17 +154,17 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
     config::Config& config = state.relief.result.config;
     apply_export_settings(config, options);
     if (sets_tolerance(options))
-        config = with_tolerance(config, state.surface(), state.relief.view(),
-                                {state.relief.backend, state.relief.threads, state.log});
-    RunRequest request = state.request;
+        config = job::with_tolerance(config, state.surface(), state.relief.view(),
+                                     {state.relief.backend, state.relief.threads, state.log});
+    job::RunRequest request = state.request;
     request.config = config;
     request.outputs = {path};
-    for (const std::filesystem::path& file : planned_files(path, config.exporting))
+    for (const std::filesystem::path& file : job::planned_files(path, config.exporting))
         files::check_writable_file(file);
-    const RunReport report = write_relief(state.relief, request, state.log);
+    const job::RunReport report = job::write_relief(state.relief, request, state.log);
     std::vector<std::string> files;
-    for (const OutputFile& file : report.outputs) {
-        std::erase_if(state.written, [&](const OutputFile& other) { return other.path == file.path; });
+    for (const job::OutputFile& file : report.outputs) {
+        std::erase_if(state.written, [&](const job::OutputFile& other) { return other.path == file.path; });
         state.written.push_back(file);
         files.push_back(file.path);
     }
@@ -194,13 +194,13 @@ Disparities read_disparities(const std::string& path, const Options& options) {
 Disparities compute_disparity(const ImageView& left, const ImageView& right, const Camera& camera,
                               const Options& options) {
     const std::lock_guard lock(library_mutex);
-    RunRequest request;
+    job::RunRequest request;
     request.config = config_of(options, camera);
-    const RunObserver observer = observer_of(options);
-    RunLog log(observer);
-    Relief relief = make_disparities(
-        [&](int, RunLog& told) {
-            return take_pair({image_of(left, "left"), image_of(right, "right")}, request, told);
+    const job::RunObserver observer = observer_of(options);
+    job::RunLog log(observer);
+    job::Relief relief = job::make_disparities(
+        [&](int, job::RunLog& told) {
+            return job::take_pair({image_of(left, "left"), image_of(right, "right")}, request, told);
         },
         request, kept_backends(), log);
     DisparityMap& map = relief.disparity.map;
@@ -214,12 +214,14 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
         throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
     state->observer = observer_of(options);
-    RunRequest& request = state->request;
+    job::RunRequest& request = state->request;
     request.config = config_of(options, camera, is_depth);
     request.outputs = {"relief.glb"};
     if (is_depth) request.depth = "depth";
-    state->relief = make_relief(
-        [&](int, RunLog& told) { return take_map(arrays_of(input, request.config.input), request, told); },
+    state->relief = job::make_relief(
+        [&](int, job::RunLog& told) {
+            return job::take_map(arrays_of(input, request.config.input), request, told);
+        },
         request, kept_backends(), state->log);
     state->observer = {};
     return Mesh(std::move(state));
@@ -231,18 +233,18 @@ Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera
 
 RunSummary run(const FileRequest& files, const Options& options) {
     const std::lock_guard lock(library_mutex);
-    RunRequest request = request_of(files, options);
+    job::RunRequest request = request_of(files, options);
     if (files.update) {
-        check_request(request);
-        if (stamp_request(request) == UnitState::current) return {.is_up_to_date = true};
+        job::check_request(request);
+        if (stamp::stamp_request(request) == stamp::UnitState::current) return {.is_up_to_date = true};
     }
-    const RunObserver observer = observer_of(options);
-    const BackendPicker pick = files.ends_process ? pick_for_one_run() : kept_backends();
-    return summary_of(run_job(request, observer, pick), request);
+    const job::RunObserver observer = observer_of(options);
+    const job::BackendPicker pick = files.ends_process ? job::pick_for_one_run() : kept_backends();
+    return summary_of(job::run_job(request, observer, pick), request);
 }
 
 void check_run(const FileRequest& files, const Options& options) {
-    check_request(request_of(files, options));
+    job::check_request(request_of(files, options));
 }
 
 void end_on_interrupt() {

@@ -34,7 +34,7 @@ std::filesystem::path standard_output_name(const std::string& name) {
     return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;
 }
 
-bool lacks_color(const RunRequest& request) {
+bool lacks_color(const job::RunRequest& request) {
     return request.left.empty() && request.stereo.empty() && request.color.empty() &&
            request.config.exporting.texture != exporters::TextureFormat::none &&
            std::any_of(request.outputs.begin(), request.outputs.end(), [](const std::filesystem::path& path) {
@@ -44,11 +44,11 @@ bool lacks_color(const RunRequest& request) {
 
 }  // namespace
 
-RunRequest request_of(const FileRequest& files, const Options& options) {
+job::RunRequest request_of(const FileRequest& files, const Options& options) {
     refuse_options_without_their_file(files, options);
     if (files.update && (files.report.empty() || files.report == "-"))
         throw Error(ErrorKind::usage, "--update goes with --report FILE, which says what was done");
-    RunRequest request;
+    job::RunRequest request;
     request.left = files.left;
     request.right = files.right;
     request.stereo = files.stereo;
@@ -70,17 +70,17 @@ RunRequest request_of(const FileRequest& files, const Options& options) {
 inline namespace v0 {
 
 bool uses_standard_output(const FileRequest& files) {
-    RunRequest request;
+    job::RunRequest request;
     for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
     request.report = files.report;
-    return writes_standard_output(request);
+    return job::writes_standard_output(request);
 }
 
 }  // namespace v0
 
-RunSummary summary_of(const RunReport& report, const RunRequest& request) {
+RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request) {
     RunSummary summary;
-    for (const OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
+    for (const job::OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
     summary.width = report.width;
     summary.height = report.height;
     summary.vertices = report.vertices;

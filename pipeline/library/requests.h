@@ -9,8 +9,8 @@
 namespace hexrelief {
 
 // Throws Error(usage).
-RunRequest request_of(const FileRequest& files, const Options& options);
+job::RunRequest request_of(const FileRequest& files, const Options& options);
 
-RunSummary summary_of(const RunReport& report, const RunRequest& request);
+RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request);
 
 }  // namespace hexrelief

@@ -14,7 +14,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/readers/source.h"
 
-namespace hexrelief {
+namespace hexrelief::stamp {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,10 +61,11 @@ std::size_t number_of(const fs::path& path, PathsByName& paths) {
 
 // The report may tell of other folders than the request, for they can be moved with all that is in them: the
 // first file of a name is to be where the request has its first file of that name, and so on.
-bool are_as_written(const RunRequest& request, const Json& outputs) {
+bool are_as_written(const job::RunRequest& request, const Json& outputs) {
     PathsByName planned, told;
     for (const fs::path& output : request.outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting)) number_of(file, planned);
+        for (const fs::path& file : job::planned_files(output, request.config.exporting))
+            number_of(file, planned);
     std::set<fs::path> found;
     for (const Json& output : outputs) {
         const fs::path path = output.at("path").get<std::string>();
@@ -74,9 +75,9 @@ bool are_as_written(const RunRequest& request, const Json& outputs) {
         found.insert(places[number]);
     }
     // The report does not tell of the other files, whose bytes are not known.
-    RunRequest others = request;
+    job::RunRequest others = request;
     others.outputs.clear();
-    const std::vector<fs::path> unhashed = written_files(others);
+    const std::vector<fs::path> unhashed = job::written_files(others);
     std::error_code code;
     return std::all_of(request.outputs.begin(), request.outputs.end(),
                        [&](const fs::path& file) { return found.contains(file); }) &&
@@ -86,7 +87,7 @@ bool are_as_written(const RunRequest& request, const Json& outputs) {
 
 }  // namespace
 
-std::string unit_stamp(const RunRequest& request) {
+std::string unit_stamp(const job::RunRequest& request) {
     std::string text =
         std::string("hexrelief ") + HEXRELIEF_VERSION + "\n" + config_text(request.config) + "\n";
     for (const fs::path& output : request.outputs) text += "output " + output.filename().string() + "\n";
@@ -99,13 +100,13 @@ std::string unit_stamp(const RunRequest& request) {
     return files::sha256_of(text.data(), text.size());
 }
 
-UnitState stamp_request(RunRequest& request) {
+UnitState stamp_request(job::RunRequest& request) {
     if (request.report.empty() || files::is_standard_output(request.report)) return UnitState::missing;
     request.stamp = unit_stamp(request);
     return unit_state(request, request.stamp);
 }
 
-UnitState unit_state(const RunRequest& request, const std::string& stamp) {
+UnitState unit_state(const job::RunRequest& request, const std::string& stamp) {
     std::ifstream file(request.report, std::ios::binary);
     const Json report = Json::parse(file, nullptr, false);
     if (!report.is_object() || !report.contains("stamp")) return UnitState::missing;
@@ -119,4 +120,4 @@ UnitState unit_state(const RunRequest& request, const std::string& stamp) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stamp

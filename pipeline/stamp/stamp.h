@@ -5,12 +5,12 @@
 
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::stamp {
 
 // SHA-256 over all that the outputs' bytes depend on: the bytes of all files read, the effective
 // configuration, the outputs' names without their folders, and the program's version. Threads, backend and
 // the folders change no byte, and are left out. Throws Error(input) where a file cannot be read.
-std::string unit_stamp(const RunRequest& request);
+std::string unit_stamp(const job::RunRequest& request);
 
 enum class UnitState {
     missing,  // no report, or one without a stamp
@@ -19,10 +19,10 @@ enum class UnitState {
 };
 
 // By the report of the request, which is the last of its files to be written.
-UnitState unit_state(const RunRequest& request, const std::string& stamp);
+UnitState unit_state(const job::RunRequest& request, const std::string& stamp);
 
 // Gives a request that names a report its stamp, and says what state it is in; missing where it names none.
 // Throws as unit_stamp().
-UnitState stamp_request(RunRequest& request);
+UnitState stamp_request(job::RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stamp

@@ -81,12 +81,12 @@ double grid_step(const TilePlan& plan) {
     return std::exp2(std::floor(std::log2(step)));
 }
 
-Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
-    const ViewSize size{plan.width, plan.height};
-    const ResolvedCalibration resolved =
-        resolve_calibration({plan.config.input.calibration, size, size, nullptr, plan.color.path});
+Calibration camera_of_map(const TilePlan& plan, job::RunLog& log) {
+    const job::ViewSize size{plan.width, plan.height};
+    const job::ResolvedCalibration resolved =
+        job::resolve_calibration({plan.config.input.calibration, size, size, nullptr, plan.color.path});
     for (const std::string& warning : resolved.warnings) log.warn(warning);
-    if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
+    if (const std::string missing = job::missing_for_metres(resolved); !missing.empty()) log.warn(missing);
     Calibration camera = resolved.calibration;
     const auto rounded = [](double px) {
         return std::floor(px * mesh_tiles::kPlacesPerPixel + 0.5) / mesh_tiles::kPlacesPerPixel;
@@ -158,7 +158,7 @@ void write_file(files::OutputSet& files, const std::filesystem::path& path,
 // Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as
 // many at a time as there are threads.
 void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::CoarseLattice& coarse,
-                 const TileWorkers& workers, files::OutputSet& files, RunLog& log) {
+                 const TileWorkers& workers, files::OutputSet& files, job::RunLog& log) {
     const mesh_tiles::LatticeTiling tiling = plan.tiling();
     const auto density_by = [&](int threads) -> mesh_tiles::DensityOfWindow {
         return [&, threads](const mesh_tiles::MapRect& window) {
@@ -201,7 +201,7 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::
 
 }  // namespace
 
-TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log) {
+TilePlan make_plan(const PlanRequest& request, const job::Backend& backend, int threads, job::RunLog& log) {
     check_settings(request.config);
     keep_freed_memory();
     TilePlan plan;

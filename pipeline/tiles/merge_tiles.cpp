@@ -136,7 +136,7 @@ std::size_t add_missing(const TilePlan& plan, const TileNumber& tile, LevelJobs&
     return last;
 }
 
-void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
+void solve_coarser_levels(const TilePlan& plan, int threads, job::RunLog& log) {
     const std::unique_ptr<windows::PictureWindows> picture =
         plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path);
     LevelJobs all;
@@ -218,7 +218,7 @@ void check_output(const TilePlan& plan, const fs::path& output) {
 
 }  // namespace
 
-MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, RunLog& log) {
+MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, job::RunLog& log) {
     check_output(plan, output);
     keep_freed_memory();
     const std::vector<TileNumber> tiles = tiles_of_level(plan, plan.finest_level());

@@ -19,6 +19,7 @@ struct MergedTiles {
 // for which coarser levels are made where they are missing, each of a quarter of the triangles of the one
 // below; or .glb, which holds the finest level alone. Throws Error(input) where a tile is not solved, or an
 // edge between two tiles is not there in both, Error(usage) for another ending, Error(output).
-MergedTiles merge_tiles(const TilePlan& plan, const std::filesystem::path& output, int threads, RunLog& log);
+MergedTiles merge_tiles(const TilePlan& plan, const std::filesystem::path& output, int threads,
+                        job::RunLog& log);
 
 }  // namespace hexrelief

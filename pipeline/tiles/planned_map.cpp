@@ -27,8 +27,8 @@ PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
       has_transparent_(picture_ && picture_->has_alpha() && plan.config.input.mask.alpha) {
     if (picture_ && (picture_->width() != width() || picture_->height() != height()))
         throw Error(ErrorKind::input, plan.color.path.string() + ": is " +
-                                          size_text({picture_->width(), picture_->height()}) +
-                                          " px, the map " + size_text({width(), height()}) +
+                                          job::size_text({picture_->width(), picture_->height()}) +
+                                          " px, the map " + job::size_text({width(), height()}) +
                                           "; of tiles they must be of one size");
     if (std::max(width(), height()) > kLargestTiledSide_px)
         throw Error(ErrorKind::input, plan.map.path.string() + ": tiles are for maps of up to " +

@@ -20,7 +20,7 @@ int pool_size(std::size_t count, int jobs) {
 
 }  // namespace
 
-TileWorkers workers_of(const Backend& backend, int threads) {
+TileWorkers workers_of(const job::Backend& backend, int threads) {
     if (backend.name == "cpu") return {threads, balance::balance_patch, surface::cut_disparity_mesh};
     const auto turn = std::make_shared<std::mutex>();
     return {threads,

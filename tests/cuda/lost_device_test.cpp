@@ -63,14 +63,14 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     bool same = true;
     {
         cuda::CudaMesher mesher;
-        Backend device = pick_backend(config::BackendChoice::cpu, 2);
+        job::Backend device = job::pick_backend(config::BackendChoice::cpu, 2);
         device.solve_mesh = [&](const DensityMap& of, const DisparityMap& map, const MeshConfig& config,
                                 const ProgressFunction&) {
             return mesher.solve(of, config, losing_progress(), &map);
         };
-        const Backend both =
-            with_replacement(std::move(device), pick_backend(config::BackendChoice::cpu, 2),
-                             [](const std::string& warning) { std::cerr << warning << "\n"; });
+        const job::Backend both =
+            job::with_replacement(std::move(device), job::pick_backend(config::BackendChoice::cpu, 2),
+                                  [](const std::string& warning) { std::cerr << warning << "\n"; });
         const DisparityMap map = varied_map(density());
         const MeshConfig config = balanced_config(20);
         const mesher::MeshResult expected = mesher::solve_mesh(density(), config, 2, {});

@@ -98,7 +98,7 @@ std::vector<std::uint8_t> map_of(Draw& draw) {
 void run_whole(Bytes bytes, const std::string&) {
     constexpr std::array kFormats = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz"};
     Draw draw(bytes);
-    RunRequest request;
+    job::RunRequest request;
     request.config.run.threads = 1;
     const unsigned changes = draw.byte() % 8;
     const std::string format = kFormats[draw.byte() % kFormats.size()];
@@ -111,7 +111,7 @@ void run_whole(Bytes bytes, const std::string&) {
     request.report = folder / "report.json";
     try {
         config::check_rules(request.config, "config");
-        run_job(request, {}, pick_backend);
+        job::run_job(request, {}, job::pick_backend);
     } catch (const Error& error) {
         if (std::string(error.what()).find('\n') != std::string::npos) throw;
     }

@@ -45,14 +45,15 @@ struct BatchRow {
 };
 
 // The steps of run_job(), without its files.
-std::uint64_t do_job(const Scenery& scene, const config::Config& config, const RunContext& run) {
-    const ChosenRange chosen = choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
-    const DisparityResult matched = match_input(scene.pair, chosen, run);
-    const DensityMap density = density_of(matched.meshed(), config.density, run.threads, run.log);
-    const LeftView view{matched.map,     matched.meshed(), density,
-                        scene.pair.left, scene.pair.left,  scene.camera};
-    const SurfaceResult result = make_surface(view, config, run);
-    exporters::Scene written = scene_of(view, result, {});
+std::uint64_t do_job(const Scenery& scene, const config::Config& config, const job::RunContext& run) {
+    const job::ChosenRange chosen =
+        job::choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
+    const job::DisparityResult matched = job::match_input(scene.pair, chosen, run);
+    const DensityMap density = job::density_of(matched.meshed(), config.density, run.threads, run.log);
+    const job::LeftView view{matched.map,     matched.meshed(), density,
+                             scene.pair.left, scene.pair.left,  scene.camera};
+    const job::SurfaceResult result = job::make_surface(view, config, run);
+    exporters::Scene written = job::scene_of(view, result, {});
     written.threads = run.threads;
     return exporters::export_size(written, config.exporting, "job.glb");
 }
@@ -64,7 +65,7 @@ class Worker {
         : scene_(scene),
           config_(config),
           threads_(crew.threads),
-          backend_(pick_backend(crew.backend, crew.threads)) {
+          backend_(job::pick_backend(crew.backend, crew.threads)) {
         bytes_ = job();
     }
     std::vector<double> work(std::atomic<int>& left) {
@@ -80,14 +81,14 @@ class Worker {
 
   private:
     std::uint64_t job() const {
-        const RunObserver silent;
-        RunLog log(silent);
+        const job::RunObserver silent;
+        job::RunLog log(silent);
         return do_job(scene_, config_, {backend_, threads_, log});
     }
     const Scenery& scene_;
     const config::Config& config_;
     int threads_;
-    Backend backend_;
+    job::Backend backend_;
     std::uint64_t bytes_ = 0;
 };
 
@@ -127,8 +128,8 @@ std::vector<Scenery> load(const BatchOptions& options, const config::Config& con
     for (const match::ScenePair& scene : found) {
         if (!wanted(options.scenes, scene.name)) continue;
         Scenery loaded{scene.name, {readers::read_image(scene.left), readers::read_image(scene.right)}, {}};
-        const ViewSize view{loaded.pair.left.width, loaded.pair.left.height};
-        loaded.camera = resolve_calibration({config.input.calibration, view, view}).calibration;
+        const job::ViewSize view{loaded.pair.left.width, loaded.pair.left.height};
+        loaded.camera = job::resolve_calibration({config.input.calibration, view, view}).calibration;
         scenes.push_back(std::move(loaded));
     }
     if (scenes.empty())
@@ -170,7 +171,7 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
         if (options.warns) options.warns(warning);
     const std::vector<Scenery> scenes = load(options, config);
     if (!options.json.empty()) files::check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
     const int workers = options.workers > 0 ? options.workers : threads;
 
     Json json;
@@ -180,8 +181,8 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     json["settings"] = options.settings;
     json["backends"] = Json::array();
     json["rows"] = Json::array();
-    const std::vector<Backend> backends = usable_backends(threads);
-    for (const Backend& backend : backends) {
+    const std::vector<job::Backend> backends = usable_backends(threads);
+    for (const job::Backend& backend : backends) {
         out << backend.name << ": " << backend.device << '\n';
         json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
     }
@@ -189,7 +190,7 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
         << format("%-20s %-11s %-5s %-11s %8s %9s %9s %10s %10s %10s\n", "scene", "size", "on", "at a time",
                   "jobs", "start s", "jobs/s", "median ms", "most ms", "bytes");
     for (const Scenery& scene : scenes)
-        for (const Backend& backend : backends) {
+        for (const job::Backend& backend : backends) {
             const config::BackendChoice choice =
                 backend.name == "cuda" ? config::BackendChoice::cuda : config::BackendChoice::cpu;
             const Crew crew{choice, workers, std::max(1, threads / workers)};

@@ -64,7 +64,7 @@ Throughput measure_workers(const match::ScenePair& scene, const config::Config& 
     BatchSettings settings;
     settings.workers = settings.threads = workers;
     settings.rules.parse = [&](const std::vector<std::string>& words) {
-        RunRequest request;
+        job::RunRequest request;
         request.left = scene.left;
         request.right = scene.right;
         request.config = config;
@@ -97,7 +97,7 @@ void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
     config::Config config;
     for (const std::string& setting : options.settings) config::apply_setting(config, setting);
     if (!options.json.empty()) files::check_writable_file(options.json);
-    const int workers = options.workers > 0 ? options.workers : effective_threads(options.threads);
+    const int workers = options.workers > 0 ? options.workers : job::effective_threads(options.threads);
     Json json = {{"schema", 1},          {"version", HEXRELIEF_VERSION}, {"workers", workers},
                  {"jobs", options.jobs}, {"settings", options.settings}, {"rows", Json::array()}};
     out << format("From files to files, one thread each: one after the other, then %d at a time.\n", workers)

@@ -45,15 +45,15 @@ DisparityMap match_by_opencv(const StereoPair& pair, const stages::DisparityConf
     return map;
 }
 
-std::vector<Method> all_methods(const std::vector<Backend>& backends) {
-    const auto on = [](const Backend& backend) {
+std::vector<Method> all_methods(const std::vector<job::Backend>& backends) {
+    const auto on = [](const job::Backend& backend) {
         return [match = backend.match_pair](const StereoPair& pair, const stages::DisparityConfig& config,
                                             int threads) {
             return stages::compute_disparity(pair, config, match, threads);
         };
     };
     std::vector<Method> methods;
-    for (const Backend& backend : backends)
+    for (const job::Backend& backend : backends)
         methods.push_back({"sgm", backend.name, stages::DisparityMethod::sgm, on(backend)});
     methods.push_back({"sgbm", "cpu", stages::DisparityMethod::sgbm, on(backends.front())});
     methods.push_back({"opencv", "cpu", stages::DisparityMethod::sgbm, match_by_opencv});
@@ -120,14 +120,14 @@ match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, con
 }
 
 // What stands above the rows, as text and JSON.
-Json begin(const MatchOptions& options, const std::vector<Backend>& backends, int threads,
+Json begin(const MatchOptions& options, const std::vector<job::Backend>& backends, int threads,
            const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const Backend& backend : backends) {
+    for (const job::Backend& backend : backends) {
         out << backend.name << ": " << backend.device
             << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
         json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
@@ -159,8 +159,8 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
     match::check_disturbance(options.disturbance);
-    const int threads = effective_threads(options.threads);
-    const std::vector<Backend> backends = usable_backends(threads);
+    const int threads = job::effective_threads(options.threads);
+    const std::vector<job::Backend> backends = usable_backends(threads);
     const std::vector<Method> methods = chosen(all_methods(backends), options.methods, "--methods");
     std::vector<std::string> left_out;
     const std::vector<match::ScenePair> found = match::find_scenes(options.data, left_out);

@@ -151,7 +151,7 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     const config::Config config = config::read_config({options.preset, options.settings});
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
     const std::vector<ScenePair> scenes = chosen_scenes(options, out);
     if (!options.json.empty()) files::check_writable_file(options.json);
 

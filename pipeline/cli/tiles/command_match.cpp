@@ -39,12 +39,13 @@ int match_tiles(const MatchOptions& options) {
                                .tile_px = options.tile_px,
                                .config = config_of(options)};
     files::check_writable_file(options.output);
-    const int threads = effective_threads(request.config.run.threads);
-    const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    const int threads = job::effective_threads(request.config.run.threads);
+    const job::Backend backend =
+        job::pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
     files::install_interrupt_handling();
 
     const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
+    job::RunLog log(teller.observer());
     const TiledMatch match = match_in_tiles(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (!options.quiet)

@@ -46,12 +46,13 @@ int plan_tiles(const PlanOptions& options) {
     files::check_overwrites(
         {plan_file(options.folder), plan_config_file(options.folder)},
         {options.map, options.color, options.config.file, request.config.input.calibration.file});
-    const int threads = effective_threads(request.config.run.threads);
-    const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    const int threads = job::effective_threads(request.config.run.threads);
+    const job::Backend backend =
+        job::pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
     files::install_interrupt_handling();
 
     const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
+    job::RunLog log(teller.observer());
     const TilePlan plan = make_plan(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (options.quiet) return 0;

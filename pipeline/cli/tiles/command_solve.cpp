@@ -118,8 +118,8 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
         if (options.force || !is_solved(plan, tile)) missing.push_back(tile);
     TileTeller teller(plan, tiles.size(), tiles.size() - missing.size(), options.quiet);
     if (missing.empty()) return teller.all_ended();
-    const Backend backend =
-        pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
+    const job::Backend backend =
+        job::pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
     files::install_interrupt_handling();
     const SolveSettings settings{threads, options.jobs, memory};
     solve_tiles(plan, missing, backend, settings,
@@ -172,7 +172,7 @@ int solve(const SolveOptions& options) {
     const TilePlan plan = read_plan(options.folder);
     const std::vector<TileNumber> tiles = wanted_tiles(plan, options);
     if (options.print_commands) return print_commands(options, tiles);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
     const std::uint64_t memory = parse_memory(options.memory);
     const std::vector<std::string> devices = devices_of(options.gpus);
     return devices.size() > 1 ? solve_on(devices, plan, tiles, options, threads, memory)

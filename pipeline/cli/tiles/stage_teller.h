@@ -35,11 +35,11 @@ class StageTeller {
     StageTeller(const StageTeller&) = delete;
     StageTeller& operator=(const StageTeller&) = delete;
 
-    const RunObserver& observer() const { return observer_; }
+    const job::RunObserver& observer() const { return observer_; }
 
   private:
     ProgressLine progress_;
-    RunObserver observer_;
+    job::RunObserver observer_;
 };
 
 }  // namespace hexrelief

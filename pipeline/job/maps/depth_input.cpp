@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/depth.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 std::string number(double value) {
@@ -56,4 +56,4 @@ DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& 
     return input;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -8,7 +8,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/depth_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct DepthInput {
     DisparityMap map;
@@ -22,4 +22,4 @@ struct DepthInput {
 DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& config, bool is_focal_known,
                        Calibration& camera);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -4,7 +4,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 void hide(std::vector<float>& values, const readers::PixelMask& mask) {
     for (std::size_t i = 0; i < mask.kept.size(); ++i)
@@ -34,4 +34,4 @@ readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b) {
     return a;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

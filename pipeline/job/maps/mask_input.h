@@ -7,7 +7,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Makes unknown (+infinity) what the mask does not keep; the values are those of a map of the mask's size.
 void hide(std::vector<float>& values, const readers::PixelMask& mask);
@@ -20,4 +20,4 @@ readers::PixelMask opaque_part(const Image& image);
 // What both keep. Either may be empty, which keeps all.
 readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

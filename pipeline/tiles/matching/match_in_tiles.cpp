@@ -34,15 +34,15 @@ void check_request(const MatchRequest& request) {
 
 // Of the pair's pictures.
 Calibration camera_of(const MatchRequest& request, const windows::PictureWindows& left) {
-    const ViewSize size{left.width(), left.height()};
-    return resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
+    const job::ViewSize size{left.width(), left.height()};
+    return job::resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
         .calibration;
 }
 
 class TiledMatcher {
   public:
     TiledMatcher(const MatchRequest& request, const PairWindows& pair, const WholePair& whole,
-                 const Backend& backend, int threads)
+                 const job::Backend& backend, int threads)
         : request_(request), pair_(pair), whole_(whole), backend_(backend), threads_(threads) {
         for (int y = 0; y < height(); y += request.tile_px)
             for (int x = 0; x < width(); x += request.tile_px)
@@ -52,7 +52,7 @@ class TiledMatcher {
 
     // All tiles, row by row; `take` is given the rows of each row of tiles.
     template <typename Take>
-    TiledMatch match(const RunLog& log, const Take& take) {
+    TiledMatch match(const job::RunLog& log, const Take& take) {
         std::vector<float> rows;
         std::future<StereoPair> next = read(0);
         for (std::size_t k = 0; k < tiles_.size(); ++k) {
@@ -64,8 +64,8 @@ class TiledMatcher {
             put_tile(tile, pair, rows);
             if (tile.x + tile.width == width()) take(rows.data(), tile.height);
         }
-        check_detail(is_left_blank_, is_right_blank_);
-        check_matches(matched_ > 0);
+        job::check_detail(is_left_blank_, is_right_blank_);
+        job::check_matches(matched_ > 0);
         const double pixels = static_cast<double>(width()) * height();
         return {width(), height(), static_cast<int>(tiles_.size()), static_cast<double>(matched_) / pixels,
                 static_cast<double>(known_) / pixels};
@@ -112,7 +112,7 @@ class TiledMatcher {
     const MatchRequest& request_;
     const PairWindows& pair_;
     const WholePair& whole_;
-    const Backend& backend_;
+    const job::Backend& backend_;
     int threads_;
     std::vector<mesh_tiles::MapRect> tiles_;
     long long matched_ = 0, known_ = 0;
@@ -121,7 +121,8 @@ class TiledMatcher {
 
 }  // namespace
 
-TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log) {
+TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backend, int threads,
+                          job::RunLog& log) {
     check_request(request);
     const readers::ReaderLimits& limits = request.config.limits.reading;
     const auto left = windows::PictureWindows::open(request.left, limits);

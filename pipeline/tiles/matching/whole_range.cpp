@@ -44,7 +44,7 @@ int num_disparities_of_whole(const stages::DisparityConfig& shrunk, int by,
 }  // namespace
 
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const stages::DisparityConfig& config, int threads, RunLog& log) {
+                        const stages::DisparityConfig& config, int threads, job::RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
     const auto sizes_of = [](const windows::PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
@@ -71,7 +71,7 @@ WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
         whole.correction = stages::find_correction(small.coarse, read(pair.left), read(pair.right));
         if (std::isnan(ranged.farthest_px)) ranged.farthest_px = by * small.config.farthest_px;
     }
-    if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
+    if (const int by_calibration = job::num_disparities_by(calibration, config, width); by_calibration > 0) {
         origin = checks::RangeOrigin::ndisp;
         ranged.num_disparities_px = by_calibration;
     } else if (config.num_disparities_px == 0) {
@@ -83,7 +83,7 @@ WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
     stages::check_matchable(sizes, ranged);
     stages::DisparityConfig rounded = ranged;
     rounded.num_disparities_px = stages::round_up_range(ranged.num_disparities_px);
-    log.decide(range_text(rounded, origin) + how);
+    log.decide(job::range_text(rounded, origin) + how);
     return whole;
 }
 

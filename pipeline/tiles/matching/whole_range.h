@@ -23,6 +23,6 @@ struct WholePair {
 // whole one's middle. Pairs that are not shrunk get what choose_range() gives. Tells the log of it. Throws as
 // check_matchable().
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const stages::DisparityConfig& config, int threads, RunLog& log);
+                        const stages::DisparityConfig& config, int threads, job::RunLog& log);
 
 }  // namespace hexrelief

@@ -18,10 +18,10 @@ namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
 // A unit's words: its output, the map, and what is to happen to its process.
-RunRequest request_of_test(const std::vector<std::string>& words) {
+job::RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
-    RunRequest request;
+    job::RunRequest request;
     request.disparity = words[1];
     request.outputs = {words[0] + ".drc"};
     request.report = words[0] + ".json";

@@ -57,9 +57,9 @@ TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
     EXPECT_EQ(rule.expected(100), 100u);
     rule.learn(100, 300);
     EXPECT_EQ(rule.expected(100), 300u);
-    RunRequest request;
+    job::RunRequest request;
     request.left = test::sample("left.png");  // 320 x 240
-    EXPECT_EQ(estimated_memory(request), (40u << 20) + 320 * 240 * 150);
+    EXPECT_EQ(job::estimated_memory(request), (40u << 20) + 320 * 240 * 150);
     EXPECT_GT(memory_to_use(), 1u << 20);
 }
 

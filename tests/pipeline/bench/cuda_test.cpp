@@ -23,7 +23,7 @@ namespace {
 using cuda_bench::Row;
 
 bool has_device() {
-    for (const DeviceDescription& device : list_devices())
+    for (const job::DeviceDescription& device : job::list_devices())
         if (device.backend == "cuda" && device.usable) return true;
     return false;
 }

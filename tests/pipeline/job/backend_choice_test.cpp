@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 config::BackendChoice chosen(const RunSize& size, const config::Config& config = {}) {
@@ -61,4 +61,4 @@ TEST(BackendChoice, WhatIsConfiguredStays) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

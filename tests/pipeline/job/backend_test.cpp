@@ -6,7 +6,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 TEST(Backend, CpuIsAlwaysThere) {
@@ -48,4 +48,4 @@ TEST(Backend, KeptOnesAreThoseOfTheSameRequest) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -12,7 +12,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 struct DepthScene {
@@ -222,4 +222,4 @@ TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

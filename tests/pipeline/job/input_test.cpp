@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
@@ -48,4 +48,4 @@ TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -5,7 +5,7 @@
 #include "pipeline/job/resolve_calibration.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 ResolvedCalibration resolve(const config::CalibrationConfig& config, ViewSize view, ViewSize picture = {}) {
@@ -131,4 +131,4 @@ TEST(SameAspect, RoundsToAPixel) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -12,7 +12,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 // The CPU, but with a device's clock: each cut takes a second more than the one before.
@@ -389,4 +389,4 @@ TEST(Runner, WarningsOfTheConfigurationAreToldFirst) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -10,7 +10,7 @@
 #include "exporters/compression/draco_plan.h"
 #include "exporters/inspect/draco_decode.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 const Calibration kCamera{320, 160, 120, 0.16, 0, true, 320, 240};
@@ -106,4 +106,4 @@ TEST(AsWritten, IsTheSurfaceWhereNothingIsCompressed) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

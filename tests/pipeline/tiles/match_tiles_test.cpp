@@ -106,9 +106,9 @@ void write_pnm(const std::string& path, const Image& image) {
 }
 
 DisparityMap match(const MatchRequest& request, int threads = 2) {
-    const RunObserver observer;
-    RunLog log(observer);
-    match_in_tiles(request, pick_backend(config::BackendChoice::cpu, threads), threads, log);
+    const job::RunObserver observer;
+    job::RunLog log(observer);
+    match_in_tiles(request, job::pick_backend(config::BackendChoice::cpu, threads), threads, log);
     return readers::read_disparity_map(request.map, {});
 }
 
@@ -269,9 +269,9 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const auto left = windows::PictureWindows::open(folder / "left.pgm"),
                right = windows::PictureWindows::open(folder / "right.pgm");
     std::vector<std::string> told;
-    RunObserver observer;
+    job::RunObserver observer;
     observer.decides = [&](const std::string& decision) { told.push_back(decision); };
-    RunLog log(observer);
+    job::RunLog log(observer);
     const auto range = [&](const Calibration& calibration, const stages::DisparityConfig& config) {
         return look_at_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
@@ -302,9 +302,9 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     const auto left = windows::PictureWindows::open(folder / "left.pgm"),
                right = windows::PictureWindows::open(folder / "right.pgm");
     std::string told;
-    RunObserver observer;
+    job::RunObserver observer;
     observer.decides = [&](const std::string& decision) { told = decision; };
-    RunLog log(observer);
+    job::RunLog log(observer);
     const int count = look_at_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
     const int small = stages::with_range(folder.made.pair, {}, 2).num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));

@@ -59,8 +59,8 @@ config::Config small_config(exporters::Compression compression) {
     return config;
 }
 
-Backend cpu(int threads) {
-    return pick_backend(config::BackendChoice::cpu, threads);
+job::Backend cpu(int threads) {
+    return job::pick_backend(config::BackendChoice::cpu, threads);
 }
 
 class PlannedFolder {
@@ -96,8 +96,8 @@ class PlannedFolder {
 
   private:
     TemporaryFolder folder_;
-    RunObserver observer_;
-    RunLog log_{observer_};
+    job::RunObserver observer_;
+    job::RunLog log_{observer_};
 };
 
 Point in_space(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
@@ -205,8 +205,8 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
     const DisparityMap map = busy_map(picture.width, picture.height, 1);
     write_map(folder / "map.tif", map);
     const mesh_tiles::MapRect window{10, 5, 60, 50};
-    RunObserver observer;
-    RunLog log(observer);
+    job::RunObserver observer;
+    job::RunLog log(observer);
     const auto unknown_pixels = [&](bool alpha) {
         PlanRequest request{folder / "map.tif",
                             sample("inputs/cut_out.png"),
