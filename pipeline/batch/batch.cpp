@@ -14,7 +14,7 @@
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/run_files.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr int kWait_ms = 200;
@@ -217,4 +217,4 @@ BatchResult run_units(const std::vector<BatchUnit>& units, const BatchSettings& 
     return Scheduler(units, settings, observer).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -7,7 +7,7 @@
 
 #include "pipeline/batch/unit.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 struct BatchSettings {
     UnitRules rules;                   // its threads and jobs are set by run_units()
@@ -37,4 +37,4 @@ BatchResult run_units(const std::vector<BatchUnit>& units, const BatchSettings& 
 // cannot be written, and files that two units write, or one writes and another reads.
 void check_units(std::vector<BatchUnit>& units, const RequestParser& parse);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

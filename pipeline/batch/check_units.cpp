@@ -6,7 +6,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/run_files.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,4 +73,4 @@ void check_units(std::vector<BatchUnit>& units, const RequestParser& parse) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -5,7 +5,7 @@
 #include "pipeline/batch/rows.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -61,4 +61,4 @@ std::vector<ManifestRow> json_rows(const std::string& text, const std::string& o
     return rows;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

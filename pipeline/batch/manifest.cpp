@@ -16,7 +16,7 @@
 #include "pipeline/config/suggest.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -226,4 +226,4 @@ std::vector<BatchUnit> read_manifest(const fs::path& path, const ManifestOptions
     return units;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

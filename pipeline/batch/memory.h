@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // Three quarters of what the system has to give now, within its control group.
 std::uint64_t memory_to_use();
@@ -23,4 +23,4 @@ class MemoryRule {
     double factor_ = 1;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -6,7 +6,7 @@
 #include "pipeline/batch/rows.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ std::vector<ManifestRow> pattern_rows(const fs::path& text) {
     return sorted;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

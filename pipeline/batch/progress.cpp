@@ -6,7 +6,7 @@
 
 #include "pipeline/job/run_log.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -100,4 +100,4 @@ std::string end_event(const BatchCounts& counts, double seconds) {
     return event_text(json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

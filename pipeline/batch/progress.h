@@ -6,7 +6,7 @@
 
 #include "pipeline/batch/unit.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // How far a batch is.
 struct BatchCounts {
@@ -28,4 +28,4 @@ std::string start_event(const BatchCounts& counts);
 std::string unit_event(const BatchUnit& unit, const UnitResult& result, const BatchCounts& counts);
 std::string end_event(const BatchCounts& counts, double seconds);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 struct ManifestRow {
     std::string place;                                        // "pairs.csv:3"
@@ -36,4 +36,4 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
 // such a file. Throws Error: usage for a pattern that is none, input where no pair matches.
 std::vector<ManifestRow> pattern_rows(const std::filesystem::path& pattern);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

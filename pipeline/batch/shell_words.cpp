@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 std::vector<std::string> words_of_line(const std::string& line) {
     std::istringstream text(line);
@@ -33,4 +33,4 @@ std::string shell_line(const std::vector<std::string>& words) {
     return line;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

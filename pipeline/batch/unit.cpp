@@ -11,7 +11,7 @@
 #include "pipeline/job/runner.h"
 #include "pipeline/stamp/stamp.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr int kBug = 1, kMemory = 6;
@@ -114,4 +114,4 @@ UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::Bac
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

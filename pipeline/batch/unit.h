@@ -10,7 +10,7 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // Makes of the options of `hexrelief run` what is asked for. Throws Error.
 using RequestParser = std::function<job::RunRequest(const std::vector<std::string>& words)>;
@@ -42,4 +42,4 @@ UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::Bac
 // What the program says, and its exit code, for an exception at hand. Call it in a catch block.
 UnitResult result_of_exception();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -20,7 +20,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr std::size_t kLongestMessage = 4000;
@@ -175,4 +175,4 @@ std::vector<std::string> devices_of(const std::string& text) {
     return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

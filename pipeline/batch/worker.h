@@ -9,7 +9,7 @@
 
 #include "pipeline/batch/unit.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // Processes, not threads: a unit that crashes or is killed takes no other with it, and what is global in the
 // program, as OpenCV's number of threads, is one unit's alone. A process is forked from one that has started
@@ -51,4 +51,4 @@ std::vector<std::string> device_names();
 // there is none, Error(usage) for another text.
 std::vector<std::string> devices_of(const std::string& text);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

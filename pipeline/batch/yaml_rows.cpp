@@ -8,7 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr int kDeepestYamlSection = 4;
@@ -114,4 +114,4 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

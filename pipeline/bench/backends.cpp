@@ -1,6 +1,6 @@
 #include "pipeline/bench/backends.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 std::vector<job::Backend> usable_backends(int threads) {
     std::vector<job::Backend> backends{job::pick_backend(config::BackendChoice::cpu, threads)};
@@ -12,4 +12,4 @@ std::vector<job::Backend> usable_backends(int threads) {
     return backends;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -5,9 +5,9 @@
 
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Every backend that can be used here, the CPU first.
 std::vector<job::Backend> usable_backends(int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

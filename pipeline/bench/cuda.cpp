@@ -9,7 +9,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -84,4 +84,4 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     write_json(options.json, lines_text(head, rows));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

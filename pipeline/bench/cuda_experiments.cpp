@@ -8,7 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 namespace {
 
 using Kernels = paper::Kernels;
@@ -239,4 +239,4 @@ void run_experiment(Bench& bench, const std::string& name) {
         if (known == name) work(bench);
 }
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

@@ -11,7 +11,7 @@
 #include "pipeline/bench/cuda_solvers.h"
 #include "pipeline/bench/maps.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 struct Bench {
     const CudaBenchOptions& options;
@@ -29,4 +29,4 @@ const std::vector<std::string>& experiment_names();
 // Throws as run_bench_cuda.
 void run_experiment(Bench& bench, const std::string& name);
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

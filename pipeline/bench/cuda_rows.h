@@ -7,7 +7,7 @@
 
 #include "pipeline/bench/rows.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 struct Row {
     std::string experiment, map;
@@ -36,4 +36,4 @@ std::string row_text(const Row& row);
 // What does not apply is left out.
 nlohmann::ordered_json row_json(const Row& row);
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

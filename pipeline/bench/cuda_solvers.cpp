@@ -5,7 +5,7 @@
 #include "pipeline/data/clock.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 struct Solvers::State {
     int threads;
@@ -188,4 +188,4 @@ Row Solvers::paper(const Case&, const paper::Config&, int) {
 void Solvers::release() {}
 #endif
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

@@ -10,7 +10,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 struct Case {
     std::string map;  // its name
@@ -45,4 +45,4 @@ class Solvers {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,4 +70,4 @@ DisparityMap load_map(const FoundMap& found) {
     return readers::read_disparity_map(found.path, file);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

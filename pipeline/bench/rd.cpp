@@ -23,7 +23,7 @@
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using namespace rd;
@@ -297,4 +297,4 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

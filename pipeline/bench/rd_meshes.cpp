@@ -13,7 +13,7 @@
 #include <meshoptimizer.h>
 #endif
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 namespace {
 
 // Pixels from 0 to size - 1, both included, about `spacing_px` apart.
@@ -146,4 +146,4 @@ SurfaceMesh simplified_mesh(const SurfaceMesh&, std::size_t) {
 
 #endif
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -7,7 +7,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 
 // By a preset's configuration, on the CPU. Throws Error where the map leaves nothing to mesh.
 SurfaceMesh preset_mesh(const DisparityMap& map, const config::Config& config, int threads);
@@ -28,4 +28,4 @@ SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles);
 // A mesh without the triangles whose disparities differ by more than step_px.
 SurfaceMesh without_steps(SurfaceMesh full, double step_px);
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -8,7 +8,7 @@
 #include "pipeline/readers/source.h"
 #include "pipeline/readers/text.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,4 +97,4 @@ SurfaceMesh read_peer_mesh(const fs::path& path) {
     return with_used_vertices(mesh, mesh.triangles);
 }
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -6,7 +6,7 @@
 
 #include "pipeline/bench/rows.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -185,4 +185,4 @@ nlohmann::ordered_json mean_json(const Mean& m) {
     return json;
 }
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

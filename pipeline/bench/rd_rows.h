@@ -8,7 +8,7 @@
 
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 
 struct Point {
     std::string map, method;
@@ -72,4 +72,4 @@ nlohmann::ordered_json point_json(const Point& point);
 nlohmann::ordered_json comparison_json(const Comparison& comparison, const std::vector<std::string>& others);
 nlohmann::ordered_json mean_json(const Mean& mean);
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -6,7 +6,7 @@
 
 #include "exporters/core/file_transaction.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 double Times::median() const {
     if (runs.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -38,4 +38,4 @@ void write_json(const std::filesystem::path& path, const nlohmann::ordered_json&
     write_json(path, json_text(json, 2) + "\n");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Seconds of several runs, in any order. Without a run each figure is NaN.
 struct Times {
@@ -33,4 +33,4 @@ std::string json_text(const nlohmann::ordered_json& json, int indent);
 void write_json(const std::filesystem::path& path, const std::string& text);
 void write_json(const std::filesystem::path& path, const nlohmann::ordered_json& json);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -17,7 +17,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -213,4 +213,4 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

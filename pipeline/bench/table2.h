@@ -10,7 +10,7 @@
 #include "mesher/mesher.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct Table2Options {
     std::filesystem::path data;     // Middlebury's maps: middlebury2001/tsukuba/disp.pgm and so on
@@ -34,4 +34,4 @@ MeshConfig method_config(const std::string& method, int ssr);
 // The paper's density, as in config/paper.yaml.
 stages::DensityConfig paper_density();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -9,7 +9,7 @@
 #include "pipeline/bench/rows.h"
 #include "pipeline/bench/table2_paper.h"
 
-namespace hexrelief::table2 {
+namespace hexrelief::bench::table2 {
 
 struct Row {
     const PaperMap* paper = nullptr;
@@ -41,4 +41,4 @@ std::string average_text(const Average& average);
 nlohmann::ordered_json row_json(const Row& row);
 nlohmann::ordered_json average_json(const Average& average);
 
-}  // namespace hexrelief::table2
+}  // namespace hexrelief::bench::table2

@@ -90,7 +90,7 @@ int show_demo(const DemoOptions& demo) {
         "hexrelief",           "run",     "--left",           options.request.left, "--right",
         options.request.right, "--calib", options.calibration};
     for (const fs::path& output : outputs) words.insert(words.end(), {"-o", output.string()});
-    std::printf("%s\n", printable(shell_line(words)).c_str());
+    std::printf("%s\n", printable(batch::shell_line(words)).c_str());
     options.request.ends_process = true;
     end_on_interrupt();
     run_and_tell(options);

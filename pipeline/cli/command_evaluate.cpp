@@ -52,7 +52,7 @@ void add_map_options(Command& command, MapOptions& options, const std::string& p
 void print_json(const evaluation::DisparityEvaluation& result) {
     nlohmann::ordered_json json;
     json["schema"] = 1;
-    json.update(evaluation_json(result));
+    json.update(bench::evaluation_json(result));
     std::printf("%s\n", json.dump(2).c_str());
 }
 

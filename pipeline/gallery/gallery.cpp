@@ -10,7 +10,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/gallery/results.h"
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 namespace {
 
 namespace fs = std::filesystem;
@@ -55,4 +55,4 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
     return entries.size();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

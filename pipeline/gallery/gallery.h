@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 
 // Results are the pages (.html) that hexrelief has written into `folder` and those below it, and the meshes
 // of reports (.json) there; both of one run are one row. Writes the page to `path` and returns how many
@@ -12,4 +12,4 @@ namespace hexrelief {
 // folder holds no result, Error(output).
 std::size_t write_gallery(const std::filesystem::path& folder, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

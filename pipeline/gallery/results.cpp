@@ -14,7 +14,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 namespace {
 
 namespace fs = std::filesystem;
@@ -171,4 +171,4 @@ std::vector<FoundResult> find_results(const fs::path& folder) {
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

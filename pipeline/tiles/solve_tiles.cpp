@@ -126,7 +126,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
 
 int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t tiles) {
     if (settings.jobs > 0) return settings.jobs;
-    const std::uint64_t memory = settings.memory > 0 ? settings.memory : memory_to_use();
+    const std::uint64_t memory = settings.memory > 0 ? settings.memory : batch::memory_to_use();
     const std::uint64_t fitting = std::max<std::uint64_t>(1, memory / tile_memory(plan));
     return static_cast<int>(std::min({fitting, std::uint64_t(settings.threads), std::uint64_t(tiles)}));
 }
@@ -151,11 +151,11 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, con
     std::mutex turn;
     do_jobs(tiles.size(), jobs, [&](std::size_t k) {
         files::wait_if_interrupted();
-        UnitResult result;
+        batch::UnitResult result;
         try {
             solve_tile(context, tiles[k]);
         } catch (...) {
-            result = result_of_exception();
+            result = batch::result_of_exception();
         }
         const std::lock_guard lock(turn);
         if (observer.ended) observer.ended(tiles[k], result.message, result.exit_code);

@@ -22,7 +22,7 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -199,4 +199,4 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

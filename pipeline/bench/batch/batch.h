@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct BatchOptions {
     std::filesystem::path data;         // a folder of scenes, at any depth: ../match/match_scenes.h
@@ -27,4 +27,4 @@ struct BatchOptions {
 // JSON file cannot be written; std::logic_error where two jobs gave files of different size.
 void run_bench_batch(const BatchOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

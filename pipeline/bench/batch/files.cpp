@@ -15,7 +15,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,12 +56,12 @@ double children_cpu_seconds() {
 Throughput measure_workers(const match::ScenePair& scene, const config::Config& config, int jobs,
                            int workers) {
     const ScratchFolder folder;
-    std::vector<BatchUnit> units;
+    std::vector<batch::BatchUnit> units;
     for (int i = 0; i < jobs; ++i) {
         const std::string name = std::to_string(i);
         units.push_back({name, name, {(folder.path() / name).string()}, ""});
     }
-    BatchSettings settings;
+    batch::BatchSettings settings;
     settings.workers = settings.threads = workers;
     settings.rules.parse = [&](const std::vector<std::string>& words) {
         job::RunRequest request;
@@ -73,10 +73,10 @@ Throughput measure_workers(const match::ScenePair& scene, const config::Config& 
         return request;
     };
     const double begun = now_seconds(), cpu_begun = children_cpu_seconds();
-    const BatchResult result = run_units(units, settings, {});
+    const batch::BatchResult result = batch::run_units(units, settings, {});
     const Throughput taken{now_seconds() - begun, children_cpu_seconds() - cpu_begun};
-    for (const UnitResult& unit : result.units)
-        if (unit.outcome != UnitOutcome::done) throw Error(ErrorKind::input, unit.message);
+    for (const batch::UnitResult& unit : result.units)
+        if (unit.outcome != batch::UnitOutcome::done) throw Error(ErrorKind::input, unit.message);
     return taken;
 }
 
@@ -126,4 +126,4 @@ void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -5,7 +5,7 @@
 
 #include "pipeline/bench/batch/batch.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Each scene as often as options.jobs says, each time to a GLB and a report of its own: one after the other
 // on one thread, then options.workers at a time on one thread each, and both once more; the best of the two
@@ -13,4 +13,4 @@ namespace hexrelief {
 // as run_bench_batch(). Call it before any thread is started.
 void run_bench_batch_files(const BatchOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

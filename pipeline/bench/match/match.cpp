@@ -18,7 +18,7 @@
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using namespace match;
@@ -191,4 +191,4 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

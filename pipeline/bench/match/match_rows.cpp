@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 using Json = nlohmann::ordered_json;
 
@@ -136,4 +136,4 @@ nlohmann::ordered_json average_json(const Average& a) {
 }
 
 }  // namespace match
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

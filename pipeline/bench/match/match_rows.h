@@ -8,7 +8,7 @@
 #include "pipeline/bench/rows.h"
 #include "pipeline/evaluation/evaluate.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // As `hexrelief evaluate --json` prints it.
 nlohmann::ordered_json evaluation_json(const evaluation::DisparityEvaluation& evaluation);
@@ -47,4 +47,4 @@ nlohmann::ordered_json row_json(const Row& row);
 nlohmann::ordered_json average_json(const Average& average);
 
 }  // namespace match
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

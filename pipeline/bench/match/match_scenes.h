@@ -7,7 +7,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::match {
+namespace hexrelief::bench::match {
 
 namespace fs = std::filesystem;
 
@@ -37,4 +37,4 @@ void check_disturbance(const Disturbance& disturbance);
 // Light first, then noise. The same bytes wherever it runs. Throws as check_disturbance().
 void disturb(StereoPair& pair, const Disturbance& disturbance);
 
-}  // namespace hexrelief::match
+}  // namespace hexrelief::bench::match

@@ -23,7 +23,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using match::ScenePair;
@@ -180,4 +180,4 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -61,7 +61,7 @@ int print_commands(const SolveOptions& options, const std::vector<TileNumber>& t
         if (!options.backend.empty()) words.insert(words.end(), {"--backend", options.backend});
         if (options.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options.threads)});
         if (options.force) words.emplace_back("--force");
-        std::printf("%s\n", shell_line(words).c_str());
+        std::printf("%s\n", batch::shell_line(words).c_str());
     }
     return 0;
 }
@@ -75,14 +75,14 @@ class TileTeller {
         counts_.up_to_date = up_to_date;
     }
     void tile_ended(const TileNumber& tile, const std::string& failure, int exit_code) {
-        counts_.add(failure.empty() ? UnitOutcome::done : UnitOutcome::failed);
+        counts_.add(failure.empty() ? batch::UnitOutcome::done : batch::UnitOutcome::failed);
         if (!failure.empty()) {
             clear();
             std::fprintf(stderr, "hexrelief: tile %s: %s\n", tile_name(plan_, tile).c_str(),
                          printable(failure).c_str());
             if (exit_code_ == 0) exit_code_ = exit_code;
         }
-        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", progress_bar(counts_, seconds()).c_str());
+        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", batch::progress_bar(counts_, seconds()).c_str());
     }
     int all_ended() {
         clear();
@@ -99,7 +99,7 @@ class TileTeller {
     }
     const TilePlan& plan_;
     bool is_quiet_, has_bar_;
-    BatchCounts counts_;
+    batch::BatchCounts counts_;
     int exit_code_ = 0;
     double begun_ = now_seconds();
 };
@@ -134,7 +134,7 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
 int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
              const std::vector<TileNumber>& tiles, const SolveOptions& options, int threads,
              std::uint64_t memory) {
-    if (memory == 0) memory = memory_to_use();
+    if (memory == 0) memory = batch::memory_to_use();
     const int share = std::max(1, threads / static_cast<int>(devices.size()));
     std::vector<pid_t> children;
     for (std::size_t k = 0; k < devices.size(); ++k) {
@@ -151,7 +151,7 @@ int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
         try {
             code = solve_here(plan, own, options, share, memory / devices.size());
         } catch (...) {
-            const UnitResult failed = result_of_exception();
+            const batch::UnitResult failed = batch::result_of_exception();
             std::fprintf(stderr, "hexrelief: %s\n", printable(failed.message).c_str());
             code = failed.exit_code;
         }
@@ -174,7 +174,7 @@ int solve(const SolveOptions& options) {
     if (options.print_commands) return print_commands(options, tiles);
     const int threads = job::effective_threads(options.threads);
     const std::uint64_t memory = parse_memory(options.memory);
-    const std::vector<std::string> devices = devices_of(options.gpus);
+    const std::vector<std::string> devices = batch::devices_of(options.gpus);
     return devices.size() > 1 ? solve_on(devices, plan, tiles, options, threads, memory)
                               : solve_here(plan, tiles, options, threads, memory);
 }

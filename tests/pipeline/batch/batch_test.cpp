@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST(CheckUnits, FilesThatRowsWouldShareAreFound) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -10,7 +10,7 @@
 #include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 TEST(BatchTable, HasAColumnForEveryValueOfEveryReport) {
@@ -64,4 +64,4 @@ TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

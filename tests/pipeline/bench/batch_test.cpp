@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,4 +77,4 @@ TEST(BenchBatch, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -17,7 +17,7 @@
 #include "pipeline/stages/density.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using cuda_bench::Row;
@@ -166,4 +166,4 @@ TEST(BenchCudaRows, TextHasTheHeadingsColumns) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

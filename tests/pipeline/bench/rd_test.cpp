@@ -16,7 +16,7 @@
 #include "pipeline/bench/rd_rows.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -321,4 +321,4 @@ TEST(BenchRdMeshes, SimplificationKeepsPlanes) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -13,7 +13,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/densify/sparsity.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ TEST(SparsePatterns, KeepWhatTheyPromiseAndAreSparse) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -242,8 +242,8 @@ void right_maps(const TestScene& scene, Table& table) {
     const Image& left = scene.pair.left;
     table.add("right map", scene.name, judge_map(scene, scene.map, left), {});
     map_figures(scene.map, left, true, "", table);
-    for (const std::string& pattern : sparse::patterns()) {
-        const DisparityMap thin = sparse::thinned(scene.map, pattern);
+    for (const std::string& pattern : bench::sparse::patterns()) {
+        const DisparityMap thin = bench::sparse::thinned(scene.map, pattern);
         table.add("right map, " + pattern, scene.name, judge_map(scene, thin, left), {});
         table.add(
             "depth in m, " + pattern, scene.name,

@@ -6,7 +6,7 @@
 #include "pipeline/gallery/results.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 namespace {
 
 // What matters of a page, and of a report whose run wrote `output`.
@@ -129,4 +129,4 @@ TEST(Gallery, WhatCannotBeListedIsToldInOneLine) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery
