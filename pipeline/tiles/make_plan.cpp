@@ -13,7 +13,7 @@
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // The coarse lattice is solved on at most as many pixels.
@@ -234,4 +234,4 @@ TilePlan make_plan(const PlanRequest& request, const job::Backend& backend, int 
     return plan;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -7,7 +7,7 @@
 #include "pipeline/job/run_log.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct PlanRequest {
     std::filesystem::path map, color, folder;  // color: empty = none
@@ -22,4 +22,4 @@ struct PlanRequest {
 // PlannedMap, where nothing is foreground, and where the picture is not the map's.
 TilePlan make_plan(const PlanRequest& request, const job::Backend& backend, int threads, job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

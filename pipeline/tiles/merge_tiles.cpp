@@ -15,7 +15,7 @@
 #include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_output.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 namespace fs = std::filesystem;
@@ -252,4 +252,4 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     return merged;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -7,7 +7,7 @@
 #include "pipeline/job/run_log.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct MergedTiles {
     std::size_t tiles = 0, empty = 0;         // of the finest level
@@ -22,4 +22,4 @@ struct MergedTiles {
 MergedTiles merge_tiles(const TilePlan& plan, const std::filesystem::path& output, int threads,
                         job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -8,7 +8,7 @@
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/tiles/tile_jobs.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // Files are in tiles of mostly 256 px, each of which one thread is to decode.
@@ -95,4 +95,4 @@ stages::MapInStrips PlannedMap::strips(int threads) const {
     return {strips, [this, all, strips](const auto& take) { read_in_strips(all, strips, take); }};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

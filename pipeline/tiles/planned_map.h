@@ -10,7 +10,7 @@
 #include "pipeline/windows/map_windows.h"
 #include "pipeline/windows/picture_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 class PlannedMap {
   public:
@@ -39,4 +39,4 @@ class PlannedMap {
     bool has_transparent_ = false;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 Image shrunk_picture(const windows::PictureWindows& picture, const mesh_tiles::MapRect& part, int by) {
     const auto shrunk = [by](int size) { return (size + by - 1) / by; };
@@ -31,4 +31,4 @@ Image shrunk_picture(const windows::PictureWindows& picture, const mesh_tiles::M
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -17,7 +17,7 @@
 #include "pipeline/tiles/tile_output.h"
 #include "pipeline/tiles/tile_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 namespace fs = std::filesystem;
@@ -162,4 +162,4 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, con
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -9,7 +9,7 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct SolveSettings {
     int threads = 1;           // of all jobs together
@@ -32,4 +32,4 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, con
 // Bytes that a tile takes while it is solved, as estimated by the plan.
 std::uint64_t tile_memory(const TilePlan& plan);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -8,7 +8,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -156,4 +156,4 @@ mesh_tiles::TileMesh read_tile(const std::filesystem::path& path) {
     return mesh;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

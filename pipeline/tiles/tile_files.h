@@ -7,7 +7,7 @@
 #include "mesher/tiles/lattice_tiles.h"
 #include "mesher/tiles/tile_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 std::vector<std::uint8_t> lattice_bytes(const HexMesh2D& lattice);
 std::vector<std::uint8_t> seam_bytes(const mesh_tiles::Seam& seam);
@@ -19,4 +19,4 @@ HexMesh2D read_lattice(const std::filesystem::path& path);
 mesh_tiles::Seam read_seam(const std::filesystem::path& path);
 mesh_tiles::TileMesh read_tile(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -11,7 +11,7 @@
 
 #include "mesher/common/thread_pool.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 int pool_size(std::size_t count, int jobs) {
@@ -88,4 +88,4 @@ void do_jobs_in_turn(const std::vector<std::size_t>& needed_by, int jobs,
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

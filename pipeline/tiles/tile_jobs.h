@@ -10,7 +10,7 @@
 #include "mesher/tiles/tile_surface.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // What balances and cuts: any number of threads may call.
 struct TileWorkers {
@@ -35,4 +35,4 @@ inline constexpr std::size_t kNeededByNone = SIZE_MAX;
 void do_jobs_in_turn(const std::vector<std::size_t>& needed_by, int jobs,
                      const std::function<void(std::size_t)>& work);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -7,7 +7,7 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/tiles/tile_files.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 namespace fs = std::filesystem;
 
@@ -59,4 +59,4 @@ bool is_solved(const TilePlan& plan, const TileNumber& tile) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -5,7 +5,7 @@
 #include "pipeline/tiles/tile_report.h"
 #include "pipeline/tiles/tile_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // Writes, together, the tile's .mesh, its .glb where it is not empty, and as the last its .json: the report,
 // of which the rest is filled in. texture: of the scene's texture coordinates; null = none. `threads` may
@@ -16,4 +16,4 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::
 // Whether the tile's report is of this plan, and its files are as that says.
 bool is_solved(const TilePlan& plan, const TileNumber& tile);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -13,7 +13,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 namespace fs = std::filesystem;
@@ -243,4 +243,4 @@ void check_planned_file(const TilePlan& plan, const fs::path& path) {
         refuse_plan(path, "is not as the plan left it");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

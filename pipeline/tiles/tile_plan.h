@@ -15,7 +15,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/windows/map_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // Places are 32-bit numbers of 1/1024 px.
 inline constexpr int kLargestTiledSide_px = 2'000'000;
@@ -84,4 +84,4 @@ TilePlan read_plan(const std::filesystem::path& folder);
 // Throws Error(input) where a file of the plan is missing or not as the plan left it.
 void check_planned_file(const TilePlan& plan, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -5,7 +5,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 using Json = nlohmann::ordered_json;
 
@@ -49,4 +49,4 @@ TileReport read_tile_report(const std::filesystem::path& path) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

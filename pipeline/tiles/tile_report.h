@@ -8,7 +8,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct TileReport {
     std::string plan;  // TilePlan::stamp
@@ -24,4 +24,4 @@ std::string report_text(const TileReport& report);
 // Throws Error(input) where it is missing or malformed.
 TileReport read_tile_report(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -12,7 +12,7 @@
 #include "pipeline/stages/surface.h"
 #include "pipeline/stages/surface_topology.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds
@@ -108,4 +108,4 @@ void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles) {
     std::erase_if(mesh.triangles, [&](const Triangle& t) { return !stays[root(t[0])]; });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

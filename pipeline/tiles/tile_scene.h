@@ -7,7 +7,7 @@
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct TileScene {
     // positions: whole multiples of the plan's grid step from the tile's own origin, exactly; texcoords of
@@ -26,4 +26,4 @@ TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
 // Drops the components of fewer than min_triangles triangles that no seam edge belongs to: these are whole.
 void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

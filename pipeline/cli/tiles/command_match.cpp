@@ -16,7 +16,7 @@ struct MatchOptions {
     std::filesystem::path left, right, output;
     config::ConfigOptions config;
     std::string calibration, backend;
-    int tile_px = MatchRequest().tile_px, threads = 0;
+    int tile_px = tiles::MatchRequest().tile_px, threads = 0;
     bool quiet = false, verbose = false;
 };
 
@@ -33,11 +33,11 @@ config::Config config_of(const MatchOptions& options) {
 }
 
 int match_tiles(const MatchOptions& options) {
-    const MatchRequest request{.left = options.left,
-                               .right = options.right,
-                               .map = options.output,
-                               .tile_px = options.tile_px,
-                               .config = config_of(options)};
+    const tiles::MatchRequest request{.left = options.left,
+                                      .right = options.right,
+                                      .map = options.output,
+                                      .tile_px = options.tile_px,
+                                      .config = config_of(options)};
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(request.config.run.threads);
     const job::Backend backend =
@@ -46,7 +46,7 @@ int match_tiles(const MatchOptions& options) {
 
     const StageTeller teller(options.quiet, options.verbose);
     job::RunLog log(teller.observer());
-    const TiledMatch match = match_in_tiles(request, backend, threads, log);
+    const tiles::TiledMatch match = tiles::match_in_tiles(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (!options.quiet)
         std::printf("%s: %dx%d px in %d tiles, %.1f %% matched, %.1f %% known; %.1f s\n",

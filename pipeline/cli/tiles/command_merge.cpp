@@ -18,13 +18,13 @@ struct MergeOptions {
 };
 
 int merge(const MergeOptions& options) {
-    const TilePlan plan = read_plan(options.folder);
+    const tiles::TilePlan plan = tiles::read_plan(options.folder);
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(options.threads);
     files::install_interrupt_handling();
     const StageTeller teller(options.quiet, options.verbose);
     job::RunLog log(teller.observer());
-    const MergedTiles merged = merge_tiles(plan, options.output, threads, log);
+    const tiles::MergedTiles merged = tiles::merge_tiles(plan, options.output, threads, log);
     if (!options.quiet)
         std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",
                     printable(options.output.string()).c_str(), merged.tiles, merged.empty, merged.levels,

@@ -39,12 +39,12 @@ config::Config config_of(const PlanOptions& options) {
 }
 
 int plan_tiles(const PlanOptions& options) {
-    PlanRequest request{options.map, options.color,         options.folder,
-                        {},          options.tile_vertices, config_of(options)};
+    tiles::PlanRequest request{options.map, options.color,         options.folder,
+                               {},          options.tile_vertices, config_of(options)};
     if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
     files::check_writable_folder(options.folder);
     files::check_overwrites(
-        {plan_file(options.folder), plan_config_file(options.folder)},
+        {tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
         {options.map, options.color, options.config.file, request.config.input.calibration.file});
     const int threads = job::effective_threads(request.config.run.threads);
     const job::Backend backend =
@@ -53,7 +53,7 @@ int plan_tiles(const PlanOptions& options) {
 
     const StageTeller teller(options.quiet, options.verbose);
     job::RunLog log(teller.observer());
-    const TilePlan plan = make_plan(request, backend, threads, log);
+    const tiles::TilePlan plan = tiles::make_plan(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (options.quiet) return 0;
     const mesh_tiles::LatticeTiling tiling = plan.tiling();

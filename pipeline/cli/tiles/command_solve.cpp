@@ -33,10 +33,10 @@ struct SolveOptions {
     bool force = false, print_commands = false, quiet = false;
 };
 
-std::vector<TileNumber> wanted_tiles(const TilePlan& plan, const SolveOptions& options) {
-    const std::vector<TileNumber> all = tiles_of_level(plan, plan.finest_level());
+std::vector<tiles::TileNumber> wanted_tiles(const tiles::TilePlan& plan, const SolveOptions& options) {
+    const std::vector<tiles::TileNumber> all = tiles::tiles_of_level(plan, plan.finest_level());
     if (!options.tile.empty()) {
-        TileNumber tile{plan.finest_level(), 0, 0};
+        tiles::TileNumber tile{plan.finest_level(), 0, 0};
         int end = 0;
         // NOLINTNEXTLINE(cert-err34-c): eight digits are no overflow
         if (std::sscanf(options.tile.c_str(), "%8d,%8d%n", &tile.j, &tile.i, &end) != 2 ||
@@ -48,13 +48,13 @@ std::vector<TileNumber> wanted_tiles(const TilePlan& plan, const SolveOptions& o
         return {tile};
     }
     const Shard shard = parse_shard(options.shard);
-    std::vector<TileNumber> tiles;
+    std::vector<tiles::TileNumber> tiles;
     for (std::size_t k = shard.number - 1; k < all.size(); k += shard.of) tiles.push_back(all[k]);
     return tiles;
 }
 
-int print_commands(const SolveOptions& options, const std::vector<TileNumber>& tiles) {
-    for (const TileNumber& tile : tiles) {
+int print_commands(const SolveOptions& options, const std::vector<tiles::TileNumber>& tiles) {
+    for (const tiles::TileNumber& tile : tiles) {
         std::vector<std::string> words = {"hexrelief", "tiles",
                                           "solve",     fs::absolute(options.folder).string(),
                                           "--tile",    std::to_string(tile.j) + "," + std::to_string(tile.i)};
@@ -69,16 +69,16 @@ int print_commands(const SolveOptions& options, const std::vector<TileNumber>& t
 // Tells how far the tiles are.
 class TileTeller {
   public:
-    TileTeller(const TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)
+    TileTeller(const tiles::TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)
         : plan_(plan), is_quiet_(is_quiet), has_bar_(!is_quiet && isatty(STDERR_FILENO)) {
         counts_.units = tiles;
         counts_.up_to_date = up_to_date;
     }
-    void tile_ended(const TileNumber& tile, const std::string& failure, int exit_code) {
+    void tile_ended(const tiles::TileNumber& tile, const std::string& failure, int exit_code) {
         counts_.add(failure.empty() ? batch::UnitOutcome::done : batch::UnitOutcome::failed);
         if (!failure.empty()) {
             clear();
-            std::fprintf(stderr, "hexrelief: tile %s: %s\n", tile_name(plan_, tile).c_str(),
+            std::fprintf(stderr, "hexrelief: tile %s: %s\n", tiles::tile_name(plan_, tile).c_str(),
                          printable(failure).c_str());
             if (exit_code_ == 0) exit_code_ = exit_code;
         }
@@ -97,7 +97,7 @@ class TileTeller {
     void clear() const {
         if (has_bar_) std::fputs("\r\x1b[K", stderr);
     }
-    const TilePlan& plan_;
+    const tiles::TilePlan& plan_;
     bool is_quiet_, has_bar_;
     batch::BatchCounts counts_;
     int exit_code_ = 0;
@@ -111,28 +111,28 @@ config::BackendChoice backend_of(const SolveOptions& options, const config::Conf
 }
 
 // memory: in bytes, for all tiles together; 0 = of what is free.
-int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const SolveOptions& options,
-               int threads, std::uint64_t memory) {
-    std::vector<TileNumber> missing;
-    for (const TileNumber& tile : tiles)
-        if (options.force || !is_solved(plan, tile)) missing.push_back(tile);
+int solve_here(const tiles::TilePlan& plan, const std::vector<tiles::TileNumber>& tiles,
+               const SolveOptions& options, int threads, std::uint64_t memory) {
+    std::vector<tiles::TileNumber> missing;
+    for (const tiles::TileNumber& tile : tiles)
+        if (options.force || !tiles::is_solved(plan, tile)) missing.push_back(tile);
     TileTeller teller(plan, tiles.size(), tiles.size() - missing.size(), options.quiet);
     if (missing.empty()) return teller.all_ended();
     const job::Backend backend =
         job::pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
     files::install_interrupt_handling();
-    const SolveSettings settings{threads, options.jobs, memory};
-    solve_tiles(plan, missing, backend, settings,
-                {[&](const TileNumber& tile, const std::string& failure, int exit_code) {
-                    teller.tile_ended(tile, failure, exit_code);
-                }});
+    const tiles::SolveSettings settings{threads, options.jobs, memory};
+    tiles::solve_tiles(plan, missing, backend, settings,
+                       {[&](const tiles::TileNumber& tile, const std::string& failure, int exit_code) {
+                           teller.tile_ended(tile, failure, exit_code);
+                       }});
     if (backend.give_back) backend.give_back();
     return teller.all_ended();
 }
 
 // A process for each device, with every n-th tile, and its share of threads and memory.
-int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
-             const std::vector<TileNumber>& tiles, const SolveOptions& options, int threads,
+int solve_on(const std::vector<std::string>& devices, const tiles::TilePlan& plan,
+             const std::vector<tiles::TileNumber>& tiles, const SolveOptions& options, int threads,
              std::uint64_t memory) {
     if (memory == 0) memory = batch::memory_to_use();
     const int share = std::max(1, threads / static_cast<int>(devices.size()));
@@ -145,7 +145,7 @@ int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
             continue;
         }
         setenv("CUDA_VISIBLE_DEVICES", devices[k].c_str(), 1);
-        std::vector<TileNumber> own;
+        std::vector<tiles::TileNumber> own;
         for (std::size_t t = k; t < tiles.size(); t += devices.size()) own.push_back(tiles[t]);
         int code = 1;
         try {
@@ -169,8 +169,8 @@ int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
 }
 
 int solve(const SolveOptions& options) {
-    const TilePlan plan = read_plan(options.folder);
-    const std::vector<TileNumber> tiles = wanted_tiles(plan, options);
+    const tiles::TilePlan plan = tiles::read_plan(options.folder);
+    const std::vector<tiles::TileNumber> tiles = wanted_tiles(plan, options);
     if (options.print_commands) return print_commands(options, tiles);
     const int threads = job::effective_threads(options.threads);
     const std::uint64_t memory = parse_memory(options.memory);

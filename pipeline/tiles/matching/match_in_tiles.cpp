@@ -15,7 +15,7 @@
 #include "pipeline/tiles/matching/whole_range.h"
 #include "pipeline/windows/map_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 void check_request(const MatchRequest& request) {
@@ -143,4 +143,4 @@ TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backe
     return match;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

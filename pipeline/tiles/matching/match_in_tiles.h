@@ -7,7 +7,7 @@
 #include "pipeline/job/run_log.h"
 #include "pipeline/tiles/matching/tile_window.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct MatchRequest {
     std::filesystem::path left, right;  // a rectified pair, as PictureWindows reads it
@@ -35,4 +35,4 @@ struct TiledMatch {
 TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backend, int threads,
                           job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -5,7 +5,7 @@
 
 #include "pipeline/stages/sgbm.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // Pictures with the largest range are halved five times; so all windows share these pixels, too.
@@ -35,4 +35,4 @@ mesh_tiles::MapRect window_of_tile(const mesh_tiles::MapRect& tile, const PairSi
     return {left, top, right - left, bottom - top};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

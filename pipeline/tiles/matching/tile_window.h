@@ -4,7 +4,7 @@
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // Pixels around a tile that are matched with it, and then left out: what lies farther away changes the tile's
 // disparities no more than EXPERIMENTS.md says.
@@ -20,4 +20,4 @@ struct PairSize {
 mesh_tiles::MapRect window_of_tile(const mesh_tiles::MapRect& tile, const PairSize& whole,
                                    const stages::DisparityConfig& ranged, int collar_px = kCollar_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -8,7 +8,7 @@
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/tiles/shrunk_picture.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // The pair is looked at in at most as many pixels; the range is found in far fewer.
@@ -87,4 +87,4 @@ WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
     return whole;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

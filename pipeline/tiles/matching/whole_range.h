@@ -7,7 +7,7 @@
 #include "pipeline/stages/disparity.h"
 #include "pipeline/windows/picture_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct PairWindows {
     const windows::PictureWindows &left, &right;
@@ -25,4 +25,4 @@ struct WholePair {
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
                         const stages::DisparityConfig& config, int threads, job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -20,9 +20,10 @@
 #include "tests/mesher/busy_map.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::tiles {
 namespace {
 
+using namespace test;
 using namespace testing_mesher;
 
 using testing_mesher::uniform;
@@ -382,4 +383,4 @@ TEST(MatchTiles, MapsArePlannedAndSolved) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::tiles

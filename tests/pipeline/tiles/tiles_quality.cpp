@@ -12,7 +12,7 @@
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 struct Balanced {
@@ -94,7 +94,7 @@ int compare(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles
 
 int main(int argc, char** argv) {
     if (argc != 2) {
@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     try {
-        return hexrelief::compare(argv[1]);
+        return hexrelief::tiles::compare(argv[1]);
     } catch (const std::exception& failure) {
         std::fprintf(stderr, "tiles_quality: %s\n", failure.what());
         return 1;

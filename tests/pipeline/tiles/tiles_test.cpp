@@ -29,9 +29,10 @@
 #include "tests/pipeline/process.h"
 #include "tests/pipeline/tiles/glb_reading.h"
 
-namespace hexrelief::test {
+namespace hexrelief::tiles {
 namespace {
 
+using namespace test;
 using namespace testing_mesher;
 
 using testing_mesher::busy_map;
@@ -356,4 +357,4 @@ TEST(TilesByCommand, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::tiles
