@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace hexrelief {
+namespace hexrelief::samples {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240;
@@ -208,4 +208,4 @@ SampleScene render_sample_scene() {
     return scene;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::samples

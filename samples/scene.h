@@ -4,7 +4,7 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::samples {
 
 struct SampleScene {
     StereoPair pair;          // colour
@@ -17,4 +17,4 @@ struct SampleScene {
 // doubles are IEEE.
 SampleScene render_sample_scene();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::samples

@@ -7,7 +7,7 @@
 #include "exporters/images/image_writer.h"
 #include "samples/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::samples {
 namespace {
 
 // Middlebury's form: the baseline in millimetres, the principal point counted from the centre of the first
@@ -41,4 +41,4 @@ void write_sample_files(const std::vector<SampleFile>& files, const std::filesys
     transaction.commit();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::samples

@@ -13,7 +13,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 constexpr int kBugExitCode = 1, kMemoryExitCode = 6;
@@ -80,4 +80,4 @@ int run_command_line(int argc, char** argv) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

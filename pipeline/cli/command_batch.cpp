@@ -21,7 +21,7 @@
 #include "pipeline/job/outputs.h"
 #include "pipeline/library/requests.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,7 +58,7 @@ job::RunRequest request_of_words(const std::vector<std::string>& words) {
     for (std::string& word : copies) arguments.push_back(word.data());
     if (!parser.parse(static_cast<int>(arguments.size()), arguments.data()))
         throw Error(ErrorKind::usage, "a job takes neither --help nor --version");
-    return request_of(options.request, options_of(options));
+    return library::request_of(options.request, options_of(options));
 }
 
 struct BatchCommand {
@@ -286,4 +286,4 @@ void add_batch_command(Command& program) {
     command.set_action([options] { return run_batch(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -12,7 +12,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 void add_threads_option(Command& command, int& threads) {
@@ -252,4 +252,4 @@ void add_bench_command(Command& program) {
     add_cuda(group);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

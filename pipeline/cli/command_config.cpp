@@ -8,7 +8,7 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct ConfigCommandOptions {
@@ -76,4 +76,4 @@ void add_config_command(Command& program) {
     printed.set_action([] { return schema(); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -19,7 +19,7 @@
 
 extern char** environ;
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,13 +54,13 @@ bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
 }
 
 // Where an earlier demo left its pair, all is written anew; else nobody's files are.
-void check_folder(const fs::path& folder, const std::vector<SampleFile>& pair,
+void check_folder(const fs::path& folder, const std::vector<samples::SampleFile>& pair,
                   const std::vector<fs::path>& outputs) {
     files::check_writable_folder(folder);
     if (std::all_of(pair.begin(), pair.end(), [&](const auto& f) { return holds(folder / f.name, f.bytes); }))
         return;
     std::vector<fs::path> files;
-    for (const SampleFile& file : pair) files.push_back(folder / file.name);
+    for (const samples::SampleFile& file : pair) files.push_back(folder / file.name);
     files.insert(files.end(), outputs.begin(), outputs.end());
     for (const fs::path& file : files)
         if (fs::exists(fs::symlink_status(file)))
@@ -73,14 +73,14 @@ int show_demo(const DemoOptions& demo) {
     const fs::path page = folder / "relief.html";
     std::vector<fs::path> outputs = {folder / "relief.glb"};
     if (exporters::has_viewer()) outputs.push_back(page);
-    const std::vector<SampleFile> pair = sample_files();
+    const std::vector<samples::SampleFile> pair = samples::sample_files();
     check_folder(folder, pair, outputs);
     std::error_code failure;
     fs::create_directories(folder, failure);
     if (failure)
         throw Error(ErrorKind::output,
                     "cannot make the folder " + folder.string() + ": " + failure.message());
-    write_sample_files(pair, folder);
+    samples::write_sample_files(pair, folder);
     RunOptions options;
     options.request.left = folder / "left.png";
     options.request.right = folder / "right.png";
@@ -114,4 +114,4 @@ void add_demo_command(Command& program) {
     command.set_action([options] { return show_demo(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -3,7 +3,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_devices_command(Command& program) {
     Command command = program.add_command("devices", "what --backend can use on this machine");
@@ -16,4 +16,4 @@ void add_devices_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -9,7 +9,7 @@
 #include "pipeline/evaluation/evaluate.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MapOptions {
@@ -124,4 +124,4 @@ void add_evaluate_command(Command& program) {
     command.set_action([options] { return evaluate(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

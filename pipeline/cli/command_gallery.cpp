@@ -5,7 +5,7 @@
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/gallery/gallery.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_gallery_command(Command& program) {
     struct Options {
@@ -31,4 +31,4 @@ void add_gallery_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -19,7 +19,7 @@
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -246,4 +246,4 @@ void add_info_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

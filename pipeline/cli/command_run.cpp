@@ -11,7 +11,7 @@
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/terminal/progress.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -229,4 +229,4 @@ void add_run_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

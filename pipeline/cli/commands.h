@@ -3,7 +3,7 @@
 
 #include "pipeline/cli/arguments/arguments.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_run_command(Command& program);
 void add_batch_command(Command& program);
@@ -18,4 +18,4 @@ void add_demo_command(Command& program);
 void add_manual_command(Command& program);
 void add_completion_command(Command& program);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

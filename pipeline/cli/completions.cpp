@@ -8,7 +8,7 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 std::string joined(const std::vector<std::string>& words) {
@@ -202,4 +202,4 @@ std::string completion_script(const CommandDescription& program, const std::stri
     throw Error(ErrorKind::usage, "there are completions for bash, zsh and fish, not for '" + shell + "'");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -5,9 +5,9 @@
 
 #include "pipeline/cli/arguments/arguments.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // A script for "bash", "zsh" or "fish". Throws Error(usage) for another shell.
 std::string completion_script(const CommandDescription& program, const std::string& shell);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -7,7 +7,7 @@
 #include "exporters/core/file_transaction.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 // Text as roff takes it: no line of it is a request, and dashes are those that one types.
@@ -123,4 +123,4 @@ void write_manual_pages(const CommandDescription& program, const std::filesystem
     files.commit();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

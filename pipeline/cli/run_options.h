@@ -9,7 +9,7 @@
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 struct RunOptions {
     FileRequest request;
@@ -31,4 +31,4 @@ Options options_of(const RunOptions& options);
 void check_run(const RunOptions& options);
 void run_and_tell(const RunOptions& options);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

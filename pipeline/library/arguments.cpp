@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::library {
 namespace {
 
 // `height` rows of `row` samples, without the gaps between them.
@@ -173,4 +173,4 @@ bool sets_tolerance(const Options& options) {
                        [](const auto& setting) { return setting.first.starts_with("export.tolerance_"); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::library

@@ -9,7 +9,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::library {
 
 // A copy. `name` stands in messages. Throws Error(input) where there are not 1 to 4 channels.
 Image image_of(const ImageView& view, const std::string& name);
@@ -29,4 +29,4 @@ config::Config config_of(const Options& options, const Camera& camera, bool is_d
 void apply_export_settings(config::Config& config, const Options& options);
 bool sets_tolerance(const Options& options);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::library

@@ -48,12 +48,13 @@ const job::BackendPicker& kept_backends() {
 job::MapArrays arrays_of(const MapInput& input, const config::InputConfig& config) {
     job::MapArrays arrays;
     if (input.depth.values)
-        arrays.depth = depth_of(input.depth, config.depth);
+        arrays.depth = library::depth_of(input.depth, config.depth);
     else
-        arrays.disparity = map_of(input.disparity, config.disparity);
-    if (input.color.pixels) arrays.color = image_of(input.color, "color");
-    if (input.mask.pixels) arrays.mask = mask_of(input.mask, config.mask);
-    if (input.confidence.values) arrays.confidence = confidence_of(input.confidence, config.confidence);
+        arrays.disparity = library::map_of(input.disparity, config.disparity);
+    if (input.color.pixels) arrays.color = library::image_of(input.color, "color");
+    if (input.mask.pixels) arrays.mask = library::mask_of(input.mask, config.mask);
+    if (input.confidence.values)
+        arrays.confidence = library::confidence_of(input.confidence, config.confidence);
     return arrays;
 }
 
@@ -152,8 +153,8 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
     } restore{state};
     state.observer = observer_of(options);
     config::Config& config = state.relief.result.config;
-    apply_export_settings(config, options);
-    if (sets_tolerance(options))
+    library::apply_export_settings(config, options);
+    if (library::sets_tolerance(options))
         config = job::with_tolerance(config, state.surface(), state.relief.view(),
                                      {state.relief.backend, state.relief.threads, state.log});
     job::RunRequest request = state.request;
@@ -186,7 +187,7 @@ Picture read_picture(const std::string& path) {
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {
-    const config::Config config = config_of(options, {});
+    const config::Config config = library::config_of(options, {});
     DisparityMap map = readers::read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }
@@ -195,12 +196,13 @@ Disparities compute_disparity(const ImageView& left, const ImageView& right, con
                               const Options& options) {
     const std::lock_guard lock(library_mutex);
     job::RunRequest request;
-    request.config = config_of(options, camera);
+    request.config = library::config_of(options, camera);
     const job::RunObserver observer = observer_of(options);
     job::RunLog log(observer);
     job::Relief relief = job::make_disparities(
         [&](int, job::RunLog& told) {
-            return job::take_pair({image_of(left, "left"), image_of(right, "right")}, request, told);
+            return job::take_pair({library::image_of(left, "left"), library::image_of(right, "right")},
+                                  request, told);
         },
         request, kept_backends(), log);
     DisparityMap& map = relief.disparity.map;
@@ -215,7 +217,7 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     auto state = std::make_unique<Mesh::State>();
     state->observer = observer_of(options);
     job::RunRequest& request = state->request;
-    request.config = config_of(options, camera, is_depth);
+    request.config = library::config_of(options, camera, is_depth);
     request.outputs = {"relief.glb"};
     if (is_depth) request.depth = "depth";
     state->relief = job::make_relief(
@@ -233,18 +235,18 @@ Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera
 
 RunSummary run(const FileRequest& files, const Options& options) {
     const std::lock_guard lock(library_mutex);
-    job::RunRequest request = request_of(files, options);
+    job::RunRequest request = library::request_of(files, options);
     if (files.update) {
         job::check_request(request);
         if (stamp::stamp_request(request) == stamp::UnitState::current) return {.is_up_to_date = true};
     }
     const job::RunObserver observer = observer_of(options);
     const job::BackendPicker pick = files.ends_process ? job::pick_for_one_run() : kept_backends();
-    return summary_of(job::run_job(request, observer, pick), request);
+    return library::summary_of(job::run_job(request, observer, pick), request);
 }
 
 void check_run(const FileRequest& files, const Options& options) {
-    job::check_request(request_of(files, options));
+    job::check_request(library::request_of(files, options));
 }
 
 void end_on_interrupt() {

@@ -8,7 +8,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/library/arguments.h"
 
-namespace hexrelief {
+namespace hexrelief::library {
 namespace {
 
 void refuse_options_without_their_file(const FileRequest& files, const Options& options) {
@@ -67,17 +67,6 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
     return request;
 }
 
-inline namespace v0 {
-
-bool uses_standard_output(const FileRequest& files) {
-    job::RunRequest request;
-    for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
-    request.report = files.report;
-    return job::writes_standard_output(request);
-}
-
-}  // namespace v0
-
 RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request) {
     RunSummary summary;
     for (const job::OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
@@ -110,4 +99,18 @@ RunSummary summary_of(const job::RunReport& report, const job::RunRequest& reque
     return summary;
 }
 
+}  // namespace hexrelief::library
+
+namespace hexrelief {
+inline namespace v0 {
+
+bool uses_standard_output(const FileRequest& files) {
+    job::RunRequest request;
+    for (const std::string& output : files.outputs)
+        request.outputs.push_back(library::standard_output_name(output));
+    request.report = files.report;
+    return job::writes_standard_output(request);
+}
+
+}  // namespace v0
 }  // namespace hexrelief

@@ -6,11 +6,11 @@
 #include "pipeline/job/report.h"
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::library {
 
 // Throws Error(usage).
 job::RunRequest request_of(const FileRequest& files, const Options& options);
 
 RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::library

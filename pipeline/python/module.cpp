@@ -14,7 +14,7 @@
 
 namespace py = pybind11;
 
-namespace hexrelief {
+namespace hexrelief::python {
 namespace {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -186,4 +186,4 @@ PYBIND11_MODULE(_core, module) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::python

@@ -6,7 +6,7 @@
 #include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 void apply_traits(const CLI::App& app, CLI::Option& option, const OptionTraits& traits) {
@@ -134,4 +134,4 @@ std::optional<Action> ArgumentParser::parse(int argc, char** argv) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

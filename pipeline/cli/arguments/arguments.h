@@ -13,7 +13,7 @@ namespace CLI {
 class App;
 }
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // What a command does once its options are read. Returns the exit code; throws Error.
 using Action = std::function<int()>;
@@ -89,4 +89,4 @@ class ArgumentParser {
     Action chosen_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -2,7 +2,7 @@
 
 #include "pipeline/config/presets.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group) {
     std::string names;
@@ -15,4 +15,4 @@ void add_config_options(Command& command, config::ConfigOptions& options, const 
                        {.group = group, .value = "key.path=value", .repeated = true});
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

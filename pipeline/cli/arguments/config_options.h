@@ -6,8 +6,8 @@
 #include "pipeline/cli/arguments/arguments.h"
 #include "pipeline/config/options.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

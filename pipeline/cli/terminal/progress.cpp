@@ -4,7 +4,7 @@
 
 #include "pipeline/data/clock.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 ProgressLine::~ProgressLine() {
     break_line();
@@ -45,4 +45,4 @@ void ProgressLine::draw(bool final) {
     std::fflush(stderr);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

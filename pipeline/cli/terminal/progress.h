@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // One line a stage on stderr, rewritten in place: "mesh        42 %   1.3 s". Silent unless enabled.
 class ProgressLine {
@@ -28,4 +28,4 @@ class ProgressLine {
     double begun_ = 0, drawn_ = 0;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -14,7 +14,7 @@
 #include "pipeline/windows/map_writer.h"
 #include "pipeline/windows/terrain.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MakeMapOptions {
@@ -72,4 +72,4 @@ void add_make_map_command(Command& group) {
     command.set_action([options] { return make_map(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

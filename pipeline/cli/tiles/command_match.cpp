@@ -9,7 +9,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MatchOptions {
@@ -85,4 +85,4 @@ void add_match_command(Command& group) {
     command.set_action([options] { return match_tiles(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -8,7 +8,7 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/tiles/merge_tiles.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MergeOptions {
@@ -57,4 +57,4 @@ void add_merge_command(Command& group) {
     command.set_action([options] { return merge(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -10,7 +10,7 @@
 #include "pipeline/files/interrupt.h"
 #include "pipeline/tiles/make_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct PlanOptions {
@@ -107,4 +107,4 @@ void add_plan_command(Command& group) {
     command.set_action([options] { return plan_tiles(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

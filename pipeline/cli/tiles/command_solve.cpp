@@ -21,7 +21,7 @@
 #include "pipeline/tiles/solve_tiles.h"
 #include "pipeline/tiles/tile_output.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -218,4 +218,4 @@ void add_solve_command(Command& group) {
     command.set_action([options] { return solve(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -3,8 +3,8 @@
 
 #include "pipeline/cli/arguments/arguments.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_tiles_command(Command& program);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -3,7 +3,7 @@
 
 #include "pipeline/cli/arguments/arguments.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_make_map_command(Command& group);
 void add_match_command(Command& group);
@@ -11,4 +11,4 @@ void add_plan_command(Command& group);
 void add_solve_command(Command& group);
 void add_merge_command(Command& group);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -9,7 +9,7 @@
 #include "pipeline/cli/terminal/progress.h"
 #include "pipeline/job/run_log.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // On stderr: verbose, a line a stage with its time; otherwise the progress on a terminal; with warnings.
 // Quiet: nothing.
@@ -42,4 +42,4 @@ class StageTeller {
     job::RunObserver observer_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -8,8 +8,10 @@
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 std::string job(const std::string& output, const std::string& more = "") {
     return "--disparity " + sample("disparity.pfm") + " --calib " + sample("calib.txt") + " -o \"" + output +
@@ -153,4 +155,4 @@ TEST(Batch, NeedsAFileWithJobs) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

@@ -5,8 +5,10 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 namespace fs = std::filesystem;
 
@@ -74,4 +76,4 @@ TEST(OpenCvData, AnUnrectifiedPairIsRectifiedByItsCalibration) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

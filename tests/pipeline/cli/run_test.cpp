@@ -8,8 +8,10 @@
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 using Json = nlohmann::json;
 
@@ -369,4 +371,4 @@ TEST(Run, FailureAtTheEndLeavesNothingNew) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

@@ -11,7 +11,7 @@ namespace hexrelief::matching {
 namespace {
 
 StereoPair sample_pair() {
-    return render_sample_scene().pair;
+    return samples::render_sample_scene().pair;
 }
 
 template <typename Change>

@@ -27,7 +27,7 @@ Image plain(int width, int height, int channels, std::uint8_t level) {
 }
 
 TEST(Noise, IsFoundInASmoothAndInATexturedPicture) {
-    const Image scene = render_sample_scene().pair.left;
+    const Image scene = samples::render_sample_scene().pair.left;
     EXPECT_LT(find_noise(scene), 4);
     for (const double deviation : {5.0, 8.0, 13.0}) {
         EXPECT_NEAR(find_noise(noisy(plain(200, 150, 3, 90), deviation)), deviation, 0.1 * deviation);

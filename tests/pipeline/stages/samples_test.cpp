@@ -14,7 +14,7 @@ namespace {
 const std::filesystem::path kFolder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
 
 TEST(Samples, AreWhatTheGeneratorRenders) {
-    const SampleScene scene = render_sample_scene();
+    const samples::SampleScene scene = samples::render_sample_scene();
     EXPECT_EQ(readers::read_image(kFolder / "left.png").pixels, scene.pair.left.pixels);
     EXPECT_EQ(readers::read_image(kFolder / "right.png").pixels, scene.pair.right.pixels);
     EXPECT_EQ(readers::read_disparity_map(kFolder / "disparity.pfm", {}).values, scene.disparity.values);
