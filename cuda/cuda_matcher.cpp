@@ -5,7 +5,7 @@
 #include "cuda/cuda_mesher.h"
 #include "cuda/matching/match_pair.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 struct CudaMatcher::State : cuda::DeviceMatcher {};
 
@@ -39,4 +39,4 @@ matching::MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const match
     return map;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

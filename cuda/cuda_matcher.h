@@ -12,7 +12,7 @@
 
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 // What the kernels of a stage took on the device; transfers are not in it.
 struct CudaMatchingTime {
@@ -30,7 +30,7 @@ class CudaMatcher {
     CudaMatcher();
     ~CudaMatcher();
 
-    // hexrelief::match_pair on the device. Throws Error(device) also where memory is too small, for more than
+    // matching::match_pair on the device. Throws Error(device) also where memory is too small, for more than
     // 2048 disparities and for sides of more than 32,767 px. times: null, or what the stages took, in their
     // order; asking for it makes the call a little slower.
     matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config,
@@ -47,4 +47,4 @@ class CudaMatcher {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

@@ -9,7 +9,7 @@
 #include "cuda/patch_job.h"
 #include "cuda/surface/disparity_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 struct CudaMesher::State {
     CudaDevice device;
@@ -111,4 +111,4 @@ mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

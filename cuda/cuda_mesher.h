@@ -15,7 +15,7 @@
 #include "mesher/balance/balance.h"
 #include "mesher/mesher.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 struct CudaDevice {
     int index = 0;
@@ -56,13 +56,13 @@ class CudaMesher {
     mesher::MeshResult solve(const DensityMap& density, const MeshConfig& config,
                              const ProgressFunction& progress, const DisparityMap* map = nullptr);
 
-    // hexrelief::balance_patch on the device. Throws Error(usage) for more than 100 sweeps, Error(device)
+    // balance::balance_patch on the device. Throws Error(usage) for more than 100 sweeps, Error(device)
     // where memory is too small; the patch is then as it was.
     void balance_patch(const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch);
 
     // Whether the device has cut_disparity_mesh: from compute capability 8.0 on.
     bool can_cut_meshes() const;
-    // hexrelief::cut_disparity_mesh on the device. Throws also Error(device) where memory is too small.
+    // surface::cut_disparity_mesh on the device. Throws also Error(device) where memory is too small.
     surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
                                                     const SurfaceConfig& config);
 
@@ -71,4 +71,4 @@ class CudaMesher {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

@@ -8,7 +8,7 @@
 
 namespace hexrelief::cuda {
 
-// hexrelief::balance_patch. Takes its memory from the arena, which is reset; leaves the patch as it was where
+// balance::balance_patch. Takes its memory from the arena, which is reset; leaves the patch as it was where
 // the device fails. Throws Error(device), also where memory is too small; Error(usage) for more than
 // kMostSweeps sweeps.
 void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,

@@ -1,4 +1,4 @@
-// Balancing of one level on the device, as hexrelief::balance_level does it.
+// Balancing of one level on the device, as balance::balance_level does it.
 #pragma once
 
 #include "cuda/som/level.h"

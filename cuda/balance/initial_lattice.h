@@ -1,4 +1,4 @@
-// First positions of a lattice that will be balanced, as hexrelief::equalise_start does it.
+// First positions of a lattice that will be balanced, as balance::equalise_start does it.
 #pragma once
 
 #include "cuda/som/level.h"

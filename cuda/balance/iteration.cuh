@@ -274,7 +274,7 @@ class Balancer {
         });
     }
 
-    // As hexrelief::untangle.
+    // As som::untangle.
     __device__ void untangle() {
         const step::BalanceView& v = view();
         const step::LatticeView m = step::lattice_view(v);

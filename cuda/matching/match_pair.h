@@ -13,7 +13,7 @@ class DeviceMatcher {
     DeviceMatcher();
     ~DeviceMatcher();
 
-    // The same bytes as hexrelief::match_pair(). The clock runs between the transfers.
+    // The same bytes as matching::match_pair(). The clock runs between the transfers.
     matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config);
 
     Workspace work;

@@ -18,7 +18,7 @@ struct UntangleScratch {
     int* any;  // step::kMostUntangleSweeps + 1
 };
 
-// Repairs folded triangles in place, as hexrelief::untangle does; waits for the stream. held: one a vertex,
+// Repairs folded triangles in place, as som::untangle does; waits for the stream. held: one a vertex,
 // not 0 where it may not move; null: all move.
 void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch,
               const std::uint8_t* held = nullptr);

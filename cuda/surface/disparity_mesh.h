@@ -10,7 +10,7 @@ namespace hexrelief::cuda {
 // Whether a block gets as much shared memory as the kernel takes: from compute capability 8.0 on.
 bool can_cut_meshes();
 
-// The same bytes as hexrelief::cut_disparity_mesh(). Resets the arena. Throws Error(device) where memory is
+// The same bytes as surface::cut_disparity_mesh(). Resets the arena. Throws Error(device) where memory is
 // too small.
 surface::DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
                                                 const float* map_on_device,

@@ -52,9 +52,11 @@ Backend cpu_backend(int threads) {
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
+using cuda::copy_from_cuda_device;
+
 struct CudaWorkers {
-    CudaMesher mesher;
-    std::unique_ptr<CudaMatcher> matcher;  // for those runs that match
+    cuda::CudaMesher mesher;
+    std::unique_ptr<cuda::CudaMatcher> matcher;  // for those runs that match
 };
 
 Backend cuda_backend(int threads) {
@@ -62,8 +64,8 @@ Backend cuda_backend(int threads) {
     return {"cuda",
             (*made)->mesher.device().name,
             [made](const StereoPair& pair, const matching::MatchingConfig& config) {
-                std::unique_ptr<CudaMatcher>& matcher = (*made)->matcher;
-                if (!matcher) matcher = std::make_unique<CudaMatcher>();
+                std::unique_ptr<cuda::CudaMatcher>& matcher = (*made)->matcher;
+                if (!matcher) matcher = std::make_unique<cuda::CudaMatcher>();
                 return matcher->match_pair(pair, config);
             },
             [made](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
@@ -71,7 +73,7 @@ Backend cuda_backend(int threads) {
                 return (*made)->mesher.solve(density, config, progress, &map);
             },
             [made, threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
-                CudaMesher& mesher = (*made)->mesher;
+                cuda::CudaMesher& mesher = (*made)->mesher;
                 return mesher.can_cut_meshes() ? mesher.cut_disparity_mesh(input, config)
                                                : surface::DisparityMeshResult{
                                                      surface::cut_disparity_mesh(input, config, threads)};
@@ -81,7 +83,7 @@ Backend cuda_backend(int threads) {
             },
             [made] {
                 made->reset();
-                end_cuda();
+                cuda::end_cuda();
             },
             {},
             {}};
@@ -90,7 +92,7 @@ Backend cuda_backend(int threads) {
 // nullopt where auto should take the CPU: no device, or one that does not start, which `why` is told.
 std::optional<Backend> usable_cuda_backend(int threads, std::string& why) {
     try {
-        if (!list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
+        if (!cuda::list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
     } catch (const Error& error) {
         why = error.what();
     }
@@ -99,7 +101,7 @@ std::optional<Backend> usable_cuda_backend(int threads, std::string& why) {
 
 void append_cuda_devices(std::vector<DeviceDescription>& devices) {
     std::string why;
-    for (const CudaDevice& device : list_cuda_devices(&why))
+    for (const cuda::CudaDevice& device : cuda::list_cuda_devices(&why))
         devices.push_back({"cuda", device.name,
                            "compute capability " + device.compute_capability + ", " +
                                std::to_string(device.memory_bytes >> 20) + " MiB, " +

@@ -58,7 +58,7 @@ inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
 }
 static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
 
-// As hexrelief::fit_disparities(): writes s.cut_mesh.disparities; reads the rest of s.cut_mesh, the pixels
+// As surface::fit_disparities(): writes s.cut_mesh.disparities; reads the rest of s.cut_mesh, the pixels
 // and their runs, the anchors and the totals.
 void fit_disparities(const Launch& launch, const SurfaceState& s, const FitArrays& a);
 

@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// As hexrelief::inset_silhouettes(): moves s.cut_mesh.points; the silhouettes' arrays serve here as well.
+// As surface::inset_silhouettes(): moves s.cut_mesh.points; the silhouettes' arrays serve here as well.
 void inset_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -41,7 +41,7 @@ inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As TriangleLabeler::collect_pixels() and hexrelief::cut_vertices(): fills s.cut_mesh but its
+// As TriangleLabeler::collect_pixels() and surface::cut_vertices(): fills s.cut_mesh but its
 // disparities, the runs of s.labels, for which there is run_capacity(), and the totals; after join_cuts().
 void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
                   const CutArrays& cuts, const FanArrays& a);

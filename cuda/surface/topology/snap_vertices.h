@@ -47,7 +47,7 @@ inline SnapArrays take_snap_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As hexrelief::snap_to_silhouettes(): moves s.lattice.points, fills s.lattice.on_silhouette; reads the
+// As surface::snap_to_silhouettes(): moves s.lattice.points, fills s.lattice.on_silhouette; reads the
 // pixels with their discontinuities.
 void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const SnapArrays& a);
 

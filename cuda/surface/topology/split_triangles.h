@@ -39,11 +39,11 @@ inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const Silhouette
     return a;
 }
 
-// As hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the rest of
+// As surface::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the rest of
 // s.lattice and s.counts.
 void split_at_silhouettes(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
-// As hexrelief::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
+// As surface::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
 void split_straddling(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
 }  // namespace hexrelief::cuda
