@@ -7,7 +7,7 @@
 #include "cuda/common/staging.h"
 #include "cuda/mesh_job.h"
 #include "cuda/patch_job.h"
-#include "cuda/surface/disparity_mesh.h"
+#include "cuda/surface/cut_disparity_mesh.h"
 
 namespace hexrelief::cuda {
 

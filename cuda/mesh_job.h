@@ -12,7 +12,7 @@
 #include "cuda/common/staging.h"
 #include "cuda/som/level.h"
 #include "cuda/som/untangle.h"
-#include "mesher/common/progress.h"
+#include "mesher/common/progress_function.h"
 #include "mesher/som/mesh_area.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"

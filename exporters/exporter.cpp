@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "exporters/formats/drc_exporter.h"
-#include "exporters/formats/gltf/exporter.h"
+#include "exporters/formats/gltf/gltf_exporter.h"
 #include "exporters/formats/obj_exporter.h"
 #include "exporters/formats/ply_exporter.h"
 #include "exporters/formats/stl_exporter.h"

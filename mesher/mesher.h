@@ -25,10 +25,10 @@
 #include <cstdint>
 
 #include "mesher/common/mesh_config.h"
-#include "mesher/common/progress.h"
+#include "mesher/common/progress_function.h"
 #include "mesher/common/surface_config.h"
 #include "mesher/quality/quality.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 

@@ -5,7 +5,7 @@
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/images/image_writer.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
 namespace hexrelief::samples {
 namespace {

@@ -15,7 +15,7 @@
 #include "cuda/surface/topology/label_triangles.h"
 #include "cuda/surface/topology/snap_vertices.h"
 #include "cuda/surface/topology/split_triangles.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 
 namespace hexrelief::cuda {
 

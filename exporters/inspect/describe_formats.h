@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::inspect {

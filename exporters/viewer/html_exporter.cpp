@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "exporters/formats/gltf/exporter.h"
+#include "exporters/formats/gltf/gltf_exporter.h"
 #include "exporters/viewer/html_text.h"
 #include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"

@@ -1,7 +1,7 @@
 // The parallel cellular model on CPU threads (paper, section 4).
 #pragma once
 
-#include "mesher/common/progress.h"
+#include "mesher/common/progress_function.h"
 #include "mesher/common/thread_pool.h"
 #include "mesher/som/level_plan.h"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 #include "mesher/tiles/lattice_tiles.h"
 
 namespace hexrelief::mesh_tiles {

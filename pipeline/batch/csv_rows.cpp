@@ -2,7 +2,7 @@
 #include <optional>
 #include <string_view>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::batch {

@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "pipeline/batch/rows.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/batch/manifest_rows.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
 namespace {

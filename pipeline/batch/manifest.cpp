@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "exporters/core/file_names.h"
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/suggest.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
 namespace {

@@ -3,7 +3,7 @@
 #include <map>
 #include <string_view>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::batch {

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
 

@@ -4,9 +4,9 @@
 #include <sstream>
 #include <utility>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
 namespace {

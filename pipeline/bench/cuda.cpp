@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/cuda_experiments.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/backend.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 
 namespace hexrelief::bench::cuda_bench {
 

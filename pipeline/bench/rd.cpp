@@ -7,11 +7,11 @@
 
 #include "exporters/compression/draco_codec.h"
 #include "exporters/inspect/draco_decode.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/bench/rd_peers.h"
 #include "pipeline/bench/rd_rows.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/clock.h"

@@ -5,8 +5,8 @@
 
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/data/error.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/readers/text.h"
 
 namespace hexrelief::bench::rd {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 
 namespace hexrelief::bench::rd {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/table2_paper.h"
 
 namespace hexrelief::bench::table2 {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pipeline/checks/text.h"
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pipeline/checks/edge_fit.h"
-#include "pipeline/checks/text.h"
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {

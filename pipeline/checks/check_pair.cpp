@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
-#include "pipeline/checks/text.h"
 #include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "pipeline/batch/batch.h"
+#include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/manifest.h"
-#include "pipeline/batch/progress.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"

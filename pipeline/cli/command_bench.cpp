@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/bench_batch.h"
 #include "pipeline/bench/batch/files.h"
 #include "pipeline/bench/cuda.h"
 #include "pipeline/bench/match/match.h"

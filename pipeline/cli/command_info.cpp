@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "exporters/exporter.h"
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
@@ -16,7 +16,7 @@
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/describe_map.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/image_reader.h"
 
 namespace hexrelief::cli {

@@ -9,7 +9,7 @@
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/terminal/progress_line.h"
 
 namespace hexrelief::cli {
 namespace {

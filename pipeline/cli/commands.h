@@ -1,7 +1,7 @@
 // Each command: its options and help go into the parser, its work becomes the command's action.
 #pragma once
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
 namespace hexrelief::cli {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
 namespace hexrelief::cli {
 

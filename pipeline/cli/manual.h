@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
 namespace hexrelief::cli {
 

@@ -12,7 +12,7 @@
 #include "pipeline/config/fields.h"
 #include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::config {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/densify/plane_votes.h"
 #include "pipeline/densify/planes.h"
 #include "pipeline/densify/reach.h"
-#include "pipeline/densify/votes.h"
 
 namespace hexrelief::densify {
 

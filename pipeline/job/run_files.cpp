@@ -8,7 +8,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 
 namespace hexrelief::job {
 namespace {

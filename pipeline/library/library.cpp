@@ -11,7 +11,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/job/tolerance.h"
-#include "pipeline/library/arguments.h"
+#include "pipeline/library/conversions.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"

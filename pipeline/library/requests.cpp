@@ -6,7 +6,7 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/run_files.h"
-#include "pipeline/library/arguments.h"
+#include "pipeline/library/conversions.h"
 
 namespace hexrelief::library {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pipeline/data/disparity_map.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"

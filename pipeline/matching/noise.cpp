@@ -5,7 +5,7 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/color_planes.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/matcher.h"
 
 namespace hexrelief::matching {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 
 namespace hexrelief::pictures {
 namespace {

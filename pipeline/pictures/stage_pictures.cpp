@@ -7,7 +7,7 @@
 
 #include "exporters/images/image_writer.h"
 #include "mesher/mesher.h"
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline/readers/describe.h"
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/source.h"
 
 namespace hexrelief::readers::codec {

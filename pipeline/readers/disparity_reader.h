@@ -6,8 +6,8 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/raster.h"
 
 namespace hexrelief::readers {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "pipeline/data/image.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/raster.h"
 
 namespace hexrelief::readers {
 

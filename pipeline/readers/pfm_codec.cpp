@@ -5,7 +5,7 @@
 
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/netpbm_header.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/windows/map_windows.h"
 
 namespace hexrelief::windows {

@@ -12,7 +12,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/netpbm_header.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/windows/window_source.h"
 
 namespace hexrelief::windows {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/windows/map_windows.h"
 
 namespace hexrelief::windows {

@@ -4,7 +4,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/batch/manifest.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
@@ -20,7 +20,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/describe_map.h"
 #include "pipeline/readers/depth/mask_reader.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/stereo_reader.h"

@@ -7,7 +7,7 @@
 #include "cuda/common/arena.h"
 #include "cuda/common/check.h"
 #include "cuda/common/launch.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::cuda {
 

@@ -5,7 +5,7 @@
 #include "cuda/matching/refine/consistency.h"
 #include "cuda/matching/refine/fill.h"
 #include "cuda/matching/refine/frame_segments.h"
-#include "cuda/matching/refine/speckles.h"
+#include "cuda/matching/refine/remove_speckles.h"
 #include "cuda/matching/refine/votes.h"
 
 namespace hexrelief::cuda {

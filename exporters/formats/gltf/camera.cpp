@@ -1,7 +1,7 @@
 // The left camera as a glTF camera.
 #include <cmath>
 
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/bounds.h"
 
 namespace hexrelief::exporters {

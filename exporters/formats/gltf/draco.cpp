@@ -1,5 +1,5 @@
 // KHR_draco_mesh_compression.
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 
 namespace hexrelief::exporters {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/background.h"
 
 namespace hexrelief::exporters {

@@ -1,5 +1,5 @@
 // Floats and whole indices, as every glTF reader knows them.
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/bounds.h"
 
 namespace hexrelief::exporters {

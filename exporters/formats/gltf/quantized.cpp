@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "exporters/compression/quantized_streams.h"
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {

@@ -8,8 +8,8 @@
 #include <ostream>
 
 #include "pipeline/batch/batch.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/match/match_scenes.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"

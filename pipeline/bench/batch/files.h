@@ -3,7 +3,7 @@
 
 #include <iosfwd>
 
-#include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/bench_batch.h"
 
 namespace hexrelief::bench {
 

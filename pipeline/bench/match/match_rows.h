@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/evaluation/evaluate.h"
 
 namespace hexrelief::bench {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/match/match_scenes.h"
 #include "pipeline/bench/rd_meshes.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/bench/sparse/patterns.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"

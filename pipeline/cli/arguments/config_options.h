@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 #include "pipeline/config/options.h"
 
 namespace hexrelief::cli {

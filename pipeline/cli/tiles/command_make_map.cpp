@@ -1,4 +1,4 @@
-#include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 
 #include <algorithm>
 #include <charconv>

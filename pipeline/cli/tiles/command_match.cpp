@@ -3,8 +3,8 @@
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
 #include "pipeline/cli/tiles/stage_teller.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"

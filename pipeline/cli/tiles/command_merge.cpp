@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
 #include "pipeline/cli/tiles/stage_teller.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/tiles/merge_tiles.h"

@@ -4,8 +4,8 @@
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
 #include "pipeline/cli/tiles/stage_teller.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/tiles/make_plan.h"

@@ -7,13 +7,13 @@
 #include <cstdlib>
 #include <memory>
 
+#include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/memory.h"
-#include "pipeline/batch/progress.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"

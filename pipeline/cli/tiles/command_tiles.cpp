@@ -1,6 +1,6 @@
 #include "pipeline/cli/tiles/command_tiles.h"
 
-#include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 
 namespace hexrelief::cli {
 

@@ -1,7 +1,7 @@
 // The commands for maps that do not fit into memory.
 #pragma once
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
 namespace hexrelief::cli {
 

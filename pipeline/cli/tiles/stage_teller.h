@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/terminal/progress_line.h"
 #include "pipeline/job/run_log.h"
 
 namespace hexrelief::cli {

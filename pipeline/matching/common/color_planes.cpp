@@ -4,7 +4,7 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 
 namespace hexrelief::matching {
 namespace {

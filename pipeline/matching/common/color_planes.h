@@ -6,7 +6,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::matching {
 

@@ -1,7 +1,7 @@
 #include "pipeline/matching/common/half_size.h"
 
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/common/rows.h"
 
 namespace hexrelief::matching {
 

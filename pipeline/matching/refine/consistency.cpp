@@ -4,7 +4,7 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/data/union_find.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/median_step.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/fill_step.h"
 #include "pipeline/matching/refine/match_colors.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 
 namespace hexrelief::matching {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/consistency_step.h"
 
 namespace hexrelief::step {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/half_size_match_step.h"
 
 namespace hexrelief::matching {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/common/raster.h"
 
 namespace hexrelief::step {
 

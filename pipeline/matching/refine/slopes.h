@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mesher/common/thread_pool.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::matching {
 

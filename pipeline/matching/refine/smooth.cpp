@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/matching/common/color_rows.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/slopes.h"
 #include "pipeline/matching/refine/smooth_step.h"
 

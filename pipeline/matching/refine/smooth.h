@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_planes.h"
-#include "pipeline/matching/common/raster.h"
 
 namespace hexrelief::matching {
 

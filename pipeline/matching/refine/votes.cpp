@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "pipeline/matching/common/color_rows.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/vote_step.h"
 
 namespace hexrelief::matching {

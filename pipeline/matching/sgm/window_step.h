@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/volume.h"
 
 namespace hexrelief::step {

@@ -1,7 +1,7 @@
 #include "pipeline/matching/sgm/windows.h"
 
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/sgm/window_step.h"
 
 namespace hexrelief::matching {

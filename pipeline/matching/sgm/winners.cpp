@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mesher/common/simd.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/sgm/window_step.h"
 #include "pipeline/matching/sgm/winner_step.h"
 

@@ -5,8 +5,8 @@
 
 #include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/readers/text.h"
 
 namespace hexrelief::readers::codec {
 

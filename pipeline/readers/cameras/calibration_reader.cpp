@@ -4,8 +4,8 @@
 
 #include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_formats.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/readers/text.h"
 
 namespace hexrelief::readers {
 namespace {

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

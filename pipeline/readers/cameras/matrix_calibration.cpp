@@ -1,6 +1,6 @@
 // K as nine numbers, by numpy.savetxt or by hand; FoundationStereo's file has the baseline behind them.
 #include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "pipeline/readers/cameras/yaml_values.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pipeline/readers/cameras/yaml_values.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

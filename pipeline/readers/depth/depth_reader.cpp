@@ -10,7 +10,7 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers {
 namespace {

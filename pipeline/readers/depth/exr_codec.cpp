@@ -11,7 +11,7 @@
 #include <cstring>
 #include <memory>
 
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

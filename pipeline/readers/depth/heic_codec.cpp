@@ -7,7 +7,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/depth/heic_module.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

@@ -13,7 +13,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/zip_archive.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

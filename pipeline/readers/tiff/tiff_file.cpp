@@ -8,7 +8,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {

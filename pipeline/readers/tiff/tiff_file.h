@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/source.h"
 
 namespace hexrelief::readers::codec {

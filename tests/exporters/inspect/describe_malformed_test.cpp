@@ -6,7 +6,7 @@
 #include <new>
 #include <random>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"

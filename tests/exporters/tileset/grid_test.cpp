@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "exporters/inspect/draco_decode.h"
 #include "tests/exporters/sample_scene.h"
 #include "tests/exporters/tileset/tile_scenes.h"

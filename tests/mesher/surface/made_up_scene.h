@@ -10,7 +10,7 @@
 #include <set>
 
 #include "mesher/mesher.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 #include "tests/mesher/regular_lattice.h"
 
 namespace hexrelief::surface {

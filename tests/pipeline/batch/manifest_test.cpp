@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/batch/shell_words.h"
 #include "tests/pipeline/process.h"
 

@@ -1,5 +1,5 @@
 // `hexrelief bench batch` on the sample pair, laid out as the data sets are.
-#include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/bench_batch.h"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "findings_table.h"
+#include "middlebury_scenes.h"
 #include "mistakes.h"
 #include "pipeline/bench/sparse/patterns.h"
 #include "pipeline/checks/check_camera.h"
@@ -17,8 +19,6 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
 #include "pipeline/data/error.h"
-#include "scenes.h"
-#include "table.h"
 
 namespace hexrelief::checks::mistakes {
 namespace {

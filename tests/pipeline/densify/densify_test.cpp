@@ -8,7 +8,7 @@
 
 #include "pipeline/densify/measurements.h"
 #include "pipeline/densify/reach.h"
-#include "pipeline/densify/sides.h"
+#include "pipeline/densify/side_odds.h"
 #include "pipeline/densify/sparsity.h"
 
 namespace hexrelief::densify {

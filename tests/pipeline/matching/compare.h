@@ -5,11 +5,11 @@
 #include <cstdlib>
 #include <string>
 
-#include "oracle.h"
+#include "matching_oracle.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/volume.h"
-#include "scenes.h"
 
 namespace hexrelief::matching::oracle {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "pipeline/matching/matcher.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
 namespace hexrelief::matching {
 namespace {

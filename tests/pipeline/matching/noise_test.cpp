@@ -6,7 +6,7 @@
 #include <random>
 
 #include "pipeline/matching/matcher.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
 namespace hexrelief::matching {
 namespace {

@@ -1,10 +1,11 @@
-// Steps 5 to 8 and 12 of the recipe in oracle.h: from winners to a map without unknown pixels, and the whole.
+// Steps 5 to 8 and 12 of the recipe in matching_oracle.h: from winners to a map without unknown pixels, and
+// the whole.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -1,8 +1,8 @@
-// Step 15 of the recipe in oracle.h: segments of the left picture beside its frame.
+// Step 15 of the recipe in matching_oracle.h: segments of the left picture beside its frame.
 #include <algorithm>
 #include <cmath>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

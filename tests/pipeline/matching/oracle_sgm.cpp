@@ -1,10 +1,11 @@
-// Steps 1 to 4 of the recipe in oracle.h: from a pair and its search windows to the winners of both views.
+// Steps 1 to 4 of the recipe in matching_oracle.h: from a pair and its search windows to the winners of both
+// views.
 #include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstdlib>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -1,10 +1,10 @@
-// Steps 9 to 12 of the recipe in oracle.h: discontinuities, votes, smoothing, sides.
+// Steps 9 to 12 of the recipe in matching_oracle.h: discontinuities, votes, smoothing, sides.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -1,9 +1,10 @@
-// Steps 14 and 16 of the recipe in oracle.h, as far as they concern the search, and steps 1 to 4 with them.
+// Steps 14 and 16 of the recipe in matching_oracle.h, as far as they concern the search, and steps 1 to 4
+// with them.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/winners.h"
-#include "scenes.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/refine/sides.h"
@@ -9,7 +10,6 @@
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/votes.h"
 #include "pipeline/matching/sgm/sgm.h"
-#include "scenes.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

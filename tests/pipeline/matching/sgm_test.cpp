@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/sgm/costs.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/winners.h"
-#include "scenes.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

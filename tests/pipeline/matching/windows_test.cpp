@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/windows.h"
-#include "scenes.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <sstream>
 
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"
 #include "tests/mesher/regular_lattice.h"

@@ -6,7 +6,7 @@
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
 namespace hexrelief::stages {
 namespace {

@@ -4,7 +4,7 @@
 #include <map>
 #include <numeric>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

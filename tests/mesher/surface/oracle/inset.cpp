@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

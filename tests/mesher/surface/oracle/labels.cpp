@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

@@ -9,9 +9,9 @@
 #include <fstream>
 #include <string>
 
-#include "mesher/surface/disparity_mesh.h"
-#include "oracle.h"
-#include "scenes.h"
+#include "mesher/surface/cut_disparity_mesh.h"
+#include "surface_oracle.h"
+#include "surface_scenes.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <set>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

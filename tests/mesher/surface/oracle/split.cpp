@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <map>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
 namespace {

@@ -1,7 +1,7 @@
 // NPY, NPZ and EXR, and TIFF's unknown samples, as disparity and depth maps.
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/depth_reader.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
