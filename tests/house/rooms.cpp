@@ -181,6 +181,13 @@ std::vector<SourceFile> source_files(const fs::path& root, const std::string& fo
     });
 }
 
+std::vector<SourceFile> all_sources() {
+    std::vector<SourceFile> files = source_files(HEXRELIEF_SOURCE_DIR, ".");
+    for (SourceFile& file : files)
+        if (file.path.starts_with("./")) file.path.erase(0, 2);
+    return files;
+}
+
 std::vector<SourceFile> cmake_files(const fs::path& root) {
     return read_tree(root, root, [](const fs::path& path) {
         return path.filename() == "CMakeLists.txt" || path.extension() == ".cmake";
