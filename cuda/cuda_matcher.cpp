@@ -5,7 +5,7 @@
 #include "cuda/cuda_mesher.h"
 #include "cuda/matching/match_pair.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 struct CudaMatcher::State : cuda::DeviceMatcher {};
 
@@ -27,10 +27,10 @@ double CudaMatcher::kernel_seconds() const {
     return state_->work.clock.seconds();
 }
 
-MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const MatchingConfig& config,
-                                   std::vector<CudaMatchingTime>* times) {
+matching::MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const matching::MatchingConfig& config,
+                                             std::vector<CudaMatchingTime>* times) {
     state_->work.clock.enable(times != nullptr);
-    MatchedMap map = state_->match_pair(pair, config);
+    matching::MatchedMap map = state_->match_pair(pair, config);
     if (times) {
         times->clear();
         for (const cuda::StageClock::Stage& stage : state_->work.clock.stages())
@@ -39,4 +39,4 @@ MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const MatchingConfig&
     return map;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

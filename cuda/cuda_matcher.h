@@ -12,7 +12,7 @@
 
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 // Time that the kernels of a stage took on the device, without transfers.
 struct CudaMatchingTime {
@@ -30,11 +30,11 @@ class CudaMatcher {
     CudaMatcher();
     ~CudaMatcher();
 
-    // Runs hexrelief::match_pair on the device. Also throws Error(device) if memory is too small, for more
+    // Runs matching::match_pair on the device. Also throws Error(device) if memory is too small, for more
     // than 2048 disparities, and for images of more than 32,767 px a side. times: receives the stages' times
     // in their order; null = not measured, which makes the call a little faster.
-    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config,
-                          std::vector<CudaMatchingTime>* times = nullptr);
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config,
+                                    std::vector<CudaMatchingTime>* times = nullptr);
 
     // Returns the peak device memory of the last call.
     std::size_t device_bytes() const;
@@ -47,4 +47,4 @@ class CudaMatcher {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

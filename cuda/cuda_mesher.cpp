@@ -7,9 +7,9 @@
 #include "cuda/common/staging.h"
 #include "cuda/mesh_job.h"
 #include "cuda/patch_job.h"
-#include "cuda/surface/disparity_mesh.h"
+#include "cuda/surface/cut_disparity_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 struct CudaMesher::State {
     CudaDevice device;
@@ -63,24 +63,25 @@ bool CudaMesher::can_cut_meshes() const {
     return state_->can_cut_meshes;
 }
 
-DisparityMeshResult CudaMesher::cut_disparity_mesh(const DisparityMeshInput& input,
-                                                   const SurfaceConfig& config) {
-    check_disparity_mesh_input(input);
+surface::DisparityMeshResult CudaMesher::cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                            const SurfaceConfig& config) {
+    surface::check_disparity_mesh_input(input);
     const float* const map = state_->map.find(input.map_on_device, input.map->values.size());
     return cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input, config);
 }
 
-void CudaMesher::balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+void CudaMesher::balance_patch(const DensityMap& density, const BalanceConfig& config,
+                               balance::LatticePatch& patch) {
     cuda::balance_patch(state_->launch, state_->arena, state_->staging, density, config, patch);
 }
 
-MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config,
-                             const ProgressFunction& progress, const DisparityMap* map) {
+mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config,
+                                     const ProgressFunction& progress, const DisparityMap* map) {
     if (config.method == MeshMethod::sequential)
         throw Error(ErrorKind::usage,
                     "mesh.method: sequential has no CUDA form; use cellular, or --backend cpu");
     if (state_->exponent != config.magnification) {
-        state_->magnification = magnification_table(config.magnification);
+        state_->magnification = som::magnification_table(config.magnification);
         state_->exponent = config.magnification;
     }
     const cudaStream_t stream = state_->launch.stream;
@@ -99,7 +100,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config
     job.move_to_area();
     if (map) cuda::check(cudaStreamWaitEvent(stream, state_->copied), "uploading");
 
-    MeshResult result;
+    mesher::MeshResult result;
     result.mesh = job.download(state_->staging);
     result.iterations = job.iterations();
     float milliseconds = 0;
@@ -111,4 +112,4 @@ MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

@@ -15,7 +15,7 @@
 #include "mesher/balance/balance.h"
 #include "mesher/mesher.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 struct CudaDevice {
     int index = 0;
@@ -50,24 +50,25 @@ class CudaMesher {
 
     // Runs solve_mesh on the device. `map`, unless null, is copied to the device while the mesh is trained
     // and stays there until the next call with a map; cut_disparity_mesh need not copy it again if its input
-    // names MeshResult::map_on_device. Also throws Error(usage) for MeshMethod::sequential and for more than
-    // 100 sweeps of balancing, and Error(device) if memory is too small, an image side exceeds 32,767 px, or
-    // a neighbourhood radius exceeds 27.
-    MeshResult solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress,
-                     const DisparityMap* map = nullptr);
+    // names mesher::MeshResult::map_on_device. Also throws Error(usage) for MeshMethod::sequential and for
+    // more than 100 sweeps of balancing, and Error(device) if memory is too small, an image side exceeds
+    // 32,767 px, or a neighbourhood radius exceeds 27.
+    mesher::MeshResult solve(const DensityMap& density, const MeshConfig& config,
+                             const ProgressFunction& progress, const DisparityMap* map = nullptr);
 
-    // Runs hexrelief::balance_patch on the device. Throws Error(usage) for more than 100 sweeps and
+    // Runs balance::balance_patch on the device. Throws Error(usage) for more than 100 sweeps and
     // Error(device) if memory is too small; the patch is then unchanged.
-    void balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch);
+    void balance_patch(const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch);
 
     // True if the device supports cut_disparity_mesh, which needs compute capability 8.0.
     bool can_cut_meshes() const;
-    // Runs hexrelief::cut_disparity_mesh on the device. Also throws Error(device) if memory is too small.
-    DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config);
+    // Runs surface::cut_disparity_mesh on the device. Also throws Error(device) if memory is too small.
+    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                    const SurfaceConfig& config);
 
   private:
     struct State;
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

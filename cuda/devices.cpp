@@ -9,7 +9,7 @@
 #include "cuda/common/check.h"
 #include "cuda/cuda_mesher.h"
 
-namespace hexrelief {
+namespace hexrelief::cuda {
 
 namespace {
 
@@ -71,4 +71,4 @@ void end_cuda() {
     for (const int file : driver_files()) close(file);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cuda

@@ -18,15 +18,15 @@ constexpr int kMostSide_px = 32767;  // points are stored as two 16-bit half-pix
 
 // Number of words of a level's learning tables as the kernels read them: the gains of all iterations,
 // kTableWidth each, then the decays, then the radii.
-std::size_t table_words(const LevelPlan& plan) {
+std::size_t table_words(const som::LevelPlan& plan) {
     return plan.iterations.size() * (2 * kTableWidth + 1);
 }
 
-void append_tables(const LevelPlan& plan, std::vector<std::uint32_t>& words) {
+void append_tables(const som::LevelPlan& plan, std::vector<std::uint32_t>& words) {
     const std::size_t n = plan.iterations.size(), begin = words.size();
     words.resize(begin + table_words(plan));
     std::uint32_t *gain = &words[begin], *decay = gain + n * kTableWidth, *radius = decay + n * kTableWidth;
-    for (const LearningTables& t : plan.iterations) {
+    for (const som::LearningTables& t : plan.iterations) {
         if (t.radius > kMostRadius)
             throw Error(ErrorKind::device, "backend cuda: a neighbourhood radius above " +
                                                std::to_string(kMostRadius) +
@@ -39,16 +39,16 @@ void append_tables(const LevelPlan& plan, std::vector<std::uint32_t>& words) {
     }
 }
 
-std::size_t pixels_of(const LevelPlan& plan) {
+std::size_t pixels_of(const som::LevelPlan& plan) {
     return static_cast<std::size_t>(plan.width) * plan.height;
 }
 
-std::size_t neurons_of(const LevelPlan& plan) {
+std::size_t neurons_of(const som::LevelPlan& plan) {
     return static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
 }
 
 // Number of words in a row of the mask of units.
-int mask_words(const LevelPlan& plan) {
+int mask_words(const som::LevelPlan& plan) {
     return (plan.lattice.columns + 31) / 32;
 }
 
@@ -91,11 +91,11 @@ MeshJob::MeshJob(const Launch& launch, Arena& arena, const DensityMap& density, 
       density_(checked(density)),
       config_(config),
       magnification_(magnification),
-      area_(mesh_area(density, config)),
-      plans_(plan_levels(density.width, density.height, config, area_)),
-      outline_(mesh_outline(density, area_, config)) {
+      area_(som::mesh_area(density, config)),
+      plans_(som::plan_levels(density.width, density.height, config, area_)),
+      outline_(som::mesh_outline(density, area_, config)) {
     arena_.reset();
-    for (const LevelPlan& plan : plans_)
+    for (const som::LevelPlan& plan : plans_)
         longest_ = std::max(longest_, *std::max_element(plan.batches.begin(), plan.batches.end()));
     // points are drawn by the sampling weights; balancing equalises the density itself
     const bool balanced = config.balance.enabled;
@@ -125,12 +125,12 @@ std::vector<float*> MeshJob::take_pyramid(std::size_t count) {
 void MeshJob::take_levels() {
     std::size_t points = 0, iterations = 0, records = 0;
     std::size_t words = outline_.upper.size() + outline_.lower.size();
-    for (const LevelPlan& plan : plans_) words += table_words(plan);
+    for (const som::LevelPlan& plan : plans_) words += table_words(plan);
     tables_ = arena_.take<std::uint32_t>(words);
     for (const float y : outline_.upper) words_.push_back(std::bit_cast<std::uint32_t>(y));
     for (const float y : outline_.lower) words_.push_back(std::bit_cast<std::uint32_t>(y));
     const LevelView shared = shared_view();
-    for (const LevelPlan& plan : plans_) {
+    for (const som::LevelPlan& plan : plans_) {
         Level level{level_view(shared, plan, tables_ + words_.size()), 0};
         append_tables(plan, words_);
         level.view.x = arena_.take<float>(2 * neurons_of(plan));
@@ -172,11 +172,11 @@ LevelView MeshJob::shared_view() {
 }
 
 // Makes a level's view. tables: address of the level's learning tables on the device.
-LevelView MeshJob::level_view(const LevelView& shared, const LevelPlan& plan,
+LevelView MeshJob::level_view(const LevelView& shared, const som::LevelPlan& plan,
                               const std::uint32_t* tables) const {
     LevelView view = shared;
     const auto* const upper = reinterpret_cast<const float*>(tables_);
-    view.outline = outline_of(outline_, upper, upper + outline_.upper.size(), plan.level);
+    view.outline = som::outline_of(outline_, upper, upper + outline_.upper.size(), plan.level);
     view.grid = plan.cells;
     view.lattice = plan.lattice;
     view.extent_x = plan.extent_x;
@@ -195,7 +195,7 @@ LevelView MeshJob::level_view(const LevelView& shared, const LevelPlan& plan,
 }
 
 // Returns how many iterations' points fit into 64 MiB or two words a pixel, whichever is more.
-int MeshJob::draws_ahead(const LevelPlan& plan, const LevelView& view) const {
+int MeshJob::draws_ahead(const som::LevelPlan& plan, const LevelView& view) const {
     const std::size_t crr = config_.crr;
     const std::size_t entries = std::max<std::size_t>(std::size_t{16} << 20, 2 * pixels_of(plan));
     const std::size_t fitting = std::max<std::size_t>(1, entries / view.point_capacity / crr) * crr;
@@ -214,7 +214,7 @@ void MeshJob::upload(Staging& staging) {
 
 void MeshJob::coarsen_all(const std::vector<float*>& pyramid) {
     for (std::size_t i = 1; i < plans_.size(); ++i) {
-        const LevelPlan& finer = plans_[plans_.size() - i];
+        const som::LevelPlan& finer = plans_[plans_.size() - i];
         coarsen(launch_, pyramid[i - 1], finer.width, finer.height, pyramid[i]);
     }
 }
@@ -261,7 +261,7 @@ void MeshJob::initialise(std::size_t level, const float* masses) {
 
 // Trains a level by its sampling weights.
 void MeshJob::train(std::size_t level, const float* weights) {
-    const LevelPlan& plan = plans_[level];
+    const som::LevelPlan& plan = plans_[level];
     const auto& [view, ahead] = levels_[level];
     find_largest(launch_, weights, pixels_of(plan), view.largest);
     build_distributions(launch_, view, weights, config_.delta);
@@ -307,7 +307,7 @@ HexMesh2D MeshJob::download(Staging& staging) {
 
 int MeshJob::iterations() const {
     int sum = 0;
-    for (const LevelPlan& plan : plans_) sum += static_cast<int>(plan.iterations.size());
+    for (const som::LevelPlan& plan : plans_) sum += static_cast<int>(plan.iterations.size());
     return sum;
 }
 

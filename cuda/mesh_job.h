@@ -12,7 +12,7 @@
 #include "cuda/common/staging.h"
 #include "cuda/som/level.h"
 #include "cuda/som/untangle.h"
-#include "mesher/common/progress.h"
+#include "mesher/common/progress_function.h"
 #include "mesher/som/mesh_area.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
@@ -63,12 +63,13 @@ class MeshJob {
         int ahead;  // iterations whose points are drawn together
     };
 
-    const LevelPlan& finest() const { return plans_.back(); }
+    const som::LevelPlan& finest() const { return plans_.back(); }
     std::vector<float*> take_pyramid(std::size_t count);
     void take_levels();
     LevelView shared_view();
-    LevelView level_view(const LevelView& shared, const LevelPlan& plan, const std::uint32_t* tables) const;
-    int draws_ahead(const LevelPlan& plan, const LevelView& view) const;
+    LevelView level_view(const LevelView& shared, const som::LevelPlan& plan,
+                         const std::uint32_t* tables) const;
+    int draws_ahead(const som::LevelPlan& plan, const LevelView& view) const;
     void coarsen_all(const std::vector<float*>& pyramid);
     void initialise(std::size_t level, const float* masses);
     void train(std::size_t level, const float* weights);
@@ -78,9 +79,9 @@ class MeshJob {
     const DensityMap& density_;
     const MeshConfig& config_;
     const std::vector<float>& magnification_;
-    const MeshArea area_;
-    const std::vector<LevelPlan> plans_;  // coarsest first
-    const MeshOutline outline_;
+    const som::MeshArea area_;
+    const std::vector<som::LevelPlan> plans_;  // coarsest first
+    const som::MeshOutline outline_;
     int longest_ = 1;                   // longest batch of all levels, in iterations
     std::vector<std::uint32_t> words_;  // the outline's curves, then the levels' learning tables
     // On the device:

@@ -7,10 +7,10 @@
 namespace hexrelief::cuda {
 
 void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,
-                   const BalanceConfig& config, LatticePatch& patch) {
+                   const BalanceConfig& config, balance::LatticePatch& patch) {
     const std::size_t vertices = patch.mesh.positions.size();
     if (vertices == 0) return;
-    const LevelPlan plan = patch_plan(density, patch);
+    const som::LevelPlan plan = balance::patch_plan(density, patch);
 
     arena.reset();
     LevelView view{};
@@ -35,7 +35,7 @@ void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const D
     }
     staging.upload(launch.stream, view.x, positions.data(), positions.size());
     staging.upload(launch.stream, held, patch.held.data(), vertices);
-    staging.upload(launch.stream, held_with_it, held_with_border(patch).data(), vertices);
+    staging.upload(launch.stream, held_with_it, balance::held_with_border(patch).data(), vertices);
     staging.upload(launch.stream, masses, density.values.data(), density.values.size());
     // The border may be folded against held vertices next to it, so it is untangled first; from
     // then on it stays.

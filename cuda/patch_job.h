@@ -8,10 +8,10 @@
 
 namespace hexrelief::cuda {
 
-// Runs hexrelief::balance_patch. Resets the arena and takes its memory from it; leaves the patch
+// Runs balance::balance_patch. Resets the arena and takes its memory from it; leaves the patch
 // unchanged if the device fails. Throws Error(device), also if memory is too small, and Error(usage) for
 // more than kMostSweeps sweeps.
 void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,
-                   const BalanceConfig& config, LatticePatch& patch);
+                   const BalanceConfig& config, balance::LatticePatch& patch);
 
 }  // namespace hexrelief::cuda

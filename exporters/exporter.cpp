@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "exporters/formats/drc_exporter.h"
-#include "exporters/formats/gltf/exporter.h"
+#include "exporters/formats/gltf/gltf_exporter.h"
 #include "exporters/formats/obj_exporter.h"
 #include "exporters/formats/ply_exporter.h"
 #include "exporters/formats/stl_exporter.h"
@@ -13,7 +13,7 @@
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 FormatWriter writer_of(MeshFormat format) {
@@ -113,4 +113,4 @@ std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const 
     return files.bytes();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

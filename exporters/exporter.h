@@ -10,7 +10,7 @@
 #include "exporters/core/file_transaction.h"
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Writes the scene to `path` and returns all files written, `path` first (.gltf adds .bin and a texture, .obj
 // adds .mtl and a texture, named after the path's stem; separate levels of detail follow, each with its own).
@@ -28,4 +28,4 @@ void export_scene(const Scene& scene, const ExportConfig& config, const std::fil
 // Throws what export_scene() throws.
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

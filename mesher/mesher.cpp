@@ -10,17 +10,17 @@
 #include "mesher/som/sequential_som.h"
 #include "mesher/som/untangle_step.h"
 
-namespace hexrelief {
+namespace hexrelief::mesher {
 namespace {
 
 // The sampling weights of the finest level: density^magnification.
 std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig& config, ThreadPool& pool) {
-    const std::vector<float> table = magnification_table(config.magnification);
+    const std::vector<float> table = som::magnification_table(config.magnification);
     const float largest = *std::max_element(weights.begin(), weights.end());
     if (table.empty() || !(largest > 0)) return weights;
     pool.parallel_for(weights.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            weights[i] = step::magnify(weights[i] / largest, table.data(), kMagnificationSteps);
+            weights[i] = step::magnify(weights[i] / largest, table.data(), som::kMagnificationSteps);
     });
     return weights;
 }
@@ -40,20 +40,20 @@ std::vector<float> coarser_density(const std::vector<float>& fine, int width, in
 
 // The densities of all levels, finest first.
 std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
-                                                const std::vector<LevelPlan>& plans, ThreadPool& pool) {
+                                                const std::vector<som::LevelPlan>& plans, ThreadPool& pool) {
     std::vector<std::vector<float>> pyramid{std::move(finest)};
     for (std::size_t i = 1; i < plans.size(); ++i) {
-        const LevelPlan& finer = plans[plans.size() - i];
+        const som::LevelPlan& finer = plans[plans.size() - i];
         pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, pool));
     }
     return pyramid;
 }
 
 // Interpolates the start positions of a level from the result of the next coarser one.
-LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to,
-                            bool pinned) {
+som::LatticePositions prolongate(const som::LatticePositions& coarse, const som::LevelPlan& from,
+                                 const som::LevelPlan& to, bool pinned) {
     const step::Refinement refinement{from.lattice, to.lattice, pinned};
-    LatticePositions fine;
+    som::LatticePositions fine;
     for (int row = 0; row < to.lattice.rows; ++row)
         for (int column = 0; column < to.lattice.columns; ++column) {
             fine.x.push_back(step::prolongate(coarse.x.data(), refinement, column, row, to.extent_x));
@@ -62,9 +62,9 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
     return fine;
 }
 
-LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vector<LevelPlan>& plans,
-                                      const MeshConfig& config, ThreadPool& pool,
-                                      const ProgressFunction& progress) {
+som::LatticePositions train_coarse_to_fine(std::vector<float> density,
+                                           const std::vector<som::LevelPlan>& plans, const MeshConfig& config,
+                                           ThreadPool& pool, const ProgressFunction& progress) {
     const bool balanced = config.balance.enabled;
     std::vector<std::vector<float>> pyramid =
         density_pyramid(sampling_weights(density, config, pool), plans, pool);
@@ -72,36 +72,37 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
     std::vector<std::vector<float>> masses;
     if (balanced) masses = density_pyramid(std::move(density), plans, pool);
     const bool pinned = config.border != MeshBorder::free;
-    LatticePositions positions;
+    som::LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
         positions =
-            i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i], pinned);
-        if (i == 0 && balanced) equalise_start(plans[0], masses.back(), positions);
-        if (pinned) pin_border(plans[i], positions);
+            i == 0 ? som::regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i], pinned);
+        if (i == 0 && balanced) balance::equalise_start(plans[0], masses.back(), positions);
+        if (pinned) som::pin_border(plans[i], positions);
         // work quadruples from level to level, so the finest level takes about three quarters of the time
         const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
         const double after = 1.0 / (1 << 2 * (plans.size() - 1 - i));
-        train_level(plans[i], config, pyramid.back(), pool, positions, [&](double share) {
+        som::train_level(plans[i], config, pyramid.back(), pool, positions, [&](double share) {
             if (progress) progress(before + (after - before) * share);
         });
         pyramid.pop_back();
         if (!balanced) continue;
-        balance_level(plans[i], config.balance, pinned, nullptr, masses.back(), pool, positions);
+        balance::balance_level(plans[i], config.balance, pinned, nullptr, masses.back(), pool, positions);
         masses.pop_back();
     }
-    untangle(plans.back(), pinned, nullptr, pool, positions);
+    som::untangle(plans.back(), pinned, nullptr, pool, positions);
     return positions;
 }
 
-// Trains by the online map. A free border can become so crumpled that untangle() does not unfold it; once
-// pinned to the image's border, it always unfolds.
-LatticePositions train_one_by_one(std::vector<float> density, const LevelPlan& plan, const MeshConfig& config,
-                                  ThreadPool& pool, const ProgressFunction& progress) {
-    LatticePositions positions =
-        train_sequential(sampling_weights(std::move(density), config, pool), plan, config, progress);
-    if (untangle(plan, false, nullptr, pool, positions) == step::kMostUntangleSweeps) {
-        pin_border(plan, positions);
-        untangle(plan, true, nullptr, pool, positions);
+// Trains by the online map. A free border can become so crumpled that som::untangle() does not unfold it;
+// once pinned to the image's border, it always unfolds.
+som::LatticePositions train_one_by_one(std::vector<float> density, const som::LevelPlan& plan,
+                                       const MeshConfig& config, ThreadPool& pool,
+                                       const ProgressFunction& progress) {
+    som::LatticePositions positions =
+        som::train_sequential(sampling_weights(std::move(density), config, pool), plan, config, progress);
+    if (som::untangle(plan, false, nullptr, pool, positions) == step::kMostUntangleSweeps) {
+        som::pin_border(plan, positions);
+        som::untangle(plan, true, nullptr, pool, positions);
     }
     return positions;
 }
@@ -110,14 +111,14 @@ LatticePositions train_one_by_one(std::vector<float> density, const LevelPlan& p
 
 MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
                       const ProgressFunction& progress) {
-    const MeshArea area = mesh_area(density, config);
-    std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
-    const MeshOutline outline = mesh_outline(density, area, config);
-    for (LevelPlan& plan : plans)
-        plan.outline = outline_of(outline, outline.upper.data(), outline.lower.data(), plan.level);
-    std::vector<float> values = density_within(density, area);
+    const som::MeshArea area = som::mesh_area(density, config);
+    std::vector<som::LevelPlan> plans = som::plan_levels(density.width, density.height, config, area);
+    const som::MeshOutline outline = som::mesh_outline(density, area, config);
+    for (som::LevelPlan& plan : plans)
+        plan.outline = som::outline_of(outline, outline.upper.data(), outline.lower.data(), plan.level);
+    std::vector<float> values = som::density_within(density, area);
     ThreadPool pool(threads);
-    const LatticePositions positions =
+    const som::LatticePositions positions =
         config.method == MeshMethod::sequential
             ? train_one_by_one(std::move(values), plans.back(), config, pool, progress)
             : train_coarse_to_fine(std::move(values), plans, config, pool, progress);
@@ -127,8 +128,8 @@ MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int t
     for (std::size_t i = 0; i < positions.x.size(); ++i)
         result.mesh.positions.push_back(
             {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
-    for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
+    for (const som::LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesher

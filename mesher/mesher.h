@@ -24,14 +24,14 @@
 #include <cstdint>
 
 #include "mesher/common/mesh_config.h"
-#include "mesher/common/progress.h"
+#include "mesher/common/progress_function.h"
 #include "mesher/common/surface_config.h"
 #include "mesher/quality/quality.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::mesher {
 
 struct MeshResult {
     HexMesh2D mesh;
@@ -55,4 +55,4 @@ struct MeshResult {
 MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
                       const ProgressFunction& progress);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesher

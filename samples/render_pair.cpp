@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     try {
-        hexrelief::write_sample_files(hexrelief::sample_files(), argv[1]);
+        hexrelief::samples::write_sample_files(hexrelief::samples::sample_files(), argv[1]);
         return 0;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "render_pair: %s\n", error.what());

@@ -5,9 +5,9 @@
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/images/image_writer.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
-namespace hexrelief {
+namespace hexrelief::samples {
 namespace {
 
 // Middlebury's form: the baseline in millimetres, the principal point counted from the centre of the first
@@ -29,16 +29,16 @@ std::vector<SampleFile> sample_files() {
     const SampleScene scene = render_sample_scene();
     const DisparityMap& map = scene.disparity;
     const std::string calibration = middlebury_calibration(scene);
-    return {{"left.png", encode_png(scene.pair.left)},
-            {"right.png", encode_png(scene.pair.right)},
-            {"disparity.pfm", encode_pfm(map.width, map.height, map.values)},
+    return {{"left.png", exporters::encode_png(scene.pair.left)},
+            {"right.png", exporters::encode_png(scene.pair.right)},
+            {"disparity.pfm", exporters::encode_pfm(map.width, map.height, map.values)},
             {"calib.txt", {calibration.begin(), calibration.end()}}};
 }
 
 void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder) {
-    FileTransaction transaction;
+    exporters::FileTransaction transaction;
     for (const SampleFile& file : files) transaction.write(folder / file.name, file.bytes);
     transaction.commit();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::samples

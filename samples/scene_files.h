@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::samples {
 
 struct SampleFile {
     std::string name;
@@ -19,4 +19,4 @@ std::vector<SampleFile> sample_files();
 // All or none of them, into a folder that exists. Throws Error(output).
 void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::samples

@@ -300,13 +300,14 @@ ClusterCapacity cluster_capacity() {
     return {0, 0};
 }
 
-BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans) {
+BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena,
+                                    const std::vector<som::LevelPlan>& plans) {
     BalanceBuffers buffers{};
-    const LevelPlan& finest = plans.back();
+    const som::LevelPlan& finest = plans.back();
     buffers.primitive = arena.take<double>(static_cast<std::size_t>(finest.width + 1) * finest.height);
     buffers.totals = arena.take<BalanceTotals>(plans.size());
     BalanceJob& job = buffers.grid;
-    job.view = balance_view(finest, BalanceConfig{}, false);
+    job.view = balance::balance_view(finest, BalanceConfig{}, false);
     step::BalanceView& v = job.view;
     const std::size_t vertices = static_cast<std::size_t>(v.lattice.columns) * v.lattice.rows,
                       cells = cells_of(v, v.lattice.rows), plane = step::cell_plane(v);
@@ -330,8 +331,8 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
     return buffers;
 }
 
-void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
-                    const float* density) {
+void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan,
+                    int index, const float* density) {
     const std::size_t pixels = static_cast<std::size_t>(plan.width) * plan.height;
     BalanceTotals& totals = buffers.totals[index];
     check(cudaMemsetAsync(&totals, 0, sizeof totals, launch.stream), "clearing sums");
@@ -341,10 +342,10 @@ void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const L
     check_launch("integrating the density");
 }
 
-void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
+void balance(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan, int index,
              const BalanceConfig& config, const LevelView& level) {
     BalanceJob job = buffers.grid;
-    const step::BalanceView plain = balance_view(plan, config, level.pinned);
+    const step::BalanceView plain = balance::balance_view(plan, config, level.pinned);
     job.view.lattice = plain.lattice;
     job.view.extent_x = plain.extent_x;
     job.view.extent_y = plain.extent_y;
@@ -364,10 +365,10 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
     job.masses = buffers.totals[index].masses;
     job.signals = &buffers.totals[index].signals;
     job.floor = config.floor;
-    job.limits = balance_limits(config, plan.level);
-    job.full_cells = full_cells(plan.lattice);
+    job.limits = balance::balance_limits(config, plan.level);
+    job.full_cells = balance::full_cells(plan.lattice);
     if (job.full_cells == 0) return;
-    const std::vector<SweepGain> gains = chebyshev_gains(config.sweeps);
+    const std::vector<balance::SweepGain> gains = balance::chebyshev_gains(config.sweeps);
     job.sweeps = static_cast<int>(gains.size());
     if (job.sweeps > kMostSweeps)
         throw Error(ErrorKind::usage,

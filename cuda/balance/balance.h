@@ -1,4 +1,4 @@
-// Balances one level on the device, with the same result as hexrelief::balance_level().
+// Balances one level on the device, with the same result as balance::balance_level().
 #pragma once
 
 #include "cuda/som/level.h"
@@ -23,7 +23,7 @@ struct BalanceJob {
     double floor;
     step::BalanceLimits limits;
     int sweeps, full_cells;
-    SweepGain gains[kMostSweeps];
+    balance::SweepGain gains[kMostSweeps];
     // For the grid only:
     step::CellEquation* equations;  // one per cell, `slots` per row
     float* directions;
@@ -56,16 +56,17 @@ ClusterCapacity cluster_capacity();
 
 // Takes the memory for levels of these sizes; arrays of the grid only for levels that fit
 // no block or cluster.
-BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans);
+BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena,
+                                    const std::vector<som::LevelPlan>& plans);
 
 // Computes the row-wise integrals of the level's density and their total, for balance(). `index`
 // is the level's index.
-void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
-                    const float* density);
+void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan,
+                    int index, const float* density);
 
 // Moves level.x, level.y to equal weights; untangles the lattice before and after. The last call of
 // integrate_rows() must have been for this level.
-void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
+void balance(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan, int index,
              const BalanceConfig& config, const LevelView& level);
 
 }  // namespace hexrelief::cuda

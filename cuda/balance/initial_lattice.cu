@@ -82,11 +82,11 @@ __global__ void place_kernel(LevelView level, Margins m) {
 
 }  // namespace
 
-std::size_t start_sums(const LevelPlan& plan) {
+std::size_t start_sums(const som::LevelPlan& plan) {
     return static_cast<std::size_t>(plan.width) + plan.height + 2;
 }
 
-void place_equalised(const Launch& launch, const LevelView& level, const LevelPlan& plan,
+void place_equalised(const Launch& launch, const LevelView& level, const som::LevelPlan& plan,
                      const float* density, const std::uint32_t* largest, std::int64_t* sums) {
     const Margins margins{sums, sums + plan.width + 1, plan.width, plan.height};
     check(cudaMemsetAsync(sums, 0, start_sums(plan) * sizeof(std::int64_t), launch.stream), "clearing sums");

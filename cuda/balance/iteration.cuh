@@ -220,7 +220,7 @@ class Balancer {
         float *from = v.multiplier, *to = v.next_multiplier;
 #pragma unroll 1
         for (int sweep = 0; sweep < job_.sweeps; ++sweep) {
-            const SweepGain gain = job_.gains[sweep];
+            const balance::SweepGain gain = job_.gains[sweep];
             each_cell([&](const CellItem& cell) {
                 to[cell.slot] =
                     step::chebyshev_sweep(equations.at(cell.item), from + cell.slot, cell.ring, gain.keep,
@@ -276,7 +276,7 @@ class Balancer {
         });
     }
 
-    // Does the same as hexrelief::untangle().
+    // Does the same as som::untangle().
     __device__ void untangle() {
         const step::BalanceView& v = view();
         const step::LatticeView m = step::lattice_view(v);

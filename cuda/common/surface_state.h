@@ -78,7 +78,7 @@ struct SurfaceLabels {
     std::uint8_t* straddling;
     std::uint8_t (*open)[3];
     std::uint32_t* run_starts;
-    PixelRun* runs;
+    surface::PixelRun* runs;
 };
 
 // The device's form of DisparityMesh, with the source triangles of its triangles in the split lattice.

@@ -94,11 +94,12 @@ __device__ void each_wanted_by_group(const CooperativeGrid& grid, unsigned count
 
 // One lane's row of its group's triangle.
 struct GroupRow {
-    PixelRun run;      // without pixels if the row lies beyond the triangle or none of its pixels lie in it
+    surface::PixelRun
+        run;           // without pixels if the row lies beyond the triangle or none of its pixels lie in it
     bool own = false;  // true if it has pixels
     unsigned all = 0;  // the lanes of the group whose rows have pixels, a bit each
-    PixelRun above;    // the preceding row; without pixels if it lies beyond the triangle
-    PixelRun upper;    // the last row above with pixels
+    surface::PixelRun above;  // the preceding row; without pixels if it lies beyond the triangle
+    surface::PixelRun upper;  // the last row above with pixels
     bool has_upper = false;
     unsigned upper_lane = 0;  // lane of `upper`, unless it was among the rows of the preceding call
     bool upper_before = false;
@@ -107,9 +108,10 @@ struct GroupRow {
 // Calls visit(row) for the rows of each group's triangle, as many at a time as the group has lanes, and for
 // `beyond` rows below the last one.
 template <typename Visit>
-__device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows& rows, bool has, int beyond,
-                                  const Visit& visit) {
-    PixelRun last, final{rows.first() - 1, 0, 0};  // `last`: the last row with pixels; `final`: the last row
+__device__ void each_row_by_group(const TriangleLanes& group, const surface::TriangleRows& rows, bool has,
+                                  int beyond, const Visit& visit) {
+    surface::PixelRun last,
+        final{rows.first() - 1, 0, 0};  // `last`: the last row with pixels; `final`: the last row
     bool has_last = false;
     HEXRELIEF_ROLLED
     for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end() + beyond);
@@ -122,8 +124,8 @@ __device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows
         row.all = group.ballot(row.own);
         const unsigned lower = row.all & ((1u << group.lane) - 1);
         const auto row_of = [&](unsigned source) {
-            return PixelRun{start + static_cast<int>(source), group.from(row.run.first, source),
-                            group.from(row.run.end, source)};
+            return surface::PixelRun{start + static_cast<int>(source), group.from(row.run.first, source),
+                                     group.from(row.run.end, source)};
         };
         const auto last_of = [](unsigned lanes) { return lanes ? 31 - __clz(lanes) : 0; };
         row.above = row_of(group.lane ? group.lane - 1 : 0);
@@ -134,7 +136,7 @@ __device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows
         row.has_upper = lower != 0 || has_last;
         if (lower == 0) row.upper = last;
         final = row_of(group.size - 1);
-        const PixelRun lowest = row_of(last_of(row.all));
+        const surface::PixelRun lowest = row_of(last_of(row.all));
         if (row.all) {
             last = lowest;
             has_last = true;

@@ -15,9 +15,9 @@ namespace hexrelief::cuda {
 
 // The pair at one of its sizes, and its matches.
 struct PairLevel {
-    DisparityRange range;
+    matching::DisparityRange range;
     int width, height;
-    RasterView<std::int16_t> left, right;  // winners, with a border of kUnknown16
+    matching::RasterView<std::int16_t> left, right;  // winners, with a border of kUnknown16
     DeviceColors colors;
     PairPixels pixels;
     PairArrays pair;
@@ -26,7 +26,7 @@ struct PairLevel {
 // The properties of a call that its launches depend on, that is, all except the pictures' pixels.
 struct PlanKey {
     int width, height, left_channels, right_channels;
-    MatchingConfig config;
+    matching::MatchingConfig config;
 
     bool operator==(const PlanKey&) const = default;
 };
@@ -35,7 +35,7 @@ namespace {
 
 constexpr int kLongestSide_px = 32767;
 
-void check_limits(const StereoPair& pair, const MatchingConfig& config) {
+void check_limits(const StereoPair& pair, const matching::MatchingConfig& config) {
     if (config.range.count > kMostDisparities)
         throw Error(ErrorKind::device, "backend cuda: " + std::to_string(config.range.count) +
                                            " disparities; at most " + std::to_string(kMostDisparities) +
@@ -45,7 +45,8 @@ void check_limits(const StereoPair& pair, const MatchingConfig& config) {
                     "backend cuda: the pictures' sides may have 32767 px; use --backend cpu");
 }
 
-PairLevel take_level(Arena& arena, int width, int height, const DisparityRange& range, bool in_color) {
+PairLevel take_level(Arena& arena, int width, int height, const matching::DisparityRange& range,
+                     bool in_color) {
     const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, width, height); };
     const auto colors = [&] { return take_plain_raster<std::uint32_t>(arena, width, height); };
     return {range, width, height, map(), map(), {colors(), colors(), in_color}, {}, {}};
@@ -53,13 +54,14 @@ PairLevel take_level(Arena& arena, int width, int height, const DisparityRange& 
 
 // Takes the memory of all levels, finest first. Like match() of pipeline/matching it goes down to the size at
 // which the whole range is searched, and at least to half size, whose matches fill holes.
-std::vector<PairLevel> take_levels(Arena& arena, const StereoPair& pair, const DisparityRange& range) {
+std::vector<PairLevel> take_levels(Arena& arena, const StereoPair& pair,
+                                   const matching::DisparityRange& range) {
     const bool in_color = pair.left.channels == pair.right.channels && pair.left.channels > 1;
     std::vector<PairLevel> levels = {take_level(arena, pair.left.width, pair.left.height, range, in_color)};
-    while (levels.size() < 2 || !is_searched_wholly(levels.back().range)) {
+    while (levels.size() < 2 || !matching::is_searched_wholly(levels.back().range)) {
         const PairLevel& last = levels.back();
         levels.push_back(take_level(arena, step::half_size(last.width), step::half_size(last.height),
-                                    at_half_size(last.range), in_color));
+                                    matching::at_half_size(last.range), in_color));
     }
     return levels;
 }
@@ -97,12 +99,13 @@ void halve_pictures(cudaStream_t stream, Arena& arena, std::vector<PairLevel>& l
     }
 }
 
-ConsistencyConfig consistency_of(ConsistencyConfig config, const PairLevel& level) {
+matching::ConsistencyConfig consistency_of(matching::ConsistencyConfig config, const PairLevel& level) {
     config.min_px = level.range.min_px;
     return config;
 }
 
-CheckArrays take_check_arrays(Arena& arena, const PairLevel& level, const RasterView<std::int16_t>& checked) {
+CheckArrays take_check_arrays(Arena& arena, const PairLevel& level,
+                              const matching::RasterView<std::int16_t>& checked) {
     const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, level.width, level.height); };
     const std::size_t pixels = static_cast<std::size_t>(level.width) * level.height;
     return {level.left,
@@ -115,10 +118,11 @@ CheckArrays take_check_arrays(Arena& arena, const PairLevel& level, const Raster
 
 void fill_borders_of(cudaStream_t stream, const std::vector<PairLevel>& levels, const CheckArrays& check) {
     std::vector<Border> borders;
-    for (const RasterView<std::int16_t>& map : {check.left_medians, check.right_medians, check.checked})
+    for (const matching::RasterView<std::int16_t>& map :
+         {check.left_medians, check.right_medians, check.checked})
         borders.push_back({map, kUnknownBytes});
     for (const PairLevel& level : levels)
-        for (const RasterView<std::int16_t>& map : {level.left, level.right})
+        for (const matching::RasterView<std::int16_t>& map : {level.left, level.right})
             borders.push_back({map, kUnknownBytes});
     fill_borders(stream, borders);
 }
@@ -126,8 +130,8 @@ void fill_borders_of(cudaStream_t stream, const std::vector<PairLevel>& levels, 
 // Finds the winners of all levels, of both views if these are compared, and checks those of half size. Small
 // levels leave most of the device idle: therefore the side stream first makes the pictures, prepares the next
 // level while one is matched, and checks half size beside the last one.
-void match_levels(Workspace& work, const MatchingConfig& config, std::vector<PairLevel>& levels,
-                  const CheckArrays& check_half, const RasterView<std::uint32_t>& hole_colors) {
+void match_levels(Workspace& work, const matching::MatchingConfig& config, std::vector<PairLevel>& levels,
+                  const CheckArrays& check_half, const matching::RasterView<std::uint32_t>& hole_colors) {
     const cudaStream_t side = work.side.get();
     const auto prepare = [&](PairLevel& level) {
         prepare_pair(side, level.pixels, level.pair);
@@ -142,18 +146,19 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Pai
         if (i > 0) prepare(levels[i - 1]);
         if (i == 1) blur_colors(side, reading(levels[0].colors.left), hole_colors);
         match_views(work, level.pair, {level.range, config.penalties},
-                    i + 1 < levels.size() ? levels[i + 1].left : RasterView<std::int16_t>{},
-                    {level.left, i <= 1 ? level.right : RasterView<std::int16_t>{}});
+                    i + 1 < levels.size() ? levels[i + 1].left : matching::RasterView<std::int16_t>{},
+                    {level.left, i <= 1 ? level.right : matching::RasterView<std::int16_t>{}});
         if (i != 1) continue;
         work.side.begin_after(work.stream);
         StageClock not_timed;
-        check_views(side, check_half, consistency_of(at_half_size(config.consistency), level), not_timed);
+        check_views(side, check_half, consistency_of(matching::at_half_size(config.consistency), level),
+                    not_timed);
     }
     work.side.mark();
     work.side.let_wait_for_mark(work.stream);
 }
 
-PlanKey key_of(const StereoPair& pair, const MatchingConfig& config) {
+PlanKey key_of(const StereoPair& pair, const matching::MatchingConfig& config) {
     return {pair.left.width, pair.left.height, pair.left.channels, pair.right.channels, config};
 }
 
@@ -165,18 +170,18 @@ struct DeviceMatcher::Plan {
     std::vector<PairLevel> levels;
     DeviceHalfSizeMatches half_size;
     CheckArrays check_half;
-    RasterView<std::uint32_t> hole_colors;
+    matching::RasterView<std::uint32_t> hole_colors;
     FrameArrays frame;
     Arena::Mark levels_taken, taken;
     RefineArrays refined;
     Recording until_filled, to_the_end;
 
-    Plan(Arena& arena, const StereoPair& pair, const MatchingConfig& config)
+    Plan(Arena& arena, const StereoPair& pair, const matching::MatchingConfig& config)
         : key(key_of(pair, config)), levels(take_levels(arena, pair, config.range)) {
         const PairLevel& half = levels[1];
         half_size = {take_bordered_raster<std::int16_t>(arena, half.width, half.height), half.range.min_px};
         hole_colors = take_plain_raster<std::uint32_t>(arena, levels[0].width, levels[0].height);
-        frame = take_frame_arrays(arena, cell_grid(levels[0].width, levels[0].height));
+        frame = take_frame_arrays(arena, matching::cell_grid(levels[0].width, levels[0].height));
         levels_taken = arena.mark();
         for (PairLevel& level : levels) level.pair = take_pair_arrays(arena, level.colors);
         check_half = take_check_arrays(arena, half, half_size.left);
@@ -192,7 +197,8 @@ struct DeviceMatcher::Plan {
 DeviceMatcher::DeviceMatcher() = default;
 DeviceMatcher::~DeviceMatcher() = default;
 
-MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfig& config) {
+matching::MatchedMap DeviceMatcher::match_pair(const StereoPair& pair,
+                                               const matching::MatchingConfig& config) {
     check_limits(pair, config);
     const cudaStream_t stream = work.stream;
     Arena& arena = work.arena;
@@ -212,8 +218,8 @@ MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfi
             recording.run(stream, launch);
     };
     // Runs on the host beside the launches, and while the device matches.
-    std::future<FrameSegments> frame_segments = std::async(std::launch::async, [&] {
-        return find_frame_segments(pair.left, config.range.min_px + config.range.count);
+    std::future<matching::FrameSegments> frame_segments = std::async(std::launch::async, [&] {
+        return matching::find_frame_segments(pair.left, config.range.min_px + config.range.count);
     });
     PairLevel& full = plan->levels[0];
     const RefineInput refine_input = plan->refine_input();
@@ -236,7 +242,7 @@ MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfi
 
     const int width = full.width, height = full.height;
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
-    MatchedMap map{width, height, {}, {}};
+    matching::MatchedMap map{width, height, {}, {}};
     map.disparities.resize(pixels);
     map.is_matched.resize(pixels);
     work.staging.download_all(stream,

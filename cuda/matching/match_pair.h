@@ -14,8 +14,8 @@ class DeviceMatcher {
     DeviceMatcher();
     ~DeviceMatcher();
 
-    // Returns the same bytes as hexrelief::match_pair(). The clock runs between the transfers.
-    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config);
+    // Returns the same bytes as matching::match_pair(). The clock runs between the transfers.
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config);
 
     Workspace work;
 

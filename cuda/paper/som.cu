@@ -47,7 +47,7 @@ struct Sizes {
 View make_view(const DensityMap& density, const Config& config) {
     View view{};
     view.grid = step::make_cell_grid(density.width, density.height, config.co);
-    view.lattice = lattice_size(density.width, density.height, config.spacing_px);
+    view.lattice = som::lattice_size(density.width, density.height, config.spacing_px);
     view.ssr = config.ssr;
     view.neurons_per_cell = config.neurons_per_cell;
     return view;

@@ -24,7 +24,7 @@ __global__ void magnify_kernel(const float* density, std::size_t count, const st
     const std::size_t stride = static_cast<std::size_t>(gridDim.x) * blockDim.x;
     for (std::size_t i = blockIdx.x * static_cast<std::size_t>(blockDim.x) + threadIdx.x; i < count;
          i += stride)
-        weights[i] = most > 0 ? step::magnify(density[i] / most, table, kMagnificationSteps) : 0.0f;
+        weights[i] = most > 0 ? step::magnify(density[i] / most, table, som::kMagnificationSteps) : 0.0f;
 }
 
 __global__ void coarsen_kernel(const float* fine, int width, int height, float* coarse) {

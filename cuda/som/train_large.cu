@@ -10,15 +10,15 @@ constexpr int kMostTasks = 384;                    // patches x iterations betwe
 // least number of rounds of a block's tasks; with fewer, less iterations are combined in a task
 constexpr int kLeastRounds = 2;
 constexpr int kCorners = 256;  // number of patches whose corners a block stores
-static_assert(kWarps >= kMostBatch);
+static_assert(kWarps >= som::kMostBatch);
 
 struct Scratch {  // A block's shared memory.
     uint4 units[kWarps][32 * kUnitsAtOnce];
     step::Target targets[kMostTasks][32];
-    uint2 tables[kMostBatch][kTableWidth];  // gain and decay for each distance, 0 beyond the radius
+    uint2 tables[som::kMostBatch][kTableWidth];  // gain and decay for each distance, 0 beyond the radius
     // number of points drawn in each iteration of this batch and the next
-    std::uint32_t points[2][kMostBatch];
-    int radius[kMostBatch];
+    std::uint32_t points[2][som::kMostBatch];
+    int radius[som::kMostBatch];
     int2 corners[kCorners];
 };
 

@@ -10,17 +10,18 @@ namespace {
 constexpr int kBlock = 640, kWarps = kBlock / 32;
 constexpr int kMostNeurons = 16384, kMostCells = 4096, kMostPoints = 1024;
 constexpr std::uint32_t kNoUnit = 0x7FFF0000u;  // position of an empty record: a row beyond all others
-static_assert(kWarps >= kMostBatch);
+static_assert(kWarps >= som::kMostBatch);
 
 struct Scratch {  // A block's shared memory; the cell lists follow it.
     uint4 units[kWarps][64];
     step::Target targets[2][kWarps][32];  // two sets: one is read while the other is written
     struct Batch {                        // Data that a batch needs and that is known before it begins.
-        uint2 tables[kMostBatch][kTableWidth];
-        int radius[kMostBatch];
-        uint2 points[kMostBatch];  // per iteration: number of points drawn, and the same with empty records
-        std::uint32_t first[kWarps];  // the first point of each warp
-    } batches[2];                     // this batch and the next
+        uint2 tables[som::kMostBatch][kTableWidth];
+        int radius[som::kMostBatch];
+        uint2 points[som::kMostBatch];  // per iteration: number of points drawn, and the same with empty
+                                        // records
+        std::uint32_t first[kWarps];    // the first point of each warp
+    } batches[2];                       // this batch and the next
 };
 
 // A block's own cell lists: the neurons sorted by cell.

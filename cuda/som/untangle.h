@@ -18,7 +18,7 @@ struct UntangleScratch {
     int* any;  // step::kMostUntangleSweeps + 1
 };
 
-// Repairs folded triangles in place, as hexrelief::untangle does, and waits for the stream. held: one per
+// Repairs folded triangles in place, as som::untangle does, and waits for the stream. held: one per
 // vertex, nonzero if the vertex may not move; null: all may move.
 void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch,
               const std::uint8_t* held = nullptr);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr unsigned kLeastVertices = 1024;
 
-SurfaceSizes sizes_of(const DisparityMeshInput& input, double vertex_share) {
+SurfaceSizes sizes_of(const surface::DisparityMeshInput& input, double vertex_share) {
     const HexMesh2D& mesh = *input.mesh;
     SurfaceSizes sizes{input.map->width, input.map->height, mesh.columns, mesh.rows, 0, 0};
     sizes.most_points = static_cast<unsigned>(vertex_share * sizes.vertices()) + kLeastVertices;
@@ -59,14 +59,15 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t col
     s.labels.straddling = arena.take<std::uint8_t>(triangles);
     s.labels.open = reinterpret_cast<std::uint8_t(*)[3]>(arena.take<std::uint8_t>(3 * triangles));
     s.labels.run_starts = arena.take<std::uint32_t>(triangles + 1);
-    s.labels.runs = arena.take<PixelRun>(run_capacity(sizes));
+    s.labels.runs = arena.take<surface::PixelRun>(run_capacity(sizes));
     return s;
 }
 
 }  // namespace
 
-SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input, const SurfaceConfig& config,
-                                  const float* map_on_device, double vertex_share) {
+SurfaceMemory take_surface_memory(Arena& arena, const surface::DisparityMeshInput& input,
+                                  const SurfaceConfig& config, const float* map_on_device,
+                                  double vertex_share) {
     const bool colored = input.color && config.color_shift_px > 0;
     const SurfaceSizes sizes = sizes_of(input, vertex_share);
     arena.reset();
@@ -75,8 +76,8 @@ SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input,
     s.pixels.channels = colored ? input.color->channels : 0;
     s.config = config;
     s.background_px = input.background_px;
-    s.cell_px = cell_area_px(input);
-    s.part = lattice_part(input);
+    s.cell_px = surface::cell_area_px(input);
+    s.part = surface::lattice_part(input);
     s.nearest_px = input.whole.nearest_px;
     s.farthest_px = input.whole.farthest_px > 0 ? input.whole.farthest_px : std::numeric_limits<float>::max();
     const SnapArrays snap = take_snap_arrays(sizes, arena);
@@ -91,8 +92,8 @@ SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input,
             take_fit_arrays(sizes, arena)};
 }
 
-void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInput& input, bool with_map,
-                  const SurfaceMemory& memory) {
+void upload_input(cudaStream_t stream, Staging& staging, const surface::DisparityMeshInput& input,
+                  bool with_map, const SurfaceMemory& memory) {
     const DevicePixels& pixels = memory.state.pixels;
     if (with_map)
         staging.upload(stream, const_cast<float*>(pixels.map), input.map->values.data(),

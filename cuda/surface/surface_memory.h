@@ -15,7 +15,7 @@
 #include "cuda/surface/topology/label_triangles.h"
 #include "cuda/surface/topology/snap_vertices.h"
 #include "cuda/surface/topology/split_triangles.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 
 namespace hexrelief::cuda {
 
@@ -35,12 +35,13 @@ struct SurfaceMemory {
 // Takes the memory for a split lattice of about vertex_share times as many vertices as the lattice.
 // map_on_device: null if the map is not on the device yet. Resets the arena. Throws Error(device) if
 // memory is too small.
-SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input, const SurfaceConfig& config,
-                                  const float* map_on_device, double vertex_share);
+SurfaceMemory take_surface_memory(Arena& arena, const surface::DisparityMeshInput& input,
+                                  const SurfaceConfig& config, const float* map_on_device,
+                                  double vertex_share);
 
 // Uploads the stage's input; the map only if it is not on the device yet.
-void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInput& input, bool with_map,
-                  const SurfaceMemory& memory);
+void upload_input(cudaStream_t stream, Staging& staging, const surface::DisparityMeshInput& input,
+                  bool with_map, const SurfaceMemory& memory);
 
 // Waits for the stream and returns the mesh, or nothing if the capacity was too small for it.
 std::optional<DisparityMesh> download_mesh(cudaStream_t stream, Staging& staging, const SurfaceState& state);

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 std::string nine_digits(float value) {  // enough to read the same float back
@@ -105,4 +105,4 @@ double texcoord_error_px(const std::vector<Vec2f>& texcoords, int width, int hei
     return worst;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -10,7 +10,7 @@ namespace draco {
 class ExpertEncoder;
 }
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // A decoder returns origin + cell * range / (2^bits - 1), computed in floats.
 struct DracoBox {
@@ -39,4 +39,4 @@ double position_error_px(const SurfaceMesh& mesh, const Calibration& camera, con
 double texcoord_error_px(const std::vector<Vec2f>& texcoords, int width, int height, const Grid<2>& grid,
                          bool exactly);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

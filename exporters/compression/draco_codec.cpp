@@ -15,7 +15,7 @@
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 using draco::GeometryAttribute;
@@ -185,4 +185,4 @@ DracoSummary summarise_draco(const std::vector<std::uint8_t>& bytes, const std::
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -10,7 +10,7 @@
 #include "exporters/compression/quantisation.h"
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // The precision of a mesh's attributes. If a grid is given, it replaces the mesh's values; its step must be
 // the same on all axes. Otherwise the bits divide the widest side of the attribute's bounding box.
@@ -70,4 +70,4 @@ struct DracoSummary {
 // Summarises a bitstream. Throws Error(input) naming `name` if it is malformed.
 DracoSummary summarise_draco(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

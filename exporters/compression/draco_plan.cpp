@@ -6,7 +6,7 @@
 #include "exporters/compression/draco_box.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // True if the values that a decoder will return keep the tolerance.
@@ -91,4 +91,4 @@ CompressedMesh compress_draco(const TexturedMesh& textured, const Calibration* c
     return {std::move(draco), plan.transform};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

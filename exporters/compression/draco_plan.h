@@ -6,7 +6,7 @@
 #include "exporters/compression/draco_codec.h"
 #include "exporters/images/texture.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // The transform from the file to space, axis by axis: position in space = translation + scale *
 // position in the file.
@@ -38,4 +38,4 @@ CompressedMesh compress_draco(const TexturedMesh& textured, const Calibration* c
 // Returns the normals of a surface whose positions have been divided by `scale`.
 std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -20,7 +20,7 @@
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 using draco::GeometryAttribute;
@@ -277,4 +277,4 @@ DracoMesh write_draco_stream(const draco::Mesh& mesh, int level, const DracoValu
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@ namespace draco {
 class Mesh;
 }
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Waits until the mesh's attributes hold their values, and returns the quantisation on whose grids they lie.
 // May be called from any thread, any number of times.
@@ -22,4 +22,4 @@ using DracoValuesReady = std::function<const DracoQuantisation&()>;
 // Throws Error(output) if libdraco refuses the mesh.
 DracoMesh write_draco_stream(const draco::Mesh& mesh, int level, const DracoValuesReady& ready, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

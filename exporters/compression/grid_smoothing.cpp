@@ -8,7 +8,7 @@
 
 #include "pipeline/data/counting_sort.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 struct InnerEdge {
@@ -105,4 +105,4 @@ std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& r
     return cells;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

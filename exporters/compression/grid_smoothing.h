@@ -7,7 +7,7 @@
 
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 struct CellRange {
     std::int32_t low = 0, high = 0;  // inclusive
@@ -32,4 +32,4 @@ class GridNeighbours {
     std::vector<Term> terms_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr double kSafety = 0.995;
@@ -213,4 +213,4 @@ Grid<2> quantise_texcoords(const std::vector<Vec2f>& texcoords, int width, int h
     return grid;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

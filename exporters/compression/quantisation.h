@@ -8,7 +8,7 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // A grid of integer cells in 0 .. largest: value = origin + step * cell, axis by axis.
 template <int N>
@@ -47,4 +47,4 @@ Grid<3> exact_grid(const std::vector<Vec3f>& positions, double step);
 Grid<2> quantise_texcoords(const std::vector<Vec2f>& texcoords, int width, int height, double tolerance_px,
                            GridShape shape);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

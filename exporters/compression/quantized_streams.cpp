@@ -12,7 +12,7 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -261,4 +261,4 @@ QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* cam
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -8,7 +8,7 @@
 
 #include "exporters/compression/draco_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 enum class ComponentType { int8, uint8, int16, uint16, float32 };
 
@@ -36,4 +36,4 @@ struct QuantizedMesh {
 QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* camera,
                             const ExportConfig& config, bool meshopt);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

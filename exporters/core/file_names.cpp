@@ -5,7 +5,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 const std::vector<std::string>& export_extensions() {
     static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc",  ".obj",
@@ -56,4 +56,4 @@ std::filesystem::path level_path(const std::filesystem::path& path, int level) {
     return path.parent_path() / name;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -7,7 +7,7 @@
 
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // True if the format's levels of detail are separate files.
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
@@ -31,4 +31,4 @@ std::string format_name(MeshFormat format);
 // not name its .mtl.
 MeshFormat export_format(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

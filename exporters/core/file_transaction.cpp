@@ -22,7 +22,7 @@
 #include "exporters/core/folder_lock.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -342,4 +342,4 @@ void remove_pending_files() noexcept {
     errno = saved_errno;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

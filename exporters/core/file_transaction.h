@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // A set of files that appear together or not at all. Each file is written to a temporary file beside its
 // target; commit() renames them all. Without commit() (an exception, an interrupt) the destructor removes
@@ -93,4 +93,4 @@ class FileTransaction {
 // from a signal handler.
 void remove_pending_files() noexcept;
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ void remove_leftovers(const fs::path& folder, const std::atomic<bool>& stopping)
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Returns the name of a temporary file, ".hexrelief-WHAT.tmp".
 std::filesystem::path temporary_name(const std::string& what);
@@ -48,4 +48,4 @@ class FolderLock {
 // any machine, are protected by claim().
 void remove_leftovers(const std::filesystem::path& folder, const std::atomic<bool>& stopping);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -8,9 +8,9 @@
 #include "exporters/core/file_transaction.h"
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 using FormatWriter = void (*)(const Scene&, const ExportConfig&, const std::filesystem::path&,
                               FileTransaction&);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // The mesh compression of .glb and .gltf. Files .drc are always Draco; other formats are never compressed.
 enum class Compression { none, draco, quantized, meshopt };
@@ -100,4 +100,4 @@ struct Scene {
     std::array<double, 3> origin_m = {};
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -2,7 +2,7 @@
 
 #include "exporters/compression/draco_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 void write_drc(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
@@ -11,4 +11,4 @@ void write_drc(const Scene& scene, const ExportConfig& config, const std::filesy
                 compress_draco(mesh, scene.camera, config, GridShape::cubic, scene.threads).draco.bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -3,9 +3,9 @@
 
 #include "exporters/core/format_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 void write_drc(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -6,7 +6,7 @@
 
 #include "exporters/images/texture.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Appends each number in the shortest text that reads back as the same float; std::ostream takes ten times as
@@ -76,4 +76,4 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
     if (image) files.write(image_path, encode_texture(*scene.texture, textured, config).bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

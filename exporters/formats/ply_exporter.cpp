@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 using Colour = std::array<std::uint8_t, 3>;
@@ -69,4 +69,4 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
     files.write(path, bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

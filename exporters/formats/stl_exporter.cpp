@@ -7,7 +7,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr std::size_t kStlHeader = 80, kStlTriangle = 50;
@@ -49,4 +49,4 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
     files.write(path, bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

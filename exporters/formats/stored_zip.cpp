@@ -2,7 +2,7 @@
 
 #include <zlib.h>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
@@ -71,4 +71,4 @@ std::vector<std::uint8_t> StoredZip::finish() {
     return std::move(bytes_);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

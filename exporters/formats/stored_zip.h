@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // An archive in memory. The bytes of each file begin at a multiple of 64, as USDZ requires, so that a reader
 // can map them. Files are dated 1980-01-01: the same files give the same bytes. The caller must keep the
@@ -22,4 +22,4 @@ class StoredZip {
     std::uint16_t files_ = 0;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

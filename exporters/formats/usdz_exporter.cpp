@@ -10,7 +10,7 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Appends numbers in the shortest text that reads back as the same float.
@@ -144,4 +144,4 @@ void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesy
     files.write(path, zip.finish());
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -17,7 +17,7 @@
 #include "exporters/core/file_transaction.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -190,4 +190,4 @@ void write_pfm(const std::filesystem::path& path, int width, int height, const s
     files.commit();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -7,7 +7,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Encode images of 1 (grey) or 3 (sRGB) channels. Throw Error(output) if the format cannot hold the image:
 // WebP ends at 16383 px a side, JPEG at 65500, PNG at 2^31 - 1.
@@ -22,4 +22,4 @@ std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<fl
 void write_png(const std::filesystem::path& path, const Image& image);
 void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& values);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

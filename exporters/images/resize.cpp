@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // The pixels of a row of `from` px that one pixel of a row of `to` px covers, with their shares.
@@ -50,4 +50,4 @@ Image resized(const Image& image, int width, int height) {
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

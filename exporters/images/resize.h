@@ -3,10 +3,10 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Returns the image at another size: each pixel is the mean over the area of `image` that it covers. Sides
 // are at least 1 px.
 Image resized(const Image& image, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

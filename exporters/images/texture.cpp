@@ -6,7 +6,7 @@
 #include "exporters/images/image_writer.h"
 #include "exporters/images/resize.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Margin beyond the outermost texture coordinates, so that linear filtering and a first level of mipmaps
@@ -111,4 +111,4 @@ EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, co
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include "exporters/core/scene.h"
 #include "pipeline/data/crop.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 struct EncodedTexture {
     std::vector<std::uint8_t> bytes;
@@ -44,4 +44,4 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 Image texture_of(const Image& picture, const TexturedMesh& mesh);
 EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, const ExportConfig& config);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

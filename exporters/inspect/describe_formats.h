@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 // `file_bytes` is the size of the whole file; the bytes of a binary file may end after the header
 // of its second chunk.
@@ -36,4 +36,4 @@ inline void include_point(MeshDescription& description, const Vec3f& p) {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -8,7 +8,7 @@
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/inspect/gltf_places.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 namespace fs = std::filesystem;
@@ -337,4 +337,4 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
     fail_reading(path, "its glTF JSON is not what glTF asks for");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -3,7 +3,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 // Decodes base64 up to the first character that is not a base64 digit.
@@ -42,4 +42,4 @@ MeshDescription describe_html(const std::filesystem::path& path, const std::vect
     return describe_gltf(path, glb, glb.size(), true);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -6,7 +6,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ MeshDescription describe_obj(const fs::path& path, const std::vector<std::uint8_
     return reader.out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

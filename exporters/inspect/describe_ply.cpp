@@ -7,7 +7,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 namespace fs = std::filesystem;
@@ -226,4 +226,4 @@ MeshDescription describe_ply(const fs::path& path, const std::vector<std::uint8_
     return PlyReader(path, bytes).read();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

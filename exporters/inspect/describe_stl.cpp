@@ -5,7 +5,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 MeshDescription describe_stl(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
     constexpr std::size_t kHeader = 80, kStart = kHeader + 4, kTriangle = 50;
@@ -41,4 +41,4 @@ MeshDescription describe_stl(const std::filesystem::path& path, const std::vecto
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

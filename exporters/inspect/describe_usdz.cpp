@@ -6,7 +6,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 struct ZipEntry {
@@ -119,4 +119,4 @@ MeshDescription describe_usdz(const std::filesystem::path& path, const std::vect
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -9,7 +9,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 [[noreturn]] void fail(const std::string& name, const std::string& reason) {
@@ -55,4 +55,4 @@ DracoGeometry decode_draco(const std::vector<std::uint8_t>& bytes, const std::st
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

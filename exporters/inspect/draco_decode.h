@@ -8,7 +8,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 struct DracoGeometry {
     std::vector<Vec3f> positions;  // dequantised
@@ -19,4 +19,4 @@ struct DracoGeometry {
 // positions of three components.
 DracoGeometry decode_draco(const std::vector<std::uint8_t>& bytes, const std::string& name);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -1,6 +1,6 @@
 #include "exporters/inspect/gltf_places.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 using Json = nlohmann::json;
@@ -100,4 +100,4 @@ std::vector<std::vector<Matrix>> mesh_places(const Json& document, std::size_t m
     return places;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -7,7 +7,7 @@
 
 #include "pipeline/data/geometry.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 // An affine transform, row by row: each row is multiplied by the point (x, y, z, 1).
 struct Matrix {
@@ -22,4 +22,4 @@ Matrix operator*(const Matrix& outer, const Matrix& inner);
 // types throw nlohmann's exceptions.
 std::vector<std::vector<Matrix>> mesh_places(const nlohmann::json& document, std::size_t meshes);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

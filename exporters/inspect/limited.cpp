@@ -13,7 +13,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 #ifdef __SANITIZE_ADDRESS__
@@ -130,4 +130,4 @@ WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
     return bytes;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

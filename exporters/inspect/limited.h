@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 
 struct WorkLimits {
     unsigned seconds = 0;  // processor time
@@ -24,4 +24,4 @@ using WorkBytes = std::vector<std::uint8_t>;
 WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
                       const std::function<WorkBytes()>& work);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -14,7 +14,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,7 +152,7 @@ void write_all(int descriptor, const void* data, std::size_t bytes, const fs::pa
 }  // namespace
 
 void join_glb(const std::vector<fs::path>& parts, const std::string& generator, const fs::path& path,
-              FileTransaction& files) {
+              exporters::FileTransaction& files) {
     JoinedDocument document;
     for (const fs::path& part : parts) document.add(read_part(part));
     const std::string json = document.text(generator);
@@ -180,4 +180,4 @@ void join_glb(const std::vector<fs::path>& parts, const std::string& generator, 
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <utility>
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -234,4 +234,4 @@ ImplicitTileset implicit_tileset(const std::vector<TilesetTile>& tiles, const st
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 
 // A node of the quadtree. The root is (0, 0, 0); the children of a node have twice its x and y, or one more.
 // A node is missing if it has neither content nor descendants.
@@ -38,4 +38,4 @@ struct ImplicitTileset {
 ImplicitTileset implicit_tileset(const std::vector<TilesetTile>& tiles, const std::string& content,
                                  const std::string& generator);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

@@ -10,7 +10,7 @@
 #include "exporters/viewer/viewer_page.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 std::string printed(double value, int decimals) {
@@ -61,4 +61,4 @@ std::string gallery_page(const std::string& title, const std::vector<GalleryColu
                   {{"@title@", text}, {"@title@", text}, {"@columns@", heads}, {"@rows@", rows}});
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 struct GalleryColumn {
     std::string name;
@@ -23,4 +23,4 @@ struct GalleryEntry {
 std::string gallery_page(const std::string& title, const std::vector<GalleryColumn>& columns,
                          const std::vector<GalleryEntry>& entries);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -5,14 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "exporters/formats/gltf/exporter.h"
+#include "exporters/formats/gltf/gltf_exporter.h"
 #include "exporters/viewer/html_text.h"
 #include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -119,4 +119,4 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

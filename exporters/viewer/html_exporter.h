@@ -3,7 +3,7 @@
 
 #include "exporters/core/format_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // False if the program was built without node.js and npm; write_html() then throws an Error
 // with the text kNoViewer.
@@ -18,4 +18,4 @@ inline constexpr const char* kNoViewer =
 void write_html(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -3,7 +3,7 @@
 #include <cctype>
 #include <stdexcept>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 std::string base64(const std::vector<std::uint8_t>& bytes) {
     static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -88,4 +88,4 @@ std::string filled(std::string_view page,
     return out += page;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

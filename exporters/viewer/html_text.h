@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 std::string base64(const std::vector<std::uint8_t>& bytes);
 
@@ -26,4 +26,4 @@ std::string script_escaped(const std::string& json);
 std::string filled(std::string_view page,
                    const std::vector<std::pair<std::string_view, std::string_view>>& values);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

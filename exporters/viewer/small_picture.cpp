@@ -9,7 +9,7 @@
 #include "exporters/images/resize.h"
 #include "exporters/viewer/html_text.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Longer side in px, and quality; the best first.
@@ -34,4 +34,4 @@ std::string small_picture(const Image& image) {
     return "data:image/webp;base64," + base64(bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

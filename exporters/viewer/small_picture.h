@@ -5,9 +5,9 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Returns the data: URL of a WebP file of at most about 16 kB, shrunk and compressed as far as needed.
 std::string small_picture(const Image& image);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -16,7 +16,7 @@ HEXRELIEF_EMBED(hexrelief_viewer_page, HEXRELIEF_PAGES "/page.html");
 HEXRELIEF_EMBED(hexrelief_empty_gallery, HEXRELIEF_PAGES "/gallery.html");
 #endif
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 #ifdef HEXRELIEF_PAGES
 
 std::string_view viewer_page() {
@@ -38,4 +38,4 @@ std::string_view empty_gallery() {
 }
 
 #endif
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Returns the viewer's page, empty if the program was built without it. Contains the marks "@title@" (twice),
 // "@facts@" and "@glb@", in this order; the script follows them.
@@ -13,4 +13,4 @@ std::string_view viewer_page();
 // (twice), "@columns@" and "@rows@", in this order.
 std::string_view empty_gallery();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

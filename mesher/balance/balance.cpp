@@ -13,7 +13,7 @@
 #include "mesher/balance/triangle_distortion_step.h"
 #include "mesher/common/simd.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 namespace {
 
 // Row-wise integrals of the density in whole numbers, with its total and the number of non-empty pixels.
@@ -22,7 +22,7 @@ struct Primitive {
     std::int64_t total = 0, filled = 0;
 };
 
-Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& density, ThreadPool& pool) {
+Primitive integrate_rows(const som::LevelPlan& plan, const std::vector<float>& density, ThreadPool& pool) {
     const int width = plan.width, height = plan.height;
     Primitive result;
     const float largest = *std::max_element(density.begin(), density.end());
@@ -84,8 +84,8 @@ struct Workspace {
     step::BalanceView view{};
     CellPlanes cells{};
 
-    Workspace(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const Primitive& primitive,
-              LatticePositions& positions) {
+    Workspace(const som::LevelPlan& plan, const BalanceConfig& config, bool pinned,
+              const Primitive& primitive, som::LatticePositions& positions) {
         const std::size_t n = positions.x.size();
         view = balance_view(plan, config, pinned);
         view.primitive = primitive.sums.data();
@@ -325,11 +325,12 @@ class Balancer {
 
 }  // namespace
 
-void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const std::uint8_t* held,
-                   const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions) {
+void balance_level(const som::LevelPlan& plan, const BalanceConfig& config, bool pinned,
+                   const std::uint8_t* held, const std::vector<float>& density, ThreadPool& pool,
+                   som::LatticePositions& positions) {
     const Primitive primitive = integrate_rows(plan, density, pool);
     if (primitive.total == 0 || full_cells(plan.lattice) == 0) return;
-    untangle(plan, pinned, held, pool, positions);
+    som::untangle(plan, pinned, held, pool, positions);
     Workspace workspace(plan, config, pinned, primitive, positions);
     workspace.view.held = held;
     const step::BalanceLimits limits = balance_limits(config, plan.level);
@@ -341,11 +342,11 @@ void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinn
         const auto none = [] {};
         Balancer(workspace, limits, config.sweeps, 1, none).work(0);
     }
-    untangle(plan, pinned, held, pool, positions);
+    som::untangle(plan, pinned, held, pool, positions);
 }
 
-LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch) {
-    LevelPlan plan;
+som::LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch) {
+    som::LevelPlan plan;
     plan.width = density.width;
     plan.height = density.height;
     plan.extent_x = static_cast<float>(density.width);
@@ -364,16 +365,16 @@ std::vector<std::uint8_t> held_with_border(const LatticePatch& patch) {
 }
 
 void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch) {
-    const LevelPlan plan = patch_plan(density, patch);
-    LatticePositions positions;
+    const som::LevelPlan plan = patch_plan(density, patch);
+    som::LatticePositions positions;
     for (const Vec2f& p : patch.mesh.positions) positions.x.push_back(p.x), positions.y.push_back(p.y);
     ThreadPool pool(threads);
     // The border may be folded against held vertices next to it, so it is untangled first; from
     // then on it stays.
-    untangle(plan, false, patch.held.data(), pool, positions);
+    som::untangle(plan, false, patch.held.data(), pool, positions);
     balance_level(plan, config, false, held_with_border(patch).data(), density.values, pool, positions);
     for (std::size_t i = 0; i < positions.x.size(); ++i)
         patch.mesh.positions[i] = {positions.x[i], positions.y[i]};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

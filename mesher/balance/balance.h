@@ -9,7 +9,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 
 // Least number of vertices of a lattice that several threads share. Smaller ones are balanced by one
 // thread, because an iteration has some 30 barriers. Seconds of the mesh stage on aloe, small / full
@@ -22,8 +22,9 @@ inline constexpr std::size_t kLeastSharedVertices = 1000;
 // depend on the number of threads. If `pinned`, the lattice's border lies on the area's and slides along it.
 // `held` is as for untangle(). Untangles the lattice before and after. Does nothing if the density is 0
 // everywhere or no cell has six neighbours.
-void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const std::uint8_t* held,
-                   const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions);
+void balance_level(const som::LevelPlan& plan, const BalanceConfig& config, bool pinned,
+                   const std::uint8_t* held, const std::vector<float>& density, ThreadPool& pool,
+                   som::LatticePositions& positions);
 
 // A part of a lattice whose first vertex is the centre of a honeycomb cell of the whole lattice: its column
 // in the whole lattice is a multiple of 3 and its row a multiple of 2.
@@ -33,11 +34,11 @@ struct LatticePatch {
 };
 
 // Returns the plan by which both backends balance a patch.
-LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch);
+som::LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch);
 // Returns patch.held with the vertices of the patch's border added.
 std::vector<std::uint8_t> held_with_border(const LatticePatch& patch);
 
 // Balances a patch on its part of the density, which must cover it. The vertices of its border stay in place.
 void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

@@ -2,7 +2,7 @@
 
 #include "mesher/common/simd.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 namespace {
 
 constexpr int kLanes = 16;
@@ -153,4 +153,4 @@ void measure_boundary_edges(const step::BalanceView& v, int row) {
     edges.flush();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

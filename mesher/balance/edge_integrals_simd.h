@@ -3,11 +3,11 @@
 
 #include "mesher/balance/edge_integrals_step.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 
 // Writes view.edges for the three edges of each class 1 vertex of the row, with the same bits as
 // step::edge_mass(); 0 for an edge that would leave the lattice. A plain loop over edge_mass() takes 20 %
 // more instructions in the whole mesh stage (small aloe, AVX2).
 void measure_boundary_edges(const step::BalanceView& view, int row);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

@@ -5,7 +5,7 @@
 #include "mesher/balance/cell_mass_step.h"
 #include "mesher/balance/initial_lattice_step.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 namespace {
 
 // Returns the prefix sums of `masses`, each with its part of the evenly spread mass added; starts with 0.
@@ -18,7 +18,8 @@ std::vector<std::int64_t> sums_of(const std::vector<std::int64_t>& masses, std::
 
 }  // namespace
 
-void equalise_start(const LevelPlan& plan, const std::vector<float>& density, LatticePositions& positions) {
+void equalise_start(const som::LevelPlan& plan, const std::vector<float>& density,
+                    som::LatticePositions& positions) {
     const float largest = *std::max_element(density.begin(), density.end());
     if (!(largest > 0)) return;
     const double scale = step::mass_scale(largest);
@@ -34,7 +35,7 @@ void equalise_start(const LevelPlan& plan, const std::vector<float>& density, La
         total += rows[y];
     }
     const std::vector<std::int64_t> across = sums_of(columns, total), down = sums_of(rows, total);
-    const step::Border border = border_of(plan);
+    const step::Border border = som::border_of(plan);
     for (std::size_t i = 0; i < positions.x.size(); ++i) {
         float &x = positions.x[i], &y = positions.y[i];
         x = step::equalised(across.data(), plan.width, x / plan.extent_x, plan.extent_x);
@@ -44,4 +45,4 @@ void equalise_start(const LevelPlan& plan, const std::vector<float>& density, La
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

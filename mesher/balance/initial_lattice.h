@@ -5,10 +5,11 @@
 
 #include "mesher/som/cellular_som.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 
 // Moves the regular lattice of the coarsest level so that its columns hold equal masses of the level's
 // density, and so do its rows (initial_lattice_step.h). Does nothing if the density is 0 everywhere.
-void equalise_start(const LevelPlan& plan, const std::vector<float>& density, LatticePositions& positions);
+void equalise_start(const som::LevelPlan& plan, const std::vector<float>& density,
+                    som::LatticePositions& positions);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

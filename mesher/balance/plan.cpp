@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::balance {
 namespace {
 
 // Largest number of iterations of a level that is far from balance, as a multiple of the planned number.
@@ -39,7 +39,7 @@ int full_cells(const step::Lattice& lattice) {
     return count;
 }
 
-step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned) {
+step::BalanceView balance_view(const som::LevelPlan& plan, const BalanceConfig& config, bool pinned) {
     step::BalanceView view{};
     view.lattice = plan.lattice;
     view.extent_x = plan.extent_x;
@@ -73,4 +73,4 @@ step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     return {planned, kMostOfPlanned * planned, 0.01f, 0.95f, false};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

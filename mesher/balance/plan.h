@@ -7,7 +7,7 @@
 #include "mesher/common/mesh_config.h"
 #include "mesher/som/level_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::balance {
 
 struct SweepGain {
     // factors of the previous direction and of the preconditioned residual; keep is 0 for the first sweep
@@ -24,7 +24,7 @@ double distortion_of_angle(double apex_deg);
 int full_cells(const step::Lattice& lattice);
 
 // Returns a view of the level without its arrays and its units of mass (step::set_units()).
-step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
+step::BalanceView balance_view(const som::LevelPlan& plan, const BalanceConfig& config, bool pinned);
 
 // Returns the number of Newton iterations planned for a level: config.iterations for the finest and the next
 // coarser, twice as many for all others.
@@ -33,4 +33,4 @@ int balance_iterations(const BalanceConfig& config, int level);
 // Returns that number with the level's largest number of iterations and its conditions for ending earlier.
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::balance

@@ -6,7 +6,7 @@
 #include "mesher/common/lattice_step.h"
 #include "mesher/common/thread_pool.h"
 
-namespace hexrelief {
+namespace hexrelief::quality {
 namespace {
 
 // The density's primitive along rows: value(row, x) is the integral of a row from 0 to x.
@@ -115,4 +115,4 @@ double EdgeMasses::honeycomb(int column, int row) const {
     return weight;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::quality

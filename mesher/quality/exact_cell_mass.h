@@ -7,7 +7,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::quality {
 
 // The integral of the density over a polygon is the sum over its edges of the integral of P(x, y) dy, with P
 // the density's primitive along its row. Each edge is integrated once and serves the triangles on both of its
@@ -26,4 +26,4 @@ class EdgeMasses {
     std::vector<std::array<double, 3>> mass_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::quality

@@ -7,7 +7,7 @@
 #include "mesher/quality/exact_cell_mass.h"
 #include "pipeline/data/background.h"
 
-namespace hexrelief {
+namespace hexrelief::quality {
 namespace {
 
 double twice_area(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
@@ -90,4 +90,4 @@ MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, in
     return quality;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::quality

@@ -6,7 +6,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::quality {
 
 struct MeshQuality {
     double percent_cost = 0;           // Eq. 2 over the honeycomb cells, with exact pixel coverage
@@ -32,4 +32,4 @@ std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& d
 // if the density is 0 everywhere or there is no honeycomb cell.
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::quality

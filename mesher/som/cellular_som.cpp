@@ -11,7 +11,7 @@
 #include "mesher/som/learning_step.h"
 #include "mesher/som/philox_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // The distribution from which each cell draws its points.
@@ -304,4 +304,4 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     LevelTrainer(plan, config, distributions, pool, positions).run(progress);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

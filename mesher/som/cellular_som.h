@@ -1,11 +1,11 @@
 // The parallel cellular self-organizing map on CPU threads (paper, section 4).
 #pragma once
 
-#include "mesher/common/progress.h"
+#include "mesher/common/progress_function.h"
 #include "mesher/common/thread_pool.h"
 #include "mesher/som/level_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Vertex positions of one level's lattice in the level's px, as a structure of arrays.
 struct LatticePositions {
@@ -29,4 +29,4 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
 int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
              LatticePositions& positions);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -8,7 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // Coarser lattices have too few vertices for a neighbourhood to order: with 5 columns and radius 6 a
@@ -109,4 +109,4 @@ std::vector<float> magnification_table(double exponent) {
     return table;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -10,7 +10,7 @@
 #include "mesher/som/level_transfer_step.h"
 #include "mesher/som/outline_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Learning rate and neighbourhood function of one iteration (paper, Eq. 3 and 4),
 // tabulated by lattice distance.
@@ -70,4 +70,4 @@ inline constexpr int kMagnificationSteps = 4096;
 // Returns (i / kMagnificationSteps)^exponent for i = 0 .. kMagnificationSteps; empty if exponent is 1.
 std::vector<float> magnification_table(double exponent);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

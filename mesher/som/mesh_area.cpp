@@ -5,7 +5,7 @@
 
 #include "mesher/som/level_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // Largest ratio of the lattice's spacings in the two directions; with it the regular lattice has angles of 27
@@ -137,4 +137,4 @@ std::vector<float> density_within(const DensityMap& density, const MeshArea& are
     return values;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

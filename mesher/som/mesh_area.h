@@ -6,7 +6,7 @@
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/density_map.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // For MeshBorder::fit returns the smallest rectangle around all density, grown until it has at least one
 // pixel per vertex and the lattice's spacings in the two directions differ by at most the factor
@@ -31,4 +31,4 @@ step::Outline outline_of(const MeshOutline& outline, const float* upper, const f
 // Returns the density within the area, row by row.
 std::vector<float> density_within(const DensityMap& density, const MeshArea& area);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -7,7 +7,7 @@
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/best_matching_unit_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 // Returns the cumulative distribution over all pixels (Eq. 5); the densest pixel adds 2^32 - 1.
@@ -93,4 +93,4 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
     return positions;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

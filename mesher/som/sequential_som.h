@@ -3,7 +3,7 @@
 
 #include "mesher/som/cellular_som.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Trains the regular lattice and returns its positions. Makes t_max x cells draws from the cumulative
 // distribution of the whole density (plan.width x plan.height; Eq. 5) and learns from each at once (Eq. 3).
@@ -12,4 +12,4 @@ namespace hexrelief {
 LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan,
                                   const MeshConfig& config, const ProgressFunction& progress);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -4,7 +4,7 @@
 #include "mesher/som/cellular_som.h"
 #include "mesher/som/untangle_step.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 
 // Marks vertices of folded triangles and smooths all marked ones, sweep by sweep. Marks remain from sweep to
 // sweep and spread to neighbours every kUntangleGrowth sweeps.
@@ -51,4 +51,4 @@ int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, Threa
     return step::kMostUntangleSweeps;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::som

@@ -10,7 +10,7 @@
 
 #include "mesher/tiles/fold_mender.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 // Returns the tiles' seam edges whose other triangle is in none of the tiles, in order.
@@ -297,4 +297,4 @@ CoarserTile coarser_tile(std::span<const TileMesh> tiles, std::span<const TileMe
     return coarser;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -6,7 +6,7 @@
 
 #include "mesher/tiles/tile_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 struct CoarserTile {
     // Its corners are some of the tiles' corners. Its seam edges are those of the tiles except for the ones
@@ -35,4 +35,4 @@ TileMesh simplified_alone(const TileMesh& tile, double share);
 CoarserTile coarser_tile(std::span<const TileMesh> tiles, std::span<const TileMesh> parts, double share,
                          const DepthOf& depth);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

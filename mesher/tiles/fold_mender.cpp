@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <optional>
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 // Finds the triangle to which a directed edge belongs, for edges with a wanted corner.
@@ -199,4 +199,4 @@ std::vector<std::uint32_t> mend_folds(const TileMesh& mesh, std::vector<Triangle
     return FoldMender(mesh, triangles).mend();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -7,7 +7,7 @@
 
 #include "mesher/tiles/tile_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 using SeamEdge = std::array<TileCorner, 2>;
 
@@ -22,4 +22,4 @@ std::int64_t twice_area(const TileMesh& mesh, const Triangle& t);
 // degenerate or turned over.
 std::vector<std::uint32_t> mend_folds(const TileMesh& mesh, std::vector<Triangle>& triangles);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -5,7 +5,7 @@
 
 #include "mesher/som/level_transfer_step.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 std::int32_t to_place(double px) {
@@ -131,7 +131,7 @@ void TileSolver::balance(std::span<const Seam* const> seams, LatticeBlock& block
     }
     spread(moves, known, block.columns, block.rows);
     const MapRect window = window_of(block, kSpreadMargin_px, coarse_.width, coarse_.height);
-    LatticePatch patch{{block.columns, block.rows, {}}, std::move(held)};
+    balance::LatticePatch patch{{block.columns, block.rows, {}}, std::move(held)};
     patch.mesh.positions.reserve(block.places.size());
     for (std::size_t i = 0; i < block.places.size(); ++i) {
         const Vec2f p = in_window(block.places[i], window);
@@ -169,4 +169,4 @@ LatticeBlock TileSolver::tile(int i, int j, const std::array<const Seam*, 4>& se
     return found;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

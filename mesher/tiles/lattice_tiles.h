@@ -20,7 +20,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 // A position in the whole map, in units of 1/1024 px: sums and differences are exact.
 struct Place {
@@ -94,14 +94,15 @@ struct CoarseLattice {
 using DensityOfWindow = std::function<DensityMap(const MapRect&)>;
 
 // balance_patch(), on the CPU or on a device.
-using BalancePatch = std::function<void(const DensityMap&, const BalanceConfig&, int threads, LatticePatch&)>;
+using BalancePatch =
+    std::function<void(const DensityMap&, const BalanceConfig&, int threads, balance::LatticePatch&)>;
 
 // Solves seams and tiles.
 class TileSolver {
   public:
     // Keeps references to its arguments.
     TileSolver(const LatticeTiling& tiling, const CoarseLattice& coarse, const BalanceConfig& config,
-               const DensityOfWindow& density, int threads, BalancePatch balance = balance_patch)
+               const DensityOfWindow& density, int threads, BalancePatch balance = balance::balance_patch)
         : tiling_(tiling),
           coarse_(coarse),
           config_(config),
@@ -137,4 +138,4 @@ Place place_of(const Vec2f& point, const MapRect& window);
 // Returns the pixels around a block, with a margin, within the map of width x height px.
 MapRect window_of(const LatticeBlock& block, int margin_px, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

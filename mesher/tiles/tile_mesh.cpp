@@ -1,6 +1,6 @@
 #include "mesher/tiles/tile_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 TileMesh tile_mesh_of(const TileSurface& surface, const MapRect& window) {
     TileMesh mesh{{}, surface.mesh.triangles, surface.seam_edges};
@@ -10,4 +10,4 @@ TileMesh tile_mesh_of(const TileSurface& surface, const MapRect& window) {
     return mesh;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -6,7 +6,7 @@
 
 #include "mesher/tiles/tile_surface.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 struct TileMesh {
     std::vector<TileCorner> corners;
@@ -19,4 +19,4 @@ struct TileMesh {
 // Returns the mesh of a surface in px of `window`.
 TileMesh tile_mesh_of(const TileSurface& surface, const MapRect& window);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 // The border of a tile as a closed polygon: between tiles the lattice's border line, which both share; at the
@@ -145,7 +145,7 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
                      const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
                      const CutMesh& cut) {
     const HexMesh2D lattice = lattice_in(block, input.window);
-    WholeMap whole = input.whole;
+    surface::WholeMap whole = input.whole;
     whole.columns = tiling.columns();
     whole.first_column = block.first_column;
     whole.first_row = block.first_row;
@@ -190,4 +190,4 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
     return surface;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -5,10 +5,10 @@
 #include <functional>
 #include <vector>
 
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 #include "mesher/tiles/lattice_tiles.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 
 // px around a tile's block that affect its surface: silhouettes, and holes of up to a lattice cell.
 inline constexpr int kTileMargin_px = 64;
@@ -20,7 +20,7 @@ struct TileSurfaceInput {
     float background_px = 0;
     // The whole map's mean area of a lattice cell, and its largest disparity and its smallest one above 0.
     // cut_tile() fills in the other members.
-    WholeMap whole;
+    surface::WholeMap whole;
 };
 
 // A corner of a triangle, in coordinates of the whole map.
@@ -41,12 +41,13 @@ struct TileSurface {
 void rounded_disparities(DisparityMap& map);
 
 // cut_disparity_mesh(), on the CPU or on a device.
-using CutMesh = std::function<DisparityMesh(const DisparityMeshInput&, const SurfaceConfig&, int threads)>;
+using CutMesh =
+    std::function<DisparityMesh(const surface::DisparityMeshInput&, const SurfaceConfig&, int threads)>;
 
 // Returns the triangles whose centres lie within the border of tile (i, j), cut from a block that
 // TileSolver::tile() solved. Throws what cut_disparity_mesh() throws.
 TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,
                      const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
-                     const CutMesh& cut = cut_disparity_mesh);
+                     const CutMesh& cut = surface::cut_disparity_mesh);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

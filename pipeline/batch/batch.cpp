@@ -14,7 +14,7 @@
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/run_files.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr int kWait_ms = 200;
@@ -58,7 +58,7 @@ class Scheduler {
           memory_(settings.memory > 0 ? settings.memory : memory_to_use()),
           estimates_(units.size()) {
         result_.units.resize(units.size());
-        const int threads = effective_threads(settings.threads);
+        const int threads = job::effective_threads(settings.threads);
         const auto devices = static_cast<int>(settings.devices.size());
         const int wanted = settings.workers > 0 ? settings.workers : devices > 0 ? devices : threads;
         most_workers_ = std::max(1, std::min(wanted, static_cast<int>(units.size())));
@@ -98,7 +98,7 @@ class Scheduler {
     std::uint64_t estimate(std::size_t unit) {
         if (estimates_[unit] == 0) {
             try {
-                estimates_[unit] = estimated_memory(rules_.parse(units_[unit].words));
+                estimates_[unit] = job::estimated_memory(rules_.parse(units_[unit].words));
             } catch (...) {  // it will fail as soon as it begins
                 estimates_[unit] = 1;
             }
@@ -191,7 +191,7 @@ class Scheduler {
                 result_.units[unit] = worker.finish();
             }
         for (std::size_t i = next_; i < units_.size(); ++i) {
-            result_.units[i].exit_code = kInterruptedExitCode;
+            result_.units[i].exit_code = files::kInterruptedExitCode;
             result_.units[i].message = "interrupted";
         }
         workers_.clear();
@@ -217,4 +217,4 @@ BatchResult run_units(const std::vector<BatchUnit>& units, const BatchSettings& 
     return Scheduler(units, settings, observer).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -7,7 +7,7 @@
 
 #include "pipeline/batch/unit.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 struct BatchSettings {
     UnitRules rules;  // run_units() sets its threads and jobs
@@ -39,4 +39,4 @@ BatchResult run_units(const std::vector<BatchUnit>& units, const BatchSettings& 
 // places that cannot be written, and files that two units write, or that one writes and another reads.
 void check_units(std::vector<BatchUnit>& units, const RequestParser& parse);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -6,7 +6,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/run_files.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,10 +26,10 @@ class Collisions {
     explicit Collisions(const std::vector<BatchUnit>& units) : units_(units) {}
 
     // Returns why the unit must not run beside those before it; empty if it may.
-    std::string add(std::size_t unit, const RunRequest& request) {
-        for (const fs::path& file : written_files(request))
+    std::string add(std::size_t unit, const job::RunRequest& request) {
+        for (const fs::path& file : job::written_files(request))
             if (std::string why = use(file, {unit, false, true}); !why.empty()) return why;
-        for (const fs::path& file : read_files(request))
+        for (const fs::path& file : job::read_files(request))
             if (std::string why = use(file, {unit, true, false}); !why.empty()) return why;
         return {};
     }
@@ -60,9 +60,9 @@ void check_units(std::vector<BatchUnit>& units, const RequestParser& parse) {
         BatchUnit& unit = units[i];
         if (!unit.wrong.empty()) continue;
         try {
-            const RunRequest request = parse(unit.words);
-            check_request(request);
-            if (writes_standard_output(request))
+            const job::RunRequest request = parse(unit.words);
+            job::check_request(request);
+            if (job::writes_standard_output(request))
                 throw Error(ErrorKind::usage,
                             "a job of a batch cannot write to the standard output; name a file");
             unit.wrong = collisions.add(i, request);
@@ -73,4 +73,4 @@ void check_units(std::vector<BatchUnit>& units, const RequestParser& parse) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

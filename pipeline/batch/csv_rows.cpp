@@ -2,10 +2,10 @@
 #include <optional>
 #include <string_view>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 struct CsvRecord {
@@ -89,4 +89,4 @@ std::vector<ManifestRow> csv_rows(const std::string& text, const std::string& or
     return rows;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

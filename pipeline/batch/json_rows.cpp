@@ -2,10 +2,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "pipeline/batch/rows.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/batch/manifest_rows.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -13,7 +13,7 @@ constexpr int kDeepestSection = 4;
 
 // Adds the values of a section and of the sections in it. Returns the error; empty if there is none.
 std::string append_values(const Json& section, const std::string& above, int depth, ManifestRow& row) {
-    if (depth > kDeepestSection) return codec::excerpt(above) + " goes too deep";
+    if (depth > kDeepestSection) return readers::codec::excerpt(above) + " goes too deep";
     for (const auto& [name, value] : section.items()) {
         const std::string key = above.empty() ? name : above + "." + name;
         if (value.is_null()) continue;
@@ -22,7 +22,8 @@ std::string append_values(const Json& section, const std::string& above, int dep
         } else if (value.is_array()) {
             std::string list;
             for (const Json& part : value) {
-                if (!part.is_string()) return codec::excerpt(key) + " must be one value, or a list of texts";
+                if (!part.is_string())
+                    return readers::codec::excerpt(key) + " must be one value, or a list of texts";
                 list += (list.empty() ? "" : ",") + part.get<std::string>();
             }
             row.values.emplace_back(key, list);
@@ -60,4 +61,4 @@ std::vector<ManifestRow> json_rows(const std::string& text, const std::string& o
     return rows;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -10,13 +10,13 @@
 #include <utility>
 
 #include "exporters/core/file_names.h"
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/suggest.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,8 +41,9 @@ std::string unknown_key(const std::string& key) {
     std::vector<std::string> names = {"name", "formats", "config", "strict"};
     names.insert(names.end(), kFileKeys.begin(), kFileKeys.end());
     names.insert(names.end(), kValueKeys.begin(), kValueKeys.end());
-    const std::string near = nearest_name(key, names);
-    return "unknown key " + codec::excerpt(key) + (near.empty() ? "" : " (did you mean '" + near + "'?)") +
+    const std::string near = config::nearest_name(key, names);
+    return "unknown key " + readers::codec::excerpt(key) +
+           (near.empty() ? "" : " (did you mean '" + near + "'?)") +
            "; keys of the configuration are written as mesh.spacing_px";
 }
 
@@ -58,7 +59,7 @@ std::string name_of_file(const fs::path& file) {
 // Returns the error in a name; empty if there is none. A name may contain folders.
 std::string check_name(const fs::path& name) {
     const std::string text = name.string();
-    const std::string told = "name " + codec::excerpt(text);
+    const std::string told = "name " + readers::codec::excerpt(text);
     if (text.empty() || !name.has_filename()) return told + " is none: give the row a 'name'";
     if (name.is_absolute()) return told + " must be relative: it is of a file in the output folder";
     for (const fs::path& part : name)
@@ -83,10 +84,10 @@ struct RowReader {
         } else if (holds(kValueKeys, key)) {
             words.push_back("--" + key + "=" + value);  // one word, because a value may begin with a dash
         } else if (key == "config") {
-            words.insert(words.end(), {"--config", find_preset(value) ? value : placed(value)});
+            words.insert(words.end(), {"--config", config::find_preset(value) ? value : placed(value)});
         } else if (key == "strict") {
             if (value != "true" && value != "false")
-                return "strict must be true or false, not " + codec::excerpt(value);
+                return "strict must be true or false, not " + readers::codec::excerpt(value);
             if (value == "true") words.push_back("--strict");
         } else if (key.find('.') != std::string::npos) {
             words.insert(words.end(), {"--set", key + "=" + value});
@@ -122,7 +123,7 @@ struct RowReader {
                     (key == "left" || key == "stereo" || key == "disparity" || key == "depth"))
                     unit.name = name_of_file(value);
             } else {
-                wrong = "key " + codec::excerpt(key) + " is given twice";
+                wrong = "key " + readers::codec::excerpt(key) + " is given twice";
             }
             if (unit.wrong.empty()) unit.wrong = wrong;
         }
@@ -135,7 +136,7 @@ struct RowReader {
 
     static std::vector<std::string> format_list(const std::string& text) {
         std::vector<std::string> formats;
-        for (const std::string_view format : codec::words(text)) formats.emplace_back(format);
+        for (const std::string_view format : readers::codec::words(text)) formats.emplace_back(format);
         return formats;
     }
 };
@@ -173,7 +174,7 @@ void refuse_equal_names(std::vector<BatchUnit>& units) {
     for (BatchUnit& unit : units) {
         const auto [known, is_new] = places.try_emplace(fs::path(unit.name).lexically_normal(), unit.place);
         if (!is_new && unit.wrong.empty())
-            unit.wrong = "name " + codec::excerpt(unit.name) + " is that of " + known->second +
+            unit.wrong = "name " + readers::codec::excerpt(unit.name) + " is that of " + known->second +
                          ", too; give each row a 'name' of its own";
     }
 }
@@ -225,4 +226,4 @@ std::vector<BatchUnit> read_manifest(const fs::path& path, const ManifestOptions
     return units;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -7,7 +7,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // A row, as the options of `hexrelief run`.
 struct BatchUnit {
@@ -37,4 +37,4 @@ std::vector<BatchUnit> read_manifest(const std::filesystem::path& path, const Ma
 // Returns the pattern of a folder's pairs.
 std::filesystem::path folder_pattern(const std::filesystem::path& folder);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 std::uint64_t available_memory() {
@@ -45,4 +45,4 @@ void MemoryRule::learn(std::uint64_t estimate, std::uint64_t taken) {
     factor_ = std::max(factor_, static_cast<double>(taken) / static_cast<double>(estimate));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

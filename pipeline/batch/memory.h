@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // Returns three quarters of the memory that is available now, within the process's control group.
 std::uint64_t memory_to_use();
@@ -23,4 +23,4 @@ class MemoryRule {
     double factor_ = 1;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -3,10 +3,10 @@
 #include <map>
 #include <string_view>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ std::vector<ManifestRow> pattern_rows(const fs::path& text) {
     return sorted;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

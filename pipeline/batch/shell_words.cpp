@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 std::vector<std::string> words_of_line(const std::string& line) {
     std::istringstream text(line);
@@ -19,7 +19,8 @@ std::string shell_quoted(const std::string& word) {
     static const std::string kPlain =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=./,:@%";
     if (word.find_first_of("\n\r") != std::string::npos)
-        throw Error(ErrorKind::usage, codec::excerpt(word) + " holds a line end: no command line can");
+        throw Error(ErrorKind::usage,
+                    readers::codec::excerpt(word) + " holds a line end: no command line can");
     if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
     std::string quoted = "'";
     for (const char letter : word) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
@@ -32,4 +33,4 @@ std::string shell_line(const std::vector<std::string>& words) {
     return line;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

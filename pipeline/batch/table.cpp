@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -123,4 +123,4 @@ std::string table_json(const std::vector<TableRow>& rows) {
     return text + "\n]}\n";
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -7,7 +7,7 @@
 
 #include "pipeline/batch/unit.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 struct TableRow {
     std::string name, place;
@@ -24,4 +24,4 @@ std::string table_csv(const std::vector<TableRow>& rows);
 // error and report are null if there is none.
 std::string table_json(const std::vector<TableRow>& rows);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -11,7 +11,7 @@
 #include "pipeline/job/runner.h"
 #include "pipeline/stamp/stamp.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr int kBug = 1, kMemory = 6;
@@ -32,24 +32,24 @@ std::size_t peak_memory() {
     return 0;
 }
 
-void run_unit(const RunRequest& request, const BackendPicker& pick) {
-    const RunObserver silent;
-    run_job(request, silent, pick);
+void run_unit(const job::RunRequest& request, const job::BackendPicker& pick) {
+    const job::RunObserver silent;
+    job::run_job(request, silent, pick);
 }
 
-UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick) {
+UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick) {
     UnitResult result;
-    RunRequest request = rules.parse(unit.words);
+    job::RunRequest request = rules.parse(unit.words);
     if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
     if (rules.strict) request.config.run.strict = true;
     request.jobs = rules.jobs;
-    const UnitState state = stamp_request(request);
-    if (!rules.force && state == UnitState::current) {
+    const stamp::UnitState state = stamp::stamp_request(request);
+    if (!rules.force && state == stamp::UnitState::current) {
         result.outcome = UnitOutcome::up_to_date;
     } else if (rules.dry_run) {
         result.outcome = UnitOutcome::would_run;
-        result.message = state == UnitState::missing ? "no result yet"
-                         : state == UnitState::changed
+        result.message = state == stamp::UnitState::missing ? "no result yet"
+                         : state == stamp::UnitState::changed
                              ? "its inputs, configuration, version or outputs changed"
                              : "up to date, but --force is given";
     } else {
@@ -100,7 +100,7 @@ UnitResult result_of_exception() {
     return result;
 }
 
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick) {
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick) {
     forget_peak_memory();
     const double begun = now_seconds();
     UnitResult result;
@@ -114,4 +114,4 @@ UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendP
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

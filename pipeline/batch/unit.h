@@ -10,10 +10,10 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // Converts the options of `hexrelief run` to a request. Throws Error.
-using RequestParser = std::function<RunRequest(const std::vector<std::string>& words)>;
+using RequestParser = std::function<job::RunRequest(const std::vector<std::string>& words)>;
 
 enum class UnitOutcome { done, up_to_date, would_run, failed };
 std::string outcome_name(UnitOutcome outcome);  // "done", "up_to_date", "would_run", "failed"
@@ -37,9 +37,9 @@ struct UnitRules {
 
 // Runs a unit and returns its result; never throws. A unit without a report always runs, because nothing says
 // that it was done.
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick);
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick);
 
 // Returns the message and exit code for the current exception. Call it in a catch block.
 UnitResult result_of_exception();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

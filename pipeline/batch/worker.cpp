@@ -20,7 +20,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr std::size_t kLongestMessage = 4000;
@@ -48,8 +48,8 @@ void send_result(int socket, const UnitResult& result) {
     // If memory runs out, the system should end a worker rather than the batch.
     std::ofstream("/proc/self/oom_score_adj") << "300";
     if (!device.empty()) ::setenv("CUDA_VISIBLE_DEVICES", device.c_str(), 1);
-    install_interrupt_handling();
-    const BackendPicker pick = keep_backends();
+    files::install_interrupt_handling();
+    const job::BackendPicker pick = job::keep_backends();
     std::size_t unit = 0;
     while (::recv(socket, &unit, sizeof unit, 0) == sizeof unit)
         send_result(socket, do_unit(units[unit], rules, pick));
@@ -125,8 +125,8 @@ UnitResult Worker::result_of_death() {
                          (WTERMSIG(status) == SIGKILL ? " (by hand, or for want of memory)" : "");
     else
         result.message = "its process ended with exit code " + std::to_string(WEXITSTATUS(status));
-    if (WIFEXITED(status) && WEXITSTATUS(status) == kInterruptedExitCode) {
-        result.exit_code = kInterruptedExitCode;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == files::kInterruptedExitCode) {
+        result.exit_code = files::kInterruptedExitCode;
         result.message = "interrupted";
     }
     return result;
@@ -141,10 +141,10 @@ std::vector<std::string> device_names() {
     if (::pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
     const pid_t process = fork_or_throw();
     if (process == 0) {
-        const std::vector<DeviceDescription> devices = list_devices();
+        const std::vector<job::DeviceDescription> devices = job::list_devices();
         const auto count = static_cast<unsigned char>(std::count_if(
             devices.begin(), devices.end(),
-            [](const DeviceDescription& device) { return device.backend == "cuda" && device.usable; }));
+            [](const job::DeviceDescription& device) { return device.backend == "cuda" && device.usable; }));
         ::_exit(::write(ends[1], &count, 1) == 1 ? 0 : 1);
     }
     ::close(ends[1]);
@@ -175,4 +175,4 @@ std::vector<std::string> devices_of(const std::string& text) {
     return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

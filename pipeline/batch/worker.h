@@ -9,7 +9,7 @@
 
 #include "pipeline/batch/unit.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 
 // A worker process. Processes are used instead of threads so that a unit that crashes or is killed
 // takes no other with it, and global state such as OpenCV's number of threads belongs to one unit. The
@@ -52,4 +52,4 @@ std::vector<std::string> device_names();
 // if there is no usable GPU, Error(usage) for another text.
 std::vector<std::string> devices_of(const std::string& text);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

@@ -4,11 +4,11 @@
 #include <sstream>
 #include <utility>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 constexpr int kDeepestYamlSection = 4;
@@ -52,7 +52,7 @@ void begin_with_defaults(const ManifestRow& defaults, ManifestRow& row) {
 
 // Adds the values of a section and of the sections in it. Returns the error; empty if there is none.
 std::string append_section(const YAML::Node& section, const std::string& above, int depth, ManifestRow& row) {
-    if (depth > kDeepestYamlSection) return codec::excerpt(above) + " goes too deep";
+    if (depth > kDeepestYamlSection) return readers::codec::excerpt(above) + " goes too deep";
     for (const auto& entry : section) {
         if (!entry.first.IsScalar()) return "a key must be a plain name";
         const std::string key = (above.empty() ? "" : above + ".") + entry.first.Scalar();
@@ -64,7 +64,8 @@ std::string append_section(const YAML::Node& section, const std::string& above, 
         } else if (value.IsSequence()) {
             std::string list;
             for (const YAML::Node& part : value) {
-                if (!part.IsScalar()) return codec::excerpt(key) + " must be one value, or a list of texts";
+                if (!part.IsScalar())
+                    return readers::codec::excerpt(key) + " must be one value, or a list of texts";
                 list += (list.empty() ? "" : ",") + part.Scalar();
             }
             row.values.emplace_back(plain_key(key), list);
@@ -87,9 +88,9 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
             for (const auto& entry : document) {
                 const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
                 if (key != "rows" && key != "defaults")
-                    refuse_yaml(
-                        origin + ":" + std::to_string(entry.first.Mark().line + 1),
-                        "unknown key " + codec::excerpt(key) + "; a manifest holds 'rows' and 'defaults'");
+                    refuse_yaml(origin + ":" + std::to_string(entry.first.Mark().line + 1),
+                                "unknown key " + readers::codec::excerpt(key) +
+                                    "; a manifest holds 'rows' and 'defaults'");
             }
             list.reset(document["rows"]);
             const YAML::Node common = document["defaults"];
@@ -110,8 +111,8 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
         return rows;
     } catch (const YAML::Exception& error) {
         refuse_yaml(origin + ":" + std::to_string(error.mark.is_null() ? 1 : error.mark.line + 1),
-                    "not valid YAML: " + codec::printable(error.msg, 200));
+                    "not valid YAML: " + readers::codec::printable(error.msg, 200));
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

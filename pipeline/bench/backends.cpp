@@ -1,15 +1,15 @@
 #include "pipeline/bench/backends.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
-std::vector<Backend> usable_backends(int threads) {
-    std::vector<Backend> backends{pick_backend(BackendChoice::cpu, threads)};
-    for (const DeviceDescription& device : list_devices())
+std::vector<job::Backend> usable_backends(int threads) {
+    std::vector<job::Backend> backends{job::pick_backend(config::BackendChoice::cpu, threads)};
+    for (const job::DeviceDescription& device : job::list_devices())
         if (device.backend == "cuda" && device.usable) {
-            backends.push_back(pick_backend(BackendChoice::cuda, threads));
+            backends.push_back(job::pick_backend(config::BackendChoice::cuda, threads));
             break;
         }
     return backends;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

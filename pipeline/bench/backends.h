@@ -5,9 +5,9 @@
 
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Returns every usable backend, the CPU first.
-std::vector<Backend> usable_backends(int threads);
+std::vector<job::Backend> usable_backends(int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -3,13 +3,13 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/cuda_experiments.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -42,14 +42,14 @@ std::string lines_text(const Json& head, const std::vector<Json>& rows) {
 }  // namespace
 
 void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
-    check_names(options.experiments, experiment_names(), "--experiments");
+    check_names(options.experiments, cuda_bench::experiment_names(), "--experiments");
     const paper::Config paper = paper_config_of_text(options);
     std::vector<std::string> missing;
     std::vector<FoundMap> found;
     if (!options.data.empty()) found = find_maps(options.data, {}, {}, missing);
-    if (!options.json.empty()) check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
-    Solvers solvers(threads);
+    if (!options.json.empty()) files::check_writable_file(options.json);
+    const int threads = job::effective_threads(options.threads);
+    cuda_bench::Solvers solvers(threads);
 
     Json head;
     head["schema"] = 1;
@@ -68,20 +68,20 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
         << cuda_bench::headings() << std::flush;
 
     std::vector<Json> rows;
-    Bench bench{options,
-                found,
-                paper,
-                solvers,
-                [&](const Row& row) {
-                    out << row_text(row) << std::flush;
-                    rows.push_back(row_json(row));
-                },
-                [&](const std::string& line) { out << line << '\n'
-                                                   << std::flush; },
-                {}};
-    for (const std::string& name : experiment_names())
-        if (wanted(options.experiments, name)) run_experiment(bench, name);
+    cuda_bench::Bench bench{options,
+                            found,
+                            paper,
+                            solvers,
+                            [&](const cuda_bench::Row& row) {
+                                out << cuda_bench::row_text(row) << std::flush;
+                                rows.push_back(cuda_bench::row_json(row));
+                            },
+                            [&](const std::string& line) { out << line << '\n'
+                                                               << std::flush; },
+                            {}};
+    for (const std::string& name : cuda_bench::experiment_names())
+        if (wanted(options.experiments, name)) cuda_bench::run_experiment(bench, name);
     write_json(options.json, lines_text(head, rows));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct CudaBenchOptions {
     std::filesystem::path data;            // Middlebury's maps, as for table2.h; empty = a synthetic scene
@@ -29,4 +29,4 @@ struct CudaBenchOptions {
 // file cannot be written.
 void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -8,7 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 namespace {
 
 using Kernels = paper::Kernels;
@@ -21,7 +21,7 @@ const std::vector<int> kBlocks{1, 8, 16, 32, 64, 128, 256};
 
 Case made_up_case(int width, int height) {
     Case c{"made-up", made_up_scene(width, height), {}};
-    c.density = compute_density(c.disparity, paper_density());
+    c.density = stages::compute_density(c.disparity, paper_density());
     return c;
 }
 
@@ -35,7 +35,7 @@ void for_each_case(const Bench& bench, const std::vector<std::string>& names,
         if (std::find(names.begin(), names.end(), map.map->name) == names.end()) continue;
         any = true;
         Case c{map.map->name, load_map(map), {}};
-        c.density = compute_density(c.disparity, paper_density());
+        c.density = stages::compute_density(c.disparity, paper_density());
         work(c, map.map);
     }
     if (any) return;
@@ -240,4 +240,4 @@ void run_experiment(Bench& bench, const std::string& name) {
         if (known == name) work(bench);
 }
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

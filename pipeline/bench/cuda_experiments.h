@@ -11,7 +11,7 @@
 #include "pipeline/bench/cuda_solvers.h"
 #include "pipeline/bench/maps.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 // The input and output of the experiments.
 struct Bench {
@@ -30,4 +30,4 @@ const std::vector<std::string>& experiment_names();
 // Runs one experiment. Throws what run_bench_cuda() throws.
 void run_experiment(Bench& bench, const std::string& name);
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -116,4 +116,4 @@ nlohmann::ordered_json row_json(const Row& row) {
     return json;
 }
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

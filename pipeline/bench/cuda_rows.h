@@ -5,9 +5,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 struct Row {
     std::string experiment, map;
@@ -36,4 +36,4 @@ std::string row_text(const Row& row);
 // Returns the row as JSON; fields that do not apply are left out.
 nlohmann::ordered_json row_json(const Row& row);
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 constexpr int kBalls = 24;
@@ -57,4 +57,4 @@ DisparityMap made_up_scene(int width, int height) {
     return map;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

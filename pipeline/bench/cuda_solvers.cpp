@@ -5,11 +5,11 @@
 #include "pipeline/data/clock.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 struct Solvers::State {
     int threads;
-    Backend cuda, cpu;
+    job::Backend cuda, cpu;
 #ifdef HEXRELIEF_HAS_CUDA
     std::unique_ptr<paper::Som> som;
 #endif
@@ -29,7 +29,7 @@ Row empty_row(const Case& c, const std::string& solver) {
 }
 
 void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs, Row& row) {
-    const MeshQuality quality = measure_quality(mesh, c.density, threads);
+    const quality::MeshQuality quality = quality::measure_quality(mesh, c.density, threads);
     costs.runs.push_back(quality.percent_cost);
     row.percent_cost = costs.median();
     row.inverted = quality.inverted_triangles;
@@ -37,7 +37,7 @@ void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs
     row.rows = mesh.rows;
 }
 
-Row measure(const Case& c, const std::string& solver, const Backend& backend, const MeshConfig& config,
+Row measure(const Case& c, const std::string& solver, const job::Backend& backend, const MeshConfig& config,
             int runs, int threads) {
     Row row = empty_row(c, solver);
     row.co = config.co;
@@ -47,7 +47,7 @@ Row measure(const Case& c, const std::string& solver, const Backend& backend, co
     Times costs;
     for (int run = 0; run < runs; ++run) {
         const double start = now_seconds();
-        const MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
+        const mesher::MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
         row.stage_s.runs.push_back(now_seconds() - start);
         if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
         if (run > 0) continue;  // every run gives the same bytes
@@ -116,8 +116,8 @@ MeshConfig same_schedule(const paper::Config& config) {
 
 Solvers::Solvers(int threads) : state_(std::make_unique<State>()) {
     state_->threads = threads;
-    state_->cuda = pick_backend(BackendChoice::cuda, threads);
-    state_->cpu = pick_backend(BackendChoice::cpu, threads);
+    state_->cuda = job::pick_backend(config::BackendChoice::cuda, threads);
+    state_->cpu = job::pick_backend(config::BackendChoice::cpu, threads);
 }
 
 Solvers::~Solvers() = default;
@@ -135,15 +135,15 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
 }
 
 Row Solvers::cut_mesh(const Case& c, int runs) {
-    const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
-    const DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
-                                   solved.map_on_device};
+    const mesher::MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
+    const surface::DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
+                                            solved.map_on_device};
     Row row = empty_row(c, "cut");
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;
     for (int run = -1; run < runs; ++run) {
         const double start = now_seconds();
-        const DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
+        const surface::DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
         const double seconds = now_seconds() - start;
         if (run < 0) continue;
         row.stage_s.runs.push_back(seconds);
@@ -188,4 +188,4 @@ Row Solvers::paper(const Case&, const paper::Config&, int) {
 void Solvers::release() {}
 #endif
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

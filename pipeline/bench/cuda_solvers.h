@@ -11,7 +11,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::cuda_bench {
+namespace hexrelief::bench::cuda_bench {
 
 // A map to be meshed.
 struct Case {
@@ -47,4 +47,4 @@ class Solvers {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief::cuda_bench
+}  // namespace hexrelief::bench::cuda_bench

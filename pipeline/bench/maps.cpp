@@ -7,14 +7,14 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace table2;
 
 // Returns the ground truth's file, or nothing if the folder does not hold it.
-std::optional<fs::path> file_of(const fs::path& data, const PaperMap& map) {
+std::optional<fs::path> file_of(const fs::path& data, const table2::PaperMap& map) {
     for (const char* name : {"disp.png", "disp.pgm"})
         if (const fs::path path = data / map.folder / name; fs::is_regular_file(path)) return path;
     return std::nullopt;
@@ -28,7 +28,7 @@ void check_names(const std::vector<std::string>& given, const std::vector<std::s
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
         std::string list;
         for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-        const std::string near = nearest_name(name, known);
+        const std::string near = config::nearest_name(name, known);
         throw Error(ErrorKind::usage, std::string(option) + ": unknown name '" + name + "'" +
                                           (near.empty() ? "" : " (did you mean '" + near + "'?)") +
                                           "; choose among " + list);
@@ -42,7 +42,7 @@ bool wanted(const std::vector<std::string>& names, const std::string& name) {
 std::vector<FoundMap> find_maps(const fs::path& data, const std::vector<std::string>& sets,
                                 const std::vector<std::string>& names, std::vector<std::string>& missing) {
     std::vector<std::string> known;
-    for (const PaperMap& map : kPaperMaps)
+    for (const table2::PaperMap& map : table2::kPaperMaps)
         if (wanted(sets, map.set)) known.push_back(map.name);
     check_names(names, known, "--maps");
     if (!fs::is_directory(data))
@@ -50,7 +50,7 @@ std::vector<FoundMap> find_maps(const fs::path& data, const std::vector<std::str
                     "--data " + data.string() +
                         ": no such folder; give the one that holds middlebury2001/ and so on");
     std::vector<FoundMap> found;
-    for (const PaperMap& map : kPaperMaps) {
+    for (const table2::PaperMap& map : table2::kPaperMaps) {
         if (!wanted(sets, map.set) || !wanted(names, map.name)) continue;
         if (const auto path = file_of(data, map))
             found.push_back({&map, *path});
@@ -65,9 +65,9 @@ std::vector<FoundMap> find_maps(const fs::path& data, const std::vector<std::str
 }
 
 DisparityMap load_map(const FoundMap& found) {
-    DisparityFileConfig file;
+    readers::DisparityFileConfig file;
     file.scale = found.map->scale;
-    return read_disparity_map(found.path, file);
+    return readers::read_disparity_map(found.path, file);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

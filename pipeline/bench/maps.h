@@ -8,7 +8,7 @@
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Throws Error(usage) naming the option if one of `given` is not a known name.
 void check_names(const std::vector<std::string>& given, const std::vector<std::string>& known,
@@ -30,4 +30,4 @@ std::vector<FoundMap> find_maps(const std::filesystem::path& data, const std::ve
 // Reads a map, in px. Throws Error(input).
 DisparityMap load_map(const FoundMap& found);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -7,11 +7,11 @@
 
 #include "exporters/compression/draco_codec.h"
 #include "exporters/inspect/draco_decode.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/bench/rd_peers.h"
 #include "pipeline/bench/rd_rows.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/clock.h"
@@ -23,7 +23,7 @@
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using namespace rd;
@@ -46,14 +46,14 @@ bool among(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-bool is_compared_at(const Point& point) {
+bool is_compared_at(const rd::Point& point) {
     return point.method == "uniform" && std::find(std::begin(kCompared_px), std::end(kCompared_px),
                                                   point.spacing_px) != std::end(kCompared_px);
 }
 
 std::vector<std::string> other_meshers() {
     std::vector<std::string> names{"uniform"};
-    if (has_simplification()) names.insert(names.end(), {"meshopt", "meshopt+cut"});
+    if (rd::has_simplification()) names.insert(names.end(), {"meshopt", "meshopt+cut"});
     return names;
 }
 
@@ -66,21 +66,21 @@ std::vector<std::string> known_methods() {
 }
 
 // Returns the chosen methods, the uniform grid, at whose bytes all are compared, and all peers.
-std::vector<std::string> methods_of(const RdOptions& options, const std::vector<Peer>& peers) {
+std::vector<std::string> methods_of(const RdOptions& options, const std::vector<rd::Peer>& peers) {
     const std::vector<std::string> known = known_methods();
     std::vector<std::string> methods;
     check_names(options.methods, known, "--methods");
     for (const std::string& name : known)
         if (name == "uniform" || wanted(options.methods, name)) methods.push_back(name);
-    for (const Peer& peer : peers) methods.push_back(peer.name);
+    for (const rd::Peer& peer : peers) methods.push_back(peer.name);
     return methods;
 }
 
-std::vector<Peer> peers_of(const RdOptions& options) {
+std::vector<rd::Peer> peers_of(const RdOptions& options) {
     std::vector<std::string> taken = known_methods();
-    std::vector<Peer> peers;
+    std::vector<rd::Peer> peers;
     for (const std::string& text : options.peers) {
-        peers.push_back(peer_of(text));
+        peers.push_back(rd::peer_of(text));
         if (among(taken, peers.back().name))
             throw Error(ErrorKind::usage, "--peer " + text + ": that name is taken");
         taken.push_back(peers.back().name);
@@ -112,8 +112,9 @@ struct MapBench {
     std::ostream& out;
     std::string name;
     DisparityMap map;
-    float background_px = compute_density(map, read_config({"", options.settings}).density).background_px;
-    std::vector<Point> points{};
+    float background_px =
+        stages::compute_density(map, config::read_config({"", options.settings}).density).background_px;
+    std::vector<rd::Point> points{};
 
     void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,
              double tolerance_px = 0) {
@@ -121,41 +122,42 @@ struct MapBench {
         mesh.normals.clear();
         mesh.texcoords.clear();
         if (mesh.triangles.empty()) return;
-        DracoQuantisation draco;
+        exporters::DracoQuantisation draco;
         draco.position_bits = bits > 0 ? bits : bits_for(mesh, tolerance_px);
         draco.level = kLevel;
-        const DracoMesh packed = encode_draco(mesh, draco);
-        const DracoGeometry decoded = decode_draco(packed.bytes, name);
+        const exporters::DracoMesh packed = exporters::encode_draco(mesh, draco);
+        const inspect::DracoGeometry decoded = inspect::decode_draco(packed.bytes, name);
         SurfaceMesh seen;
         seen.triangles = decoded.triangles;
         for (const Vec3f& p : decoded.positions) {
             seen.image_points.push_back({p.x, p.y});
             seen.disparities.push_back(p.z);
         }
-        Point point{name,
-                    method,
-                    spacing_px,
-                    draco.position_bits,
-                    seen.disparities.size(),
-                    seen.triangles.size(),
-                    packed.bytes.size(),
-                    seconds,
-                    measure_surface_quality(seen, map, background_px, threads)};
-        out << point_text(point) << std::flush;
+        rd::Point point{name,
+                        method,
+                        spacing_px,
+                        draco.position_bits,
+                        seen.disparities.size(),
+                        seen.triangles.size(),
+                        packed.bytes.size(),
+                        seconds,
+                        stages::measure_surface_quality(seen, map, background_px, threads)};
+        out << rd::point_text(point) << std::flush;
         points.push_back(std::move(point));
     }
 
     void add_preset(const std::string& preset) {
-        Config config = read_config({preset, options.settings});
-        const double quantum_px =
-            config.disparity.dequantize == Dequantization::none ? 0 : find_quantum_px(map);
-        const DisparityMap meshed = quantum_px > 0 ? dequantize(map, quantum_px, threads) : map;
+        config::Config config = config::read_config({preset, options.settings});
+        const double quantum_px = config.disparity.dequantize == stages::Dequantization::none
+                                      ? 0
+                                      : dequantize::find_quantum_px(map);
+        const DisparityMap meshed = quantum_px > 0 ? dequantize::dequantize(map, quantum_px, threads) : map;
         for (const double spacing : options.spacings) {
             config.mesh.spacing_px = spacing;
             const double begun = now_seconds();
-            const SurfaceMesh mesh = preset_mesh(meshed, config, threads);
+            const SurfaceMesh mesh = rd::preset_mesh(meshed, config, threads);
             add(preset, spacing, now_seconds() - begun, mesh, 0,
-                tolerance_for(config.exporting, mesh, map, background_px, threads));
+                job::tolerance_for(config.exporting, mesh, map, background_px, threads));
         }
     }
 
@@ -167,7 +169,7 @@ struct MapBench {
                 spacings.push_back(spacing);
         for (const double spacing : spacings) {
             const double begun = now_seconds();
-            const SurfaceMesh mesh = uniform_mesh(map, background_px, spacing);
+            const SurfaceMesh mesh = rd::uniform_mesh(map, background_px, spacing);
             add("uniform", spacing, now_seconds() - begun, mesh, kOthersBits);
         }
     }
@@ -175,10 +177,10 @@ struct MapBench {
     // Adds simplified meshes, beginning with a third of the smallest grid's bytes: small triangulations come
     // out larger than aimed at, because their borders are a larger part of them.
     void add_simplified(const std::string& method) {
-        SurfaceMesh full = uniform_mesh(map, background_px, 1);
-        if (method == "meshopt+cut") full = without_steps(std::move(full), kStep_px);
+        SurfaceMesh full = rd::uniform_mesh(map, background_px, 1);
+        if (method == "meshopt+cut") full = rd::without_steps(std::move(full), kStep_px);
         std::size_t least = points.front().bytes, most = least;
-        for (const Point& point : points)
+        for (const rd::Point& point : points)
             if (is_compared_at(point)) {
                 least = std::min(least, point.bytes);
                 most = std::max(most, point.bytes);
@@ -187,37 +189,37 @@ struct MapBench {
         while (bytes < 1.4 * double(most)) {
             const double begun = now_seconds();
             const SurfaceMesh mesh =
-                simplified_mesh(full, static_cast<std::size_t>(2 * 8 * bytes / kIrregularBits));
+                rd::simplified_mesh(full, static_cast<std::size_t>(2 * 8 * bytes / kIrregularBits));
             add(method, 0, now_seconds() - begun, mesh, kOthersBits);
             bytes *= 1.5;
         }
     }
 
-    void add_peer(const Peer& peer) {
-        for (const std::filesystem::path& file : peer_files(peer, name)) {
-            const SurfaceMesh mesh = read_peer_mesh(file);
+    void add_peer(const rd::Peer& peer) {
+        for (const std::filesystem::path& file : rd::peer_files(peer, name)) {
+            const SurfaceMesh mesh = rd::read_peer_mesh(file);
             for (const int bits : kPeersBits) add(peer.name, 0, 0, mesh, bits);
         }
     }
 
     // Adds all meshes. The uniform grids come first, because the others are aimed at their bytes.
-    void add_all(const std::vector<std::string>& methods, const std::vector<Peer>& peers) {
+    void add_all(const std::vector<std::string>& methods, const std::vector<rd::Peer>& peers) {
         add_uniform();
         for (const std::string& method : methods)
             if (among(kPresets, method))
                 add_preset(method);
             else if (method == "meshopt" || method == "meshopt+cut")
                 add_simplified(method);
-        for (const Peer& peer : peers) add_peer(peer);
+        for (const rd::Peer& peer : peers) add_peer(peer);
     }
 
-    std::vector<Comparison> comparisons(const std::vector<std::string>& methods,
-                                        const std::vector<Peer>& peers) const {
-        std::vector<Point> best = points;
-        for (const Peer& peer : peers) best = without_beaten(best, peer.name);
-        std::vector<Comparison> all;
-        for (const Point& point : points)
-            if (is_compared_at(point)) all.push_back(compare(best, point, methods));
+    std::vector<rd::Comparison> comparisons(const std::vector<std::string>& methods,
+                                            const std::vector<rd::Peer>& peers) const {
+        std::vector<rd::Point> best = points;
+        for (const rd::Peer& peer : peers) best = rd::without_beaten(best, peer.name);
+        std::vector<rd::Comparison> all;
+        for (const rd::Point& point : points)
+            if (is_compared_at(point)) all.push_back(rd::compare(best, point, methods));
         return all;
     }
 };
@@ -230,15 +232,15 @@ void check_spacings(const std::vector<double>& spacings) {
 }
 
 void check_settings(const RdOptions& options) {
-    const Config config = read_config({"", options.settings});
-    finish_config(config);
+    const config::Config config = config::read_config({"", options.settings});
+    config::finish_config(config);
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
 }
 
 void print_head(const std::vector<std::string>& missing, std::ostream& out) {
     for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
-    if (!has_simplification())
+    if (!rd::has_simplification())
         out << "built without meshoptimizer: the uniform grid is the only other mesher\n";
     out << "Positions alone (x, y, disparity in px), Draco level " << kLevel << ", other meshers at "
         << kOthersBits << " bits, peers' files at " << kPeersBits[0] << " and " << kPeersBits[1]
@@ -251,18 +253,18 @@ void print_head(const std::vector<std::string>& missing, std::ostream& out) {
 void run_bench_rd(const RdOptions& options, std::ostream& out) {
     check_spacings(options.spacings);
     check_settings(options);
-    const std::vector<Peer> peers = peers_of(options);
+    const std::vector<rd::Peer> peers = peers_of(options);
     std::vector<std::string> others = other_meshers(), missing;
     const std::vector<std::string> methods = methods_of(options, peers);
     const std::vector<FoundMap> found = find_maps(options.data, kSets, options.maps, missing);
-    for (const Peer& peer : peers) {
+    for (const rd::Peer& peer : peers) {
         others.push_back(peer.name);
         for (const FoundMap& one : found)
-            if (peer_files(peer, one.map->name).empty())
+            if (rd::peer_files(peer, one.map->name).empty())
                 missing.push_back((peer.folder / (std::string(one.map->name) + "_*.obj")).string());
     }
-    if (!options.json.empty()) check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
+    if (!options.json.empty()) files::check_writable_file(options.json);
+    const int threads = job::effective_threads(options.threads);
 
     Json json;
     json["schema"] = 1;
@@ -272,29 +274,29 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
     json["missing"] = missing;
     json["points"] = Json::array();
     print_head(missing, out);
-    std::vector<Comparison> comparisons;
+    std::vector<rd::Comparison> comparisons;
     for (const FoundMap& one : found) {
         MapBench bench{options, threads, out, one.map->name, load_map(one)};
         bench.add_all(methods, peers);
-        for (const Comparison& comparison : bench.comparisons(methods, peers)) {
-            out << comparison_text(comparison, others) << std::flush;
+        for (const rd::Comparison& comparison : bench.comparisons(methods, peers)) {
+            out << rd::comparison_text(comparison, others) << std::flush;
             comparisons.push_back(comparison);
         }
-        for (const Point& point : bench.points) json["points"].push_back(point_json(point));
+        for (const rd::Point& point : bench.points) json["points"].push_back(rd::point_json(point));
         out << '\n';
     }
     json["at_equal_bytes"] = Json::array();
-    for (const Comparison& comparison : comparisons)
-        json["at_equal_bytes"].push_back(comparison_json(comparison, others));
+    for (const rd::Comparison& comparison : comparisons)
+        json["at_equal_bytes"].push_back(rd::comparison_json(comparison, others));
     json["means"] = Json::array();
     for (const std::string& method : methods)
         for (const double spacing : kCompared_px)
             if (!among(others, method))
-                if (const auto mean = mean_share(comparisons, method, others, spacing)) {
-                    out << mean_text(*mean);
-                    json["means"].push_back(mean_json(*mean));
+                if (const auto mean = rd::mean_share(comparisons, method, others, spacing)) {
+                    out << rd::mean_text(*mean);
+                    json["means"].push_back(rd::mean_json(*mean));
                 }
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct RdOptions {
     std::filesystem::path data;        // Middlebury's maps, as for table2.h
@@ -32,4 +32,4 @@ struct RdOptions {
 // a peer's file cannot be read, Error(output) if the JSON file cannot be written.
 void run_bench_rd(const RdOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -13,7 +13,7 @@
 #include <meshoptimizer.h>
 #endif
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 namespace {
 
 // Returns pixels from 0 to size - 1, both included, about `spacing_px` apart.
@@ -65,15 +65,15 @@ SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triang
     return out;
 }
 
-SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads) {
-    const DensityMap density = compute_density(map, config.density);
-    const MeshResult solved = solve_mesh(density, config.mesh, threads, {});
+SurfaceMesh preset_mesh(const DisparityMap& map, const config::Config& config, int threads) {
+    const DensityMap density = stages::compute_density(map, config.density);
+    const mesher::MeshResult solved = mesher::solve_mesh(density, config.mesh, threads, {});
     // Any camera will do, because errors are measured in the image.
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
-    DisparityMesh cut_mesh =
-        cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.surface, threads);
-    adjust_silhouettes(cut_mesh, map, density.background_px, config.surface.silhouette_rounds);
-    return build_surface(cut_mesh, map.width, map.height, camera, config.surface.min_component);
+    DisparityMesh cut_mesh = surface::cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr},
+                                                         config.surface, threads);
+    stages::adjust_silhouettes(cut_mesh, map, density.background_px, config.surface.silhouette_rounds);
+    return stages::build_surface(cut_mesh, map.width, map.height, camera, config.surface.min_component);
 }
 
 SurfaceMesh uniform_mesh(const DisparityMap& given, float background_px, double spacing_px) {
@@ -146,4 +146,4 @@ SurfaceMesh simplified_mesh(const SurfaceMesh&, std::size_t) {
 
 #endif
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -7,10 +7,10 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 
 // Makes the mesh of a preset's configuration, on the CPU. Throws Error if the map leaves nothing to mesh.
-SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads);
+SurfaceMesh preset_mesh(const DisparityMap& map, const config::Config& config, int threads);
 
 // Makes a rectangular grid with a vertex about every spacing_px both ways, from the first pixel's centre to
 // the last one's. Each vertex takes its pixel's disparity; triangles without a corner in the foreground (>=
@@ -28,4 +28,4 @@ SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles);
 // Returns the mesh without triangles whose disparities differ by more than step_px.
 SurfaceMesh without_steps(SurfaceMesh full, double step_px);
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -5,10 +5,10 @@
 
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/data/error.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/readers/text.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,8 +20,8 @@ constexpr std::uintmax_t kMostBytes = std::uintmax_t(1) << 32;
 using Wrong = std::string;
 
 float coordinate(std::string_view word) {
-    const auto value = codec::parse_number(word);
-    if (!value) throw Wrong("a vertex needs three numbers, not " + codec::excerpt(word));
+    const auto value = readers::codec::parse_number(word);
+    if (!value) throw Wrong("a vertex needs three numbers, not " + readers::codec::excerpt(word));
     return static_cast<float>(*value);
 }
 
@@ -39,7 +39,8 @@ std::uint32_t corner(std::string_view word, std::size_t vertices) {
     const auto count = static_cast<long long>(vertices);
     if (is_number && index < 0) index += count + 1;
     if (!is_number || index < 1 || index > count)
-        throw Wrong("a face uses vertex " + codec::excerpt(word) + " of " + std::to_string(vertices));
+        throw Wrong("a face uses vertex " + readers::codec::excerpt(word) + " of " +
+                    std::to_string(vertices));
     return static_cast<std::uint32_t>(index - 1);
 }
 
@@ -77,23 +78,23 @@ std::vector<fs::path> peer_files(const Peer& peer, const std::string& map) {
 }
 
 SurfaceMesh read_peer_mesh(const fs::path& path) {
-    const codec::SourceFile source = codec::load_file(path, kMostBytes);
+    const readers::codec::SourceFile source = readers::codec::load_file(path, kMostBytes);
     const std::string_view text(reinterpret_cast<const char*>(source.bytes.data()), source.bytes.size());
     SurfaceMesh mesh;
     std::size_t number = 0;
-    for (const std::string_view line : codec::lines(text)) {
+    for (const std::string_view line : readers::codec::lines(text)) {
         ++number;
-        const Words words = codec::words(line);
+        const Words words = readers::codec::words(line);
         try {
             if (words.empty()) continue;
             if (words[0] == "v") add_vertex(words, mesh);
             if (words[0] == "f") add_face(words, mesh);
         } catch (const Wrong& wrong) {
-            codec::refuse(path, "line " + std::to_string(number) + ": " + wrong);
+            readers::codec::refuse(path, "line " + std::to_string(number) + ": " + wrong);
         }
     }
-    if (mesh.triangles.empty()) codec::refuse(path, "it holds no triangle");
+    if (mesh.triangles.empty()) readers::codec::refuse(path, "it holds no triangle");
     return with_used_vertices(mesh, mesh.triangles);
 }
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

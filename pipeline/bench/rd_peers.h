@@ -7,7 +7,7 @@
 
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 
 struct Peer {
     std::string name;
@@ -25,4 +25,4 @@ std::vector<std::filesystem::path> peer_files(const Peer& peer, const std::strin
 // face uses are dropped. Throws Error(input) naming file and line.
 SurfaceMesh read_peer_mesh(const std::filesystem::path& path);
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

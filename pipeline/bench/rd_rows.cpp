@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -29,7 +29,7 @@ Json number_json(const std::optional<double>& value) {
 }  // namespace
 
 std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
-                               double SurfaceQuality::*figure) {
+                               double stages::SurfaceQuality::*figure) {
     const Point *below = nullptr, *above = nullptr;
     for (const Point& point : points) {
         if (point.method != method) continue;
@@ -63,11 +63,12 @@ Comparison compare(const std::vector<Point>& points, const Point& uniform,
         if (point.map == uniform.map) same_map.push_back(point);
     Comparison out{uniform.map, uniform.spacing_px, uniform.bytes, {}};
     for (const std::string& method : methods) {
-        const auto figure = [&](double SurfaceQuality::*which) {
+        const auto figure = [&](double stages::SurfaceQuality::*which) {
             return at_bytes(same_map, method, double(uniform.bytes), which);
         };
-        out.entries.push_back({method, figure(&SurfaceQuality::duo_rmse_near_px),
-                               figure(&SurfaceQuality::rmse_near_px), figure(&SurfaceQuality::flat_rmse_px)});
+        out.entries.push_back({method, figure(&stages::SurfaceQuality::duo_rmse_near_px),
+                               figure(&stages::SurfaceQuality::rmse_near_px),
+                               figure(&stages::SurfaceQuality::flat_rmse_px)});
     }
     return out;
 }
@@ -184,4 +185,4 @@ nlohmann::ordered_json mean_json(const Mean& m) {
     return json;
 }
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

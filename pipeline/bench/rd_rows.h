@@ -8,7 +8,7 @@
 
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief::rd {
+namespace hexrelief::bench::rd {
 
 // A mesh of a method: its size and its error.
 struct Point {
@@ -17,13 +17,13 @@ struct Point {
     int bits = 0;
     std::size_t vertices = 0, triangles = 0, bytes = 0;
     double seconds = 0;  // to make the mesh, without compression
-    SurfaceQuality quality;
+    stages::SurfaceQuality quality;
 };
 
 // Returns a figure of a method's points on one map at `bytes`: interpolated between the two nearest points on
 // logarithmic scales; nothing outside the points' range.
 std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
-                               double SurfaceQuality::*figure);
+                               double stages::SurfaceQuality::*figure);
 
 // Returns the points without those of `method` that another point of the same method and map beats: no more
 // bytes, and less error of both views.
@@ -73,4 +73,4 @@ nlohmann::ordered_json point_json(const Point& point);
 nlohmann::ordered_json comparison_json(const Comparison& comparison, const std::vector<std::string>& others);
 nlohmann::ordered_json mean_json(const Mean& mean);
 
-}  // namespace hexrelief::rd
+}  // namespace hexrelief::bench::rd

@@ -17,7 +17,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,7 +59,7 @@ struct LoadedMap {
 struct Method {
     std::string name;
     MeshConfig mesh;
-    DensityConfig density;
+    stages::DensityConfig density;
 };
 
 // True for the sequential method, which only exists on the CPU.
@@ -86,16 +86,16 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const int width = map.disparity.width, height = map.disparity.height;
     const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
     const DisparityMesh cut_mesh =
-        cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
+        surface::cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
     // The paper's schedule may leave a tiny map's lattice mirrored, with no triangle to keep.
-    if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
+    if (!cut_mesh.triangles.empty()) stages::build_surface(cut_mesh, width, height, camera, 0);
 }
 
-Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, const Backend& backend,
-            int runs, int threads) {
+table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const Method& method,
+                    const job::Backend& backend, int runs, int threads) {
     const MeshConfig& config = method.mesh;
     const auto cells = [&](int pixels) { return (pixels + config.co - 1) / config.co; };
-    Row row;
+    table2::Row row;
     row.paper = &paper;
     row.method = method.name;
     row.backend = backend.name;
@@ -106,7 +106,7 @@ Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, c
     row.ssr = config.ssr;
     row.crr = config.crr;
     for (int run = 0; run < runs; ++run) {
-        MeshResult result;
+        mesher::MeshResult result;
         row.mesh.runs.push_back(
             seconds_of([&] { result = backend.solve_mesh(map.density, map.disparity, config, {}); }));
         row.surface.runs.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
@@ -114,7 +114,7 @@ Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, c
         row.columns = result.mesh.columns;
         row.rows = result.mesh.rows;
         row.iterations = result.iterations;
-        row.quality = measure_quality(result.mesh, map.density, threads);
+        row.quality = quality::measure_quality(result.mesh, map.density, threads);
     }
     std::sort(row.mesh.runs.begin(), row.mesh.runs.end());
     std::sort(row.surface.runs.begin(), row.surface.runs.end());
@@ -122,7 +122,7 @@ Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, c
 }
 
 // Makes a first call on a device, which also creates its context, which belongs to no map.
-void warm_up(const Backend& backend, const LoadedMap& map) {
+void warm_up(const job::Backend& backend, const LoadedMap& map) {
     MeshConfig config;
     config.t_max = 1;
     config.balance.enabled = false;
@@ -131,10 +131,10 @@ void warm_up(const Backend& backend, const LoadedMap& map) {
 
 }  // namespace
 
-DensityConfig paper_density() {
-    DensityConfig config;
+stages::DensityConfig paper_density() {
+    stages::DensityConfig config;
     config.scale_percentile = 100;
-    config.background_method = BackgroundMethod::fraction;
+    config.background_method = stages::BackgroundMethod::fraction;
     config.floor = 0;
     return config;
 }
@@ -158,19 +158,19 @@ MeshConfig method_config(const std::string& method, int ssr) {
 void run_bench_table2(const Table2Options& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
     check_names(options.methods, kMethods, "--methods");
-    const Config own = read_config({"", options.settings});
+    const config::Config own = config::read_config({"", options.settings});
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
-    if (!options.json.empty()) check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
-    const std::vector<Backend> backends = usable_backends(threads);
+    if (!options.json.empty()) files::check_writable_file(options.json);
+    const int threads = job::effective_threads(options.threads);
+    const std::vector<job::Backend> backends = usable_backends(threads);
 
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const Backend& backend : backends) {
+    for (const job::Backend& backend : backends) {
         out << backend.name << ": " << backend.device
             << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
         json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
@@ -184,7 +184,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
         << table2::headings() << std::flush;
 
     bool warm = false;
-    std::vector<Row> rows;
+    std::vector<table2::Row> rows;
     json["rows"] = Json::array();
     json["averages"] = Json::array();
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -194,26 +194,26 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
             const Method method = name == "default"
                                       ? Method{name, own.mesh, own.density}
                                       : Method{name, method_config(name, found[i].map->ssr), paper_density()};
-            map.density = compute_density(map.disparity, method.density);
-            for (const Backend& backend : backends) {
+            map.density = stages::compute_density(map.disparity, method.density);
+            for (const job::Backend& backend : backends) {
                 if (backend.name != "cpu" && needs_cpu(name)) continue;
                 if (backend.name != "cpu" && !warm) warm_up(backend, map);
                 warm |= backend.name != "cpu";
                 rows.push_back(
                     measure(*found[i].map, map, method, backend, runs_of(options, name, map), threads));
-                out << row_text(rows.back()) << std::flush;
-                json["rows"].push_back(row_json(rows.back()));
+                out << table2::row_text(rows.back()) << std::flush;
+                json["rows"].push_back(table2::row_json(rows.back()));
             }
         }
         const std::string set = found[i].map->set;
         if (i + 1 < found.size() && found[i + 1].map->set == set) continue;
-        for (const Average& average : averages(rows, set)) {
-            out << average_text(average);
-            json["averages"].push_back(average_json(average));
+        for (const table2::Average& average : table2::averages(rows, set)) {
+            out << table2::average_text(average);
+            json["averages"].push_back(table2::average_json(average));
         }
         out << '\n' << std::flush;
     }
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -10,7 +10,7 @@
 #include "mesher/mesher.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct Table2Options {
     std::filesystem::path data;     // Middlebury's maps: middlebury2001/tsukuba/disp.pgm and so on
@@ -33,6 +33,6 @@ void run_bench_table2(const Table2Options& options, std::ostream& out);
 MeshConfig method_config(const std::string& method, int ssr);
 
 // Returns the paper's density, as in config/paper.yaml.
-DensityConfig paper_density();
+stages::DensityConfig paper_density();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

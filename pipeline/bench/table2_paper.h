@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace hexrelief::table2 {
+namespace hexrelief::bench::table2 {
 
 struct PaperMap {
     const char* set;  // the maps that the paper averages over
@@ -35,4 +35,4 @@ inline constexpr std::array<PaperMap, 18> kPaperMaps{{
     {"L", "teddyL", "middlebury2003/teddy-full", 1, 4, 2.13, 110.25, 25.98, 23.63},
 }};
 
-}  // namespace hexrelief::table2
+}  // namespace hexrelief::bench::table2

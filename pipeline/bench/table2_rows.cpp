@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace hexrelief::table2 {
+namespace hexrelief::bench::table2 {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -139,4 +139,4 @@ nlohmann::ordered_json average_json(const Average& a) {
     return json;
 }
 
-}  // namespace hexrelief::table2
+}  // namespace hexrelief::bench::table2

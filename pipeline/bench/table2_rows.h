@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/table2_paper.h"
 
-namespace hexrelief::table2 {
+namespace hexrelief::bench::table2 {
 
 struct Row {
     const PaperMap* paper = nullptr;
@@ -17,7 +17,7 @@ struct Row {
     int width = 0, height = 0, columns = 0, rows = 0, cell_columns = 0, cell_rows = 0, ssr = 0, crr = 0;
     int iterations = 0;
     Times mesh, surface;  // of the two stages; the surface stage runs on the CPU for every backend
-    MeshQuality quality;
+    quality::MeshQuality quality;
 };
 
 // Means over the rows of one set, method and backend, and the paper's over the same maps.
@@ -41,4 +41,4 @@ std::string average_text(const Average& average);
 nlohmann::ordered_json row_json(const Row& row);
 nlohmann::ordered_json average_json(const Average& average);
 
-}  // namespace hexrelief::table2
+}  // namespace hexrelief::bench::table2

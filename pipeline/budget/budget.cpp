@@ -7,7 +7,7 @@
 #include "pipeline/budget/spacing_search.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::budget {
 namespace {
 
 // Rough slopes on logarithmic scales, measured on Middlebury's maps: they give the first step of each search.
@@ -103,7 +103,7 @@ BudgetResult fit_bytes(double limit, Search& search) {
 
 }  // namespace
 
-BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job) {
+BudgetResult fit_budget(const config::BudgetConfig& budget, const BudgetJob& job) {
     Search search{job};
     SpacingFound nearest;
     BudgetResult result;
@@ -128,4 +128,4 @@ BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job) {
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

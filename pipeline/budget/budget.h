@@ -8,7 +8,7 @@
 #include "pipeline/budget/texture_choice.h"
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::budget {
 
 // The functions and ranges by which the search makes meshes.
 struct BudgetJob {
@@ -40,6 +40,6 @@ struct BudgetResult {
 // wins. The texture gets at most half of the bytes, by choose_texture(); if no mesh fits beside it, a
 // quarter, then the smallest texture of all. The mesh gets the rest. Deterministic. Throws Error(usage) if
 // the limit is out of reach.
-BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job);
+BudgetResult fit_budget(const config::BudgetConfig& budget, const BudgetJob& job);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

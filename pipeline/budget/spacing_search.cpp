@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 namespace {
 
 constexpr int kMostSolves = 12;
@@ -93,4 +93,4 @@ std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const Sp
     return SpacingFound{kept->spacing_px, kept->value, solves};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

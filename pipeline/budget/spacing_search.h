@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 
 struct SpacingSearch {
     double limit = 0;  // upper limit of the figure; > 0
@@ -32,4 +32,4 @@ using SpacingFigure = std::function<std::optional<double>(double)>;
 std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const SpacingFigure& figure,
                                            SpacingFound& nearest);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

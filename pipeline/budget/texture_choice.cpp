@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 namespace {
 
 // Below this quality a JPEG's blocks are visible, and fewer pixels look better.
@@ -39,4 +39,4 @@ TextureChoice choose_texture(const TextureLimits& limits, double max_bytes, doub
     return first == choices.end() ? choices.back() : *first;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 
 struct TextureChoice {
     int max_px = 0;  // of the longest side; 0 = unlimited
@@ -27,4 +27,4 @@ std::vector<TextureChoice> texture_choices(const TextureLimits& limits);
 TextureChoice choose_texture(const TextureLimits& limits, double max_bytes, double share,
                              const std::function<double(const TextureChoice&)>& bytes);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

@@ -2,12 +2,10 @@
 
 #include <cmath>
 
-#include "pipeline/checks/text.h"
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/thresholds.h"
 
-namespace hexrelief {
-
-using namespace checks;
+namespace hexrelief::checks {
 
 namespace {
 
@@ -44,4 +42,4 @@ std::vector<Finding> check_depths(const Calibration& camera, double median_dispa
     return check_depth(camera, median_disparity_px, "check input.depth.unit");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -6,7 +6,7 @@
 #include "pipeline/checks/finding.h"
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // Checks a metric calibration; others are not judged. median_disparity_px: of the scene; NaN if unknown.
 std::vector<Finding> check_camera(const Calibration& camera, double median_disparity_px);
@@ -14,4 +14,4 @@ std::vector<Finding> check_camera(const Calibration& camera, double median_dispa
 // disparities were made with.
 std::vector<Finding> check_depths(const Calibration& camera, double median_disparity_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -5,12 +5,10 @@
 #include <optional>
 
 #include "pipeline/checks/edge_fit.h"
-#include "pipeline/checks/text.h"
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/thresholds.h"
 
-namespace hexrelief {
-
-using namespace checks;
+namespace hexrelief::checks {
 
 namespace {
 
@@ -135,4 +133,4 @@ Findings check_map(const DisparityMap& map, const Image& left, MapKind kind, con
     return findings;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

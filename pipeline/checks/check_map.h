@@ -7,7 +7,7 @@
 #include "pipeline/checks/map_statistics.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 enum class MapKind { disparity, depth };
 
@@ -16,4 +16,4 @@ enum class MapKind { disparity, depth };
 std::vector<Finding> check_map(const DisparityMap& map, const Image& left, MapKind kind = MapKind::disparity,
                                const MapScale& stored = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
-#include "pipeline/checks/text.h"
 #include "pipeline/checks/thresholds.h"
 
-namespace hexrelief {
-
-using namespace checks;
+namespace hexrelief::checks {
 
 namespace {
 
@@ -76,7 +74,7 @@ std::string advice(RangeOrigin origin, int count) {
            std::to_string(count) + (origin == RangeOrigin::given ? ", or to 0 to have it chosen" : "");
 }
 
-Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
+Findings check_range(const stages::SmallMatch& coarse, const SearchedRange& range) {
     if (range.origin == RangeOrigin::chosen) return {};
     const HighEnd high = measure_high_end(coarse, range.min_px + range.count_px);
     const double needed = std::max(1.0, high.largest_px - range.min_px + 1);
@@ -100,7 +98,8 @@ Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
 
 // Examines a pair by points anywhere, if its views agree on little, or on much at
 // the least disparity searched.
-Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRange& range, int threads) {
+Findings look_closely(const stages::SmallMatch& coarse, double agreed, const SearchedRange& range,
+                      int threads) {
     const CoarsePoints points = match_coarse_points(coarse);
     const double scale = coarse.small.scale;
     if (is_sure(points.rows)) {
@@ -111,8 +110,9 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
         if (points.rows.largest_px > kLargestRow_px + kLargestCoarseRow * scale)
             return {rows_differ(points.rows)};
         const int least = static_cast<int>(std::floor(low.least_px / scale)) - 2;
-        if (low.below_share > kMostBelow && agreed_share(match_coarsely(coarse.small.pair, least, threads)) >=
-                                                std::max(agreed, kLeastAgreement))
+        if (low.below_share > kMostBelow &&
+            agreed_share(stages::match_coarsely(coarse.small.pair, least, threads)) >=
+                std::max(agreed, kLeastAgreement))
             return {begins_high(low, range.min_px)};
     }
     if (agreed < kLeastAgreement) return {unrelated(agreed)};
@@ -121,7 +121,7 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
 
 }  // namespace
 
-Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
+Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse, const SearchedRange& range,
                     int threads) {
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses such a pair
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
@@ -148,4 +148,4 @@ Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const Sear
     return findings;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -7,7 +7,7 @@
 #include "pipeline/checks/finding.h"
 #include "pipeline/stages/disparity_range.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 enum class RangeOrigin { chosen, given, ndisp };
 
@@ -19,7 +19,7 @@ struct SearchedRange {
 // Returns what seems to be wrong with a pair; empty if nothing is. If several findings have one cause, only
 // the cause is returned. coarse: the result of match_coarsely(pair, ...) from at most range.min_px on. The
 // result is the same for any number of threads.
-std::vector<Finding> check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
-                                int threads);
+std::vector<Finding> check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
+                                const SearchedRange& range, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 constexpr int kEdgeLines = 200;      // most rows or columns examined
@@ -104,4 +104,4 @@ EdgeFit measure_edge_fit(const DisparityMap& map, const Image& left) {
     return {fit_axis(map, left, 1, 0, step), fit_axis(map, left, 0, 1, step)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

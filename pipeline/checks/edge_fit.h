@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // The picture's contrast across the map's steps along one axis, relative to the contrast around them.
 struct AxisFit {
@@ -22,4 +22,4 @@ struct EdgeFit {
 // Measures both axes. The map and the picture have one size.
 EdgeFit measure_edge_fit(const DisparityMap& map, const Image& left);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

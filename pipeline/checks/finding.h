@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 enum class Mistake {
     views_equal,
@@ -32,4 +32,4 @@ struct Finding {
     std::string text;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

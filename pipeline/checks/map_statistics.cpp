@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 constexpr int kMapLines = 100;  // most rows or columns examined
@@ -195,4 +195,4 @@ TurningPoints measure_turning(const DisparityMap& map) {
             turns.top_px / std::max(1.0, static_cast<double>(turns.slopes_px))};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

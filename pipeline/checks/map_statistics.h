@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // Figures of known pixels sampled all over the map.
 struct MapValues {
@@ -43,4 +43,4 @@ struct TurningPoints {
 
 TurningPoints measure_turning(const DisparityMap& map);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 constexpr int kPoints = 240;
@@ -13,28 +13,29 @@ constexpr int kBlock = 8;
 constexpr int kLeastSpread = 10;
 
 // Returns the agreed disparities in px of the full pair, ascending.
-std::vector<double> sorted_disparities(const SmallMatch& match) {
+std::vector<double> sorted_disparities(const stages::SmallMatch& match) {
     std::vector<double> known;
     for (const std::int16_t d : match.map.disparities)
-        if (d != kUnknown16)
-            known.push_back(match.small.scale * (match.min_px + d / static_cast<double>(kOnePixel)));
+        if (d != matching::kUnknown16)
+            known.push_back(match.small.scale *
+                            (match.min_px + d / static_cast<double>(matching::kOnePixel)));
     std::sort(known.begin(), known.end());
     return known;
 }
 
 }  // namespace
 
-double agreed_share(const SmallMatch& match) {
+double agreed_share(const stages::SmallMatch& match) {
     const auto& is_matched = match.map.is_matched;
     return static_cast<double>(std::count(is_matched.begin(), is_matched.end(), 1)) /
            static_cast<double>(std::max<std::size_t>(1, is_matched.size()));
 }
 
-double swapped_share(const SmallMatch& match, int threads) {
-    return agreed_share(match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads));
+double swapped_share(const stages::SmallMatch& match, int threads) {
+    return agreed_share(stages::match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads));
 }
 
-double median_disparity_px(const SmallMatch& match) {
+double median_disparity_px(const stages::SmallMatch& match) {
     const std::vector<double> known = sorted_disparities(match);
     return known.empty() ? std::numeric_limits<double>::quiet_NaN() : known[known.size() / 2];
 }
@@ -60,7 +61,7 @@ double textured_share(const Image& reduced) {
     return blocks == 0 ? 1 : textured / static_cast<double>(blocks);
 }
 
-RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse) {
+RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse) {
     const GreyImage left = grey_of(pair.left), right = grey_of(pair.right);
     const double scale = coarse.small.scale;
     std::vector<PointSearch> searches;
@@ -68,16 +69,16 @@ RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse) {
         const int x = std::min(static_cast<int>(point.x / scale), coarse.map.width - 1);
         const int y = std::min(static_cast<int>(point.y / scale), coarse.map.height - 1);
         const int d = coarse.map.disparities[static_cast<std::size_t>(y) * coarse.map.width + x];
-        if (d == kUnknown16) continue;
-        point.disparity_px =
-            static_cast<int>(std::lround(scale * (coarse.min_px + d / static_cast<double>(kOnePixel))));
+        if (d == matching::kUnknown16) continue;
+        point.disparity_px = static_cast<int>(
+            std::lround(scale * (coarse.min_px + d / static_cast<double>(matching::kOnePixel))));
         point.reach_px = point.row_reach_px = static_cast<int>(std::ceil(1.5 * scale)) + 2;
         searches.push_back(point);
     }
     return fit_rows(match_points(left, right, searches), left.width, left.height);
 }
 
-CoarsePoints match_coarse_points(const SmallMatch& coarse) {
+CoarsePoints match_coarse_points(const stages::SmallMatch& coarse) {
     const double scale = coarse.small.scale;
     const GreyImage left = grey_of(coarse.small.pair.left), right = grey_of(coarse.small.pair.right);
     std::vector<PointSearch> searches = find_points(left, kPoints);
@@ -109,20 +110,21 @@ LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int
             disparities[disparities.size() / 50]};
 }
 
-double share_at_low_end(const SmallMatch& match) {
+double share_at_low_end(const stages::SmallMatch& match) {
     int known = 0, low = 0;
     for (const std::int16_t d : match.map.disparities) {
-        known += d != kUnknown16;
-        low += d != kUnknown16 && d < kOnePixel;
+        known += d != matching::kUnknown16;
+        low += d != matching::kUnknown16 && d < matching::kOnePixel;
     }
     return known > 0 ? low / static_cast<double>(known) : 0;
 }
 
-double share_at_zero(const SmallMatch& match) {
+double share_at_zero(const stages::SmallMatch& match) {
     int known = 0, zero = 0;
     for (const std::int16_t d : match.map.disparities) {
-        known += d != kUnknown16;
-        zero += d != kUnknown16 && std::abs(match.min_px * kOnePixel + d) < kOnePixel;
+        known += d != matching::kUnknown16;
+        zero += d != matching::kUnknown16 &&
+                std::abs(match.min_px * matching::kOnePixel + d) < matching::kOnePixel;
     }
     return known > 0 ? zero / static_cast<double>(known) : 0;
 }
@@ -138,7 +140,7 @@ double difference_over_slope(const StereoPair& pair) {
     return difference / std::max(1.0, static_cast<double>(slope));
 }
 
-HighEnd measure_high_end(const SmallMatch& coarse, int end_px) {
+HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px) {
     const std::vector<double> known = sorted_disparities(coarse);
     if (known.empty()) return {};
     const auto beyond =
@@ -147,4 +149,4 @@ HighEnd measure_high_end(const SmallMatch& coarse, int end_px) {
             known[known.size() - 1 - known.size() / 200]};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

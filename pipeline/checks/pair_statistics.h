@@ -7,17 +7,17 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/stages/disparity_range.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // Returns the share of the reduced pair's pixels whose disparity both views agree on.
-double agreed_share(const SmallMatch& match);
+double agreed_share(const stages::SmallMatch& match);
 
 // Returns the same share for the pair with its views swapped.
-double swapped_share(const SmallMatch& match, int threads);
+double swapped_share(const stages::SmallMatch& match, int threads);
 
 // Returns the median of the disparities that both views agree on, in px of the full pair; NaN if
 // they agree on none.
-double median_disparity_px(const SmallMatch& match);
+double median_disparity_px(const stages::SmallMatch& match);
 
 // True if all pixels have the same colour.
 bool is_blank(const Image& image);
@@ -26,7 +26,7 @@ bool is_blank(const Image& image);
 double textured_share(const Image& reduced);
 
 // Fits the right view's rows to the left's, by points of the full pair near the coarse match's disparities.
-RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse);
+RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse);
 
 // Points of the reduced pair, searched at any disparity and up to an eighth of its height above or below
 // their row, which finds points that are too far off for the coarse match.
@@ -35,7 +35,7 @@ struct CoarsePoints {
     RowFit rows;                      // in px of the full pair
 };
 
-CoarsePoints match_coarse_points(const SmallMatch& coarse);
+CoarsePoints match_coarse_points(const stages::SmallMatch& coarse);
 
 // The points below a range that begins at min_px, and those below 0, by more than half a pixel
 // of the reduced pair.
@@ -47,10 +47,10 @@ struct LowEnd {
 LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int min_px);
 
 // Returns the share of the agreed disparities that are within a pixel of the least disparity searched.
-double share_at_low_end(const SmallMatch& match);
+double share_at_low_end(const stages::SmallMatch& match);
 
 // Returns the share of the agreed disparities that are within a pixel of the reduced pair of 0.
-double share_at_zero(const SmallMatch& match);
+double share_at_zero(const stages::SmallMatch& match);
 
 // Returns the mean absolute difference of the grey views at the same place, divided by that of the left view
 // to its next column. This is about the disparity in px if that is below 1, and 0 for equal views.
@@ -62,6 +62,6 @@ struct HighEnd {
     double largest_px = 0;  // except for one in two hundred
 };
 
-HighEnd measure_high_end(const SmallMatch& coarse, int end_px);
+HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

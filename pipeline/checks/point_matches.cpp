@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 constexpr int kPatchColumns = 16, kPatchRows = 9;
@@ -184,4 +184,4 @@ RowFit fit_rows(const std::vector<PointMatch>& matches, int width, int height) {
     return fit;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

@@ -6,7 +6,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 
 // A grey image: row-major, top row first.
 struct GreyImage {
@@ -57,4 +57,4 @@ struct RowFit {
 
 RowFit fit_rows(const std::vector<PointMatch>& matches, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

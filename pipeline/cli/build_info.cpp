@@ -2,7 +2,7 @@
 
 #include "hexrelief_build_info.h"  // made by pipeline/cli/build_info.cmake
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 std::string version_text(bool verbose) {
     const std::string version = "hexrelief " HEXRELIEF_VERSION;
@@ -11,4 +11,4 @@ std::string version_text(bool verbose) {
                      "\nCUDA       " HEXRELIEF_CUDA_BUILD "\nlibraries  " HEXRELIEF_LIBRARIES;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -13,7 +13,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 constexpr int kBugExitCode = 1, kMemoryExitCode = 6;
@@ -22,7 +22,7 @@ const std::string kOutOfMemory =
     "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
 int complain(const std::string& message, int code) {
-    wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
+    files::wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
     std::string text = message;
     std::replace(text.begin(), text.end(), '\n', ' ');
     std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
@@ -32,7 +32,7 @@ int complain(const std::string& message, int code) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-    guard_standard_streams();
+    files::guard_standard_streams();
     try {
         ArgumentParser parser("hexrelief",
                               "Stereo pairs and disparity maps to compact, textured, metric 3D meshes.",
@@ -80,4 +80,4 @@ int run_command_line(int argc, char** argv) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

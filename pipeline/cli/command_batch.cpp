@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "pipeline/batch/batch.h"
+#include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/manifest.h"
-#include "pipeline/batch/progress.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
@@ -21,7 +21,7 @@
 #include "pipeline/job/outputs.h"
 #include "pipeline/library/requests.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,7 +47,7 @@ Examples:
   hexrelief batch 'scenes/{name}/left.png' -o out --shard 3/16
   hexrelief batch pairs.yaml -o out --print-commands | parallel)";
 
-RunRequest request_of_words(const std::vector<std::string>& words) {
+job::RunRequest request_of_words(const std::vector<std::string>& words) {
     RunOptions options;
     ArgumentParser parser("hexrelief run", "", {});
     Command command = parser.root();
@@ -58,12 +58,12 @@ RunRequest request_of_words(const std::vector<std::string>& words) {
     for (std::string& word : copies) arguments.push_back(word.data());
     if (!parser.parse(static_cast<int>(arguments.size()), arguments.data()))
         throw Error(ErrorKind::usage, "a job takes neither --help nor --version");
-    return request_of(options.request, options_of(options));
+    return library::request_of(options.request, options_of(options));
 }
 
 struct BatchCommand {
     fs::path what, output;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::vector<std::string> formats;
     std::string backend, gpus, shard, memory, log = "auto";
     int jobs = 0, threads = 0;
@@ -71,8 +71,8 @@ struct BatchCommand {
     bool strict = false, quiet = false;
 };
 
-ManifestOptions manifest_options(const BatchCommand& command) {
-    ManifestOptions options{command.output, {"glb"}, command.config.file, {}, command.depfiles};
+batch::ManifestOptions manifest_options(const BatchCommand& command) {
+    batch::ManifestOptions options{command.output, {"glb"}, command.config.file, {}, command.depfiles};
     if (!command.formats.empty()) options.formats = command.formats;
     if (command.print_commands && !options.output.empty())
         options.output = fs::absolute(options.output).lexically_normal();
@@ -83,12 +83,12 @@ ManifestOptions manifest_options(const BatchCommand& command) {
     return options;
 }
 
-std::vector<BatchUnit> units_of(const BatchCommand& command, const Shard& shard) {
+std::vector<batch::BatchUnit> units_of(const BatchCommand& command, const Shard& shard) {
     const fs::path what = command.print_commands ? fs::absolute(command.what) : command.what;
-    const std::vector<BatchUnit> all = read_manifest(what, manifest_options(command));
-    std::vector<BatchUnit> units;
+    const std::vector<batch::BatchUnit> all = batch::read_manifest(what, manifest_options(command));
+    std::vector<batch::BatchUnit> units;
     for (std::size_t i = shard.number - 1; i < all.size(); i += shard.of) units.push_back(all[i]);
-    check_units(units, request_of_words);
+    batch::check_units(units, request_of_words);
     const auto first =
         std::find_if(units.begin(), units.end(), [](const auto& u) { return !u.wrong.empty(); });
     if (first == units.end() || command.keep_going) return units;
@@ -98,19 +98,19 @@ std::vector<BatchUnit> units_of(const BatchCommand& command, const Shard& shard)
                                  (others > 0 ? " (and " + std::to_string(others) + " more rows)" : ""));
 }
 
-bool has_word(const BatchUnit& unit, const std::string& word) {
+bool has_word(const batch::BatchUnit& unit, const std::string& word) {
     return std::any_of(unit.words.begin(), unit.words.end(), [&](const std::string& other) {
         return other == word || other.starts_with(word + "=");
     });
 }
 
-void print_failure(const BatchUnit& unit, const std::string& message) {
+void print_failure(const batch::BatchUnit& unit, const std::string& message) {
     std::fprintf(stderr, "hexrelief: %s\n", printable(unit.place + ": " + message).c_str());
 }
 
-int print_commands(const BatchCommand& command, const std::vector<BatchUnit>& units) {
+int print_commands(const BatchCommand& command, const std::vector<batch::BatchUnit>& units) {
     int code = 0;
-    for (const BatchUnit& unit : units) {
+    for (const batch::BatchUnit& unit : units) {
         if (!unit.wrong.empty()) {
             print_failure(unit, unit.wrong);
             code = code == 0 ? static_cast<int>(unit.kind) : code;
@@ -123,8 +123,9 @@ int print_commands(const BatchCommand& command, const std::vector<BatchUnit>& un
         words.insert(words.end(), unit.words.begin(), unit.words.end());
         // The lines of jobs.txt are of this folder.
         const bool of_folder = unit.name == unit.place;
-        std::printf("%s%s\n", of_folder ? ("cd " + shell_quoted(fs::current_path()) + " && ").c_str() : "",
-                    shell_line(words).c_str());
+        std::printf("%s%s\n",
+                    of_folder ? ("cd " + batch::shell_quoted(fs::current_path()) + " && ").c_str() : "",
+                    batch::shell_line(words).c_str());
     }
     return code;
 }
@@ -132,23 +133,23 @@ int print_commands(const BatchCommand& command, const std::vector<BatchUnit>& un
 // Prints as the batch goes.
 class BatchTeller {
   public:
-    BatchTeller(const BatchCommand& command, const std::vector<BatchUnit>& units)
+    BatchTeller(const BatchCommand& command, const std::vector<batch::BatchUnit>& units)
         : units_(units),
           dry_run_(command.dry_run),
           is_quiet_(command.quiet),
           as_json_(command.log == "jsonl" || (command.log == "auto" && !isatty(STDOUT_FILENO))),
           has_bar_(!is_quiet_ && isatty(STDERR_FILENO)) {
         counts_.units = units.size();
-        if (as_json_ && !is_quiet_) print(start_event(counts_));
+        if (as_json_ && !is_quiet_) print(batch::start_event(counts_));
     }
 
-    void unit_ended(std::size_t unit, const UnitResult& result) {
+    void unit_ended(std::size_t unit, const batch::UnitResult& result) {
         counts_.add(result.outcome);
         if (is_quiet_) return;
         if (as_json_) {
-            print(unit_event(units_[unit], result, counts_));
-        } else if (dry_run_ && result.outcome != UnitOutcome::failed) {
-            const bool current = result.outcome == UnitOutcome::up_to_date;
+            print(batch::unit_event(units_[unit], result, counts_));
+        } else if (dry_run_ && result.outcome != batch::UnitOutcome::failed) {
+            const bool current = result.outcome == batch::UnitOutcome::up_to_date;
             print(
                 printable(units_[unit].name + ": " + (current ? "up to date" : "to do, " + result.message)) +
                 "\n");
@@ -157,17 +158,17 @@ class BatchTeller {
     }
 
     void draw() {
-        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", progress_bar(counts_, seconds()).c_str());
+        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", batch::progress_bar(counts_, seconds()).c_str());
     }
 
     // Failures on standard error, the sum on standard output.
-    void batch_ended(const BatchResult& result) {
+    void batch_ended(const batch::BatchResult& result) {
         clear_bar();
         for (std::size_t i = 0; i < units_.size() && !result.interrupted; ++i)
-            if (result.units[i].outcome == UnitOutcome::failed)
+            if (result.units[i].outcome == batch::UnitOutcome::failed)
                 print_failure(units_[i], result.units[i].message);
         if (is_quiet_) return;
-        print(as_json_ ? end_event(counts_, seconds()) : batch_summary(counts_, seconds()));
+        print(as_json_ ? batch::end_event(counts_, seconds()) : batch::batch_summary(counts_, seconds()));
     }
 
   private:
@@ -181,9 +182,9 @@ class BatchTeller {
         std::fflush(stdout);
     }
 
-    const std::vector<BatchUnit>& units_;
+    const std::vector<batch::BatchUnit>& units_;
     bool dry_run_, is_quiet_, as_json_, has_bar_;
-    BatchCounts counts_;
+    batch::BatchCounts counts_;
     double begun_ = now_seconds();
 };
 
@@ -196,16 +197,17 @@ TableFiles table_files(const fs::path& folder, const Shard& shard) {
     return {folder / ("batch" + part + ".csv"), folder / ("batch" + part + ".json")};
 }
 
-void write_table(const TableFiles& table, const std::vector<BatchUnit>& units, const BatchResult& result) {
-    std::vector<TableRow> rows;
+void write_table(const TableFiles& table, const std::vector<batch::BatchUnit>& units,
+                 const batch::BatchResult& result) {
+    std::vector<batch::TableRow> rows;
     for (std::size_t i = 0; i < units.size(); ++i) {
-        TableRow row{units[i].name, units[i].place, result.units[i], {}};
+        batch::TableRow row{units[i].name, units[i].place, result.units[i], {}};
         if (units[i].wrong.empty()) row.report = request_of_words(units[i].words).report;
         rows.push_back(std::move(row));
     }
-    OutputSet files;
-    write_text_file(table_csv(rows), table.csv, files);
-    write_text_file(table_json(rows), table.json, files);
+    files::OutputSet files;
+    job::write_text_file(batch::table_csv(rows), table.csv, files);
+    job::write_text_file(batch::table_json(rows), table.json, files);
     files.commit();
 }
 
@@ -213,32 +215,32 @@ int run_batch(const BatchCommand& command) {
     if (command.log != "auto" && command.log != "jsonl" && command.log != "text")
         throw Error(ErrorKind::usage, "--log: must be auto, text or jsonl, not '" + command.log + "'");
     const Shard shard = parse_shard(command.shard);
-    BatchSettings settings;
+    batch::BatchSettings settings;
     settings.rules = {request_of_words, command.force, command.dry_run, command.strict};
     settings.workers = command.jobs;
     settings.threads = command.threads;
     settings.memory = parse_memory(command.memory);
-    const std::vector<BatchUnit> units = units_of(command, shard);
+    const std::vector<batch::BatchUnit> units = units_of(command, shard);
     if (command.print_commands) return print_commands(command, units);
-    settings.devices = devices_of(command.gpus);
+    settings.devices = batch::devices_of(command.gpus);
     const bool writes_table = !command.output.empty() && !command.dry_run;
     const TableFiles table = table_files(command.output, shard);
     if (writes_table) {
-        check_writable_folder(command.output);
-        check_overwrites({table.csv, table.json}, {command.what, command.config.file});
+        files::check_writable_folder(command.output);
+        files::check_overwrites({table.csv, table.json}, {command.what, command.config.file});
     }
 
     BatchTeller teller(command, units);
-    const BatchResult result =
-        run_units(units, settings,
-                  {[&](std::size_t unit, const UnitResult& ended) { teller.unit_ended(unit, ended); },
-                   [&] { teller.draw(); }});
+    const batch::BatchResult result = batch::run_units(
+        units, settings,
+        {[&](std::size_t unit, const batch::UnitResult& ended) { teller.unit_ended(unit, ended); },
+         [&] { teller.draw(); }});
     teller.batch_ended(result);
-    if (result.interrupted) return kInterruptedExitCode;
+    if (result.interrupted) return files::kInterruptedExitCode;
     if (writes_table) write_table(table, units, result);
-    const auto failed = std::find_if(result.units.begin(), result.units.end(), [](const UnitResult& unit) {
-        return unit.outcome == UnitOutcome::failed;
-    });
+    const auto failed = std::find_if(
+        result.units.begin(), result.units.end(),
+        [](const batch::UnitResult& unit) { return unit.outcome == batch::UnitOutcome::failed; });
     return failed == result.units.end() ? 0 : std::max(1, failed->exit_code);
 }
 
@@ -284,4 +286,4 @@ void add_batch_command(Command& program) {
     command.set_action([options] { return run_batch(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/bench_batch.h"
 #include "pipeline/bench/batch/files.h"
 #include "pipeline/bench/cuda.h"
 #include "pipeline/bench/match/match.h"
@@ -12,7 +12,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 void add_threads_option(Command& command, int& threads) {
@@ -22,7 +22,7 @@ void add_threads_option(Command& command, int& threads) {
 
 void add_table2(Command& group) {
     Command command = group.add_command("table2", "the paper's Table 2: time and quality of the mesh stage");
-    const auto options = std::make_shared<Table2Options>();
+    const auto options = std::make_shared<bench::Table2Options>();
     command.add_option("--data", &options->data, "folder with Middlebury's sets",
                        {.value = "DIR", .required = true});
     command.add_option("--runs", &options->runs, "timed runs of each method",
@@ -49,14 +49,14 @@ void add_table2(Command& group) {
         "  hexrelief bench table2 --data middlebury --maps cones,conesM,conesL --methods paper,default "
         "--json table2.json");
     command.set_action([options] {
-        run_bench_table2(*options, std::cout);
+        bench::run_bench_table2(*options, std::cout);
         return 0;
     });
 }
 
 void add_rd(Command& group) {
     Command command = group.add_command("rd", "bytes against error: presets, uniform grids, simplification");
-    const auto options = std::make_shared<RdOptions>();
+    const auto options = std::make_shared<bench::RdOptions>();
     command.add_option("--data", &options->data, "folder with Middlebury's sets",
                        {.value = "DIR", .required = true});
     command.add_option("--maps", &options->maps, "the paper's names, such as cones,conesL",
@@ -83,20 +83,20 @@ void add_rd(Command& group) {
         "  hexrelief bench rd --data middlebury --maps cones,aloe --methods default,meshopt+cut");
     options->warns = print_warning;
     command.set_action([options] {
-        run_bench_rd(*options, std::cout);
+        bench::run_bench_rd(*options, std::cout);
         return 0;
     });
 }
 
 struct MatchCommandOptions {
-    MatchOptions match;
+    bench::MatchOptions match;
     std::optional<double> noise_percent, gamma, gain;
 };
 
 void add_match(Command& group) {
     Command command = group.add_command("match", "matchers on pairs: quality against the truth, and time");
     const auto options = std::make_shared<MatchCommandOptions>();
-    MatchOptions& match = options->match;
+    bench::MatchOptions& match = options->match;
     match.warns = print_warning;
     command.add_option("--data", &match.data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
@@ -126,11 +126,11 @@ void add_match(Command& group) {
         "  samples/plot_match.py match.json match.png\n"
         "  hexrelief bench match --data middlebury --scenes cones-quarter,aloe-third --noise 3 --runs 1");
     command.set_action([options] {
-        match::Disturbance& disturbance = options->match.disturbance;
+        bench::match::Disturbance& disturbance = options->match.disturbance;
         if (options->noise_percent) disturbance.noise_percent = *options->noise_percent;
         if (options->gamma) disturbance.gamma = *options->gamma;
         if (options->gain) disturbance.gain = *options->gain;
-        run_bench_match(options->match, std::cout);
+        bench::run_bench_match(options->match, std::cout);
         return 0;
     });
 }
@@ -138,7 +138,7 @@ void add_match(Command& group) {
 void add_sparse(Command& group) {
     Command command =
         group.add_command("sparse", "maps thinned as a laser's are: what that costs the surface");
-    const auto options = std::make_shared<SparseOptions>();
+    const auto options = std::make_shared<bench::SparseOptions>();
     options->warns = print_warning;
     command.add_option("--data", &options->data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
@@ -159,14 +159,14 @@ void add_sparse(Command& group) {
         "Example:\n"
         "  hexrelief bench sparse --data middlebury --scenes cones-quarter,teddy-quarter");
     command.set_action([options] {
-        run_bench_sparse(*options, std::cout);
+        bench::run_bench_sparse(*options, std::cout);
         return 0;
     });
 }
 
 void add_batch(Command& group) {
     Command command = group.add_command("batch", "jobs a second: pairs in memory to GLB in memory");
-    const auto options = std::make_shared<BatchOptions>();
+    const auto options = std::make_shared<bench::BatchOptions>();
     options->warns = print_warning;
     command.add_option("--data", &options->data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
@@ -191,9 +191,9 @@ void add_batch(Command& group) {
         "  hexrelief bench batch --data middlebury --scenes cones-quarter --jobs 1000");
     command.set_action([options] {
         if (options->files)
-            run_bench_batch_files(*options, std::cout);
+            bench::run_bench_batch_files(*options, std::cout);
         else
-            run_bench_batch(*options, std::cout);
+            bench::run_bench_batch(*options, std::cout);
         return 0;
     });
 }
@@ -201,7 +201,7 @@ void add_batch(Command& group) {
 void add_cuda(Command& group) {
     Command command = group.add_command(
         "cuda", "the paper's GPU experiments: its own program and ours on this machine's device");
-    const auto options = std::make_shared<CudaBenchOptions>();
+    const auto options = std::make_shared<bench::CudaBenchOptions>();
     command.add_option("--data", &options->data, "folder with Middlebury's sets; without it a made-up scene",
                        {.value = "DIR"});
     command.add_option("--experiments", &options->experiments,
@@ -229,7 +229,7 @@ void add_cuda(Command& group) {
         "  hexrelief bench cuda --experiments size --largest 4096\n"
         "  hexrelief bench cuda --data middlebury --json cuda.json   (then samples/paper/plot.py cuda.json)");
     command.set_action([options] {
-        run_bench_cuda(*options, std::cout);
+        bench::run_bench_cuda(*options, std::cout);
         return 0;
     });
 }
@@ -252,4 +252,4 @@ void add_bench_command(Command& program) {
     add_cuda(group);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

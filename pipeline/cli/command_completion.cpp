@@ -4,7 +4,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/completions.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_completion_command(Command& program) {
     Command command = program.add_command("completion", "what a shell offers while commands are typed");
@@ -20,4 +20,4 @@ void add_completion_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

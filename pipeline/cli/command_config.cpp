@@ -8,38 +8,38 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct ConfigCommandOptions {
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::string checked;
     bool markdown = false;
 };
 
-void print_warnings(const Config& config) {
+void print_warnings(const config::Config& config) {
     for (const std::string& warning : config.warnings) print_warning(warning);
 }
 
 int show(const ConfigCommandOptions& options) {
-    const Config config = read_config(options.config);
-    finish_config(config);
+    const config::Config config = config::read_config(options.config);
+    config::finish_config(config);
     print_warnings(config);
-    const std::string text = options.markdown ? config_markdown() : config_yaml(config);
+    const std::string text = options.markdown ? config::config_markdown() : config::config_yaml(config);
     std::fputs(text.c_str(), stdout);
     return 0;
 }
 
 int check(const ConfigCommandOptions& options) {
-    Config config;
-    apply_config_file(config, options.checked);
+    config::Config config;
+    config::apply_config_file(config, options.checked);
     print_warnings(config);
     std::printf("%s: valid\n", printable(options.checked).c_str());
     return 0;
 }
 
 int schema() {
-    std::fputs(config_schema().c_str(), stdout);
+    std::fputs(config::config_schema().c_str(), stdout);
     return 0;
 }
 
@@ -76,4 +76,4 @@ void add_config_command(Command& program) {
     printed.set_action([] { return schema(); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

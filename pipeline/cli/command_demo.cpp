@@ -19,7 +19,7 @@
 
 extern char** environ;
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,13 +54,13 @@ bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
 }
 
 // Where an earlier demo left its pair, all is written anew; else nobody's files are.
-void check_folder(const fs::path& folder, const std::vector<SampleFile>& pair,
+void check_folder(const fs::path& folder, const std::vector<samples::SampleFile>& pair,
                   const std::vector<fs::path>& outputs) {
-    check_writable_folder(folder);
+    files::check_writable_folder(folder);
     if (std::all_of(pair.begin(), pair.end(), [&](const auto& f) { return holds(folder / f.name, f.bytes); }))
         return;
     std::vector<fs::path> files;
-    for (const SampleFile& file : pair) files.push_back(folder / file.name);
+    for (const samples::SampleFile& file : pair) files.push_back(folder / file.name);
     files.insert(files.end(), outputs.begin(), outputs.end());
     for (const fs::path& file : files)
         if (fs::exists(fs::symlink_status(file)))
@@ -72,15 +72,15 @@ int show_demo(const DemoOptions& demo) {
     const fs::path& folder = demo.folder;
     const fs::path page = folder / "relief.html";
     std::vector<fs::path> outputs = {folder / "relief.glb"};
-    if (has_viewer()) outputs.push_back(page);
-    const std::vector<SampleFile> pair = sample_files();
+    if (exporters::has_viewer()) outputs.push_back(page);
+    const std::vector<samples::SampleFile> pair = samples::sample_files();
     check_folder(folder, pair, outputs);
     std::error_code failure;
     fs::create_directories(folder, failure);
     if (failure)
         throw Error(ErrorKind::output,
                     "cannot make the folder " + folder.string() + ": " + failure.message());
-    write_sample_files(pair, folder);
+    samples::write_sample_files(pair, folder);
     RunOptions options;
     options.request.left = folder / "left.png";
     options.request.right = folder / "right.png";
@@ -90,12 +90,12 @@ int show_demo(const DemoOptions& demo) {
         "hexrelief",           "run",     "--left",           options.request.left, "--right",
         options.request.right, "--calib", options.calibration};
     for (const fs::path& output : outputs) words.insert(words.end(), {"-o", output.string()});
-    std::printf("%s\n", printable(shell_line(words)).c_str());
+    std::printf("%s\n", printable(batch::shell_line(words)).c_str());
     options.request.ends_process = true;
     end_on_interrupt();
     run_and_tell(options);
-    if (!has_viewer())
-        std::printf("%s\n", kNoViewer);
+    if (!exporters::has_viewer())
+        std::printf("%s\n", exporters::kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))
         std::printf("open %s in a browser to look at it\n", printable(page.string()).c_str());
     return 0;
@@ -114,4 +114,4 @@ void add_demo_command(Command& program) {
     command.set_action([options] { return show_demo(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -9,19 +9,23 @@
 #include "pipeline/evaluation/evaluate.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MapOptions {
     std::optional<double> scale, offset_px, unknown;
 
     // Through the field table, which knows the ranges.
-    DisparityFileConfig file_config(const std::string& prefix) const {
-        Config config;
-        if (scale) apply_option(config, prefix + "scale", "input.disparity.scale", shortest(*scale));
+    readers::DisparityFileConfig file_config(const std::string& prefix) const {
+        config::Config config;
+        if (scale)
+            config::apply_option(config, prefix + "scale", "input.disparity.scale", config::shortest(*scale));
         if (offset_px)
-            apply_option(config, prefix + "offset", "input.disparity.offset_px", shortest(*offset_px));
-        if (unknown) apply_option(config, prefix + "unknown", "input.disparity.unknown", shortest(*unknown));
+            config::apply_option(config, prefix + "offset", "input.disparity.offset_px",
+                                 config::shortest(*offset_px));
+        if (unknown)
+            config::apply_option(config, prefix + "unknown", "input.disparity.unknown",
+                                 config::shortest(*unknown));
         config.input.disparity.scale_option = prefix + "scale";
         config.input.disparity.unknown_option = prefix + "unknown";
         return config.input.disparity;
@@ -45,16 +49,16 @@ void add_map_options(Command& command, MapOptions& options, const std::string& p
                        {.value = "V"});
 }
 
-void print_json(const DisparityEvaluation& result) {
+void print_json(const evaluation::DisparityEvaluation& result) {
     nlohmann::ordered_json json;
     json["schema"] = 1;
-    json.update(evaluation_json(result));
+    json.update(bench::evaluation_json(result));
     std::printf("%s\n", json.dump(2).c_str());
 }
 
-void print_text(const DisparityEvaluation& result) {
+void print_text(const evaluation::DisparityEvaluation& result) {
     for (int i = 0; i < 4; ++i)
-        std::printf("bad-%-3g          %7.3f %%\n", kBadThresholds_px[i], result.bad_percent[i]);
+        std::printf("bad-%-3g          %7.3f %%\n", evaluation::kBadThresholds_px[i], result.bad_percent[i]);
     std::printf("average error   %8.4f px\n", result.average_error_px);
     std::printf("rms error       %8.4f px\n", result.rms_error_px);
     std::printf("coverage         %7.3f %%\n", result.coverage_percent);
@@ -68,17 +72,17 @@ void print_text(const DisparityEvaluation& result) {
 }
 
 int evaluate(const EvaluateOptions& options) {
-    const DisparityMap map = read_disparity_map(options.map, options.of_map.file_config("--"));
-    const DisparityFileConfig of_truth = options.of_truth.file_config("--gt-");
-    const DisparityMap truth = read_disparity_map(options.truth, of_truth);
-    EvaluationConfig config;
+    const DisparityMap map = readers::read_disparity_map(options.map, options.of_map.file_config("--"));
+    const readers::DisparityFileConfig of_truth = options.of_truth.file_config("--gt-");
+    const DisparityMap truth = readers::read_disparity_map(options.truth, of_truth);
+    evaluation::EvaluationConfig config;
     if (options.discontinuity_px) config.discontinuity_px = *options.discontinuity_px;
     DisparityMap right_truth;
     if (!options.right_truth.empty()) {
-        right_truth = read_disparity_map(options.right_truth, of_truth);
+        right_truth = readers::read_disparity_map(options.right_truth, of_truth);
         config.right_truth = &right_truth;
     }
-    const DisparityEvaluation result = evaluate_disparity(map, truth, config);
+    const evaluation::DisparityEvaluation result = evaluation::evaluate_disparity(map, truth, config);
     if (options.json)
         print_json(result);
     else
@@ -120,4 +124,4 @@ void add_evaluate_command(Command& program) {
     command.set_action([options] { return evaluate(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

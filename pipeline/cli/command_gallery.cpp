@@ -5,7 +5,7 @@
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/gallery/gallery.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_gallery_command(Command& program) {
     struct Options {
@@ -24,11 +24,11 @@ void add_gallery_command(Command& program) {
         "  hexrelief gallery out");
     command.set_action([options] {
         const auto path = options->output.empty() ? options->folder / "index.html" : options->output;
-        const std::size_t results = write_gallery(options->folder, path);
+        const std::size_t results = gallery::write_gallery(options->folder, path);
         std::printf("%s lists %zu result%s\n", printable(path.string()).c_str(), results,
                     results == 1 ? "" : "s");
         return 0;
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "exporters/exporter.h"
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
@@ -16,24 +16,26 @@
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/describe_map.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
 bool is_mesh_file(const fs::path& path) {
-    const std::vector<std::string>& known = export_extensions();
-    return std::find(known.begin(), known.end(), extension_of(path)) != known.end();
+    const std::vector<std::string>& known = exporters::export_extensions();
+    return std::find(known.begin(), known.end(), exporters::extension_of(path)) != known.end();
 }
 
 struct RasterOptions {
     std::string key;
     std::optional<long long> max_pixels;
 
-    ReaderLimits limits() const { return {max_pixels.value_or(kMaxPixels), "--max-pixels"}; }
+    readers::ReaderLimits limits() const {
+        return {max_pixels.value_or(readers::kMaxPixels), "--max-pixels"};
+    }
 };
 
 // What is told, in lines.
@@ -51,12 +53,12 @@ std::string number(double value) {
     return digits;
 }
 
-void tell_mesh(const MeshDescription& mesh, Text& text) {
+void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
     line(text, "format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
     line(text, "vertices", std::to_string(mesh.vertices));
     line(text, "triangles", std::to_string(mesh.triangles));
     std::string levels;
-    for (const LevelDescription& level : mesh.coarser)
+    for (const inspect::LevelDescription& level : mesh.coarser)
         levels += (levels.empty() ? "" : "; ") + std::to_string(level.vertices) + " vertices, " +
                   std::to_string(level.triangles) + " triangles";
     if (!levels.empty()) line(text, "coarser", levels);
@@ -79,7 +81,7 @@ void tell_mesh(const MeshDescription& mesh, Text& text) {
 
 // Samples as stored, and what a run would take them for without further words.
 void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
-    const MapDescription map = describe_map(path, options.key, options.limits());
+    const readers::MapDescription map = readers::describe_map(path, options.key, options.limits());
     if (map.known_share > 0) line(text, "values", number(map.least) + " .. " + number(map.largest));
     line(text, "known", number(100 * map.known_share) + " %");
     line(text, "as depth", map.as_depth);
@@ -88,12 +90,12 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
 }
 
 // What a photograph tells of its lens and its transparent pixels.
-void tell_picture(const fs::path& path, const FileDescription& raster, const RasterOptions& options,
+void tell_picture(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                   Text& text) {
-    if (const auto focal = read_exif_focal(path, raster.width, raster.height))
+    if (const auto focal = readers::read_exif_focal(path, raster.width, raster.height))
         line(text, "focal", number(focal->focal_px) + " px by EXIF: " + focal->believed);
     if (raster.channels != 2 && raster.channels != 4) return;
-    const std::vector<std::uint8_t> alpha = read_image(path, options.limits()).alpha;
+    const std::vector<std::uint8_t> alpha = readers::read_image(path, options.limits()).alpha;
     const auto transparent = std::ranges::count_if(alpha, [](std::uint8_t a) { return a < kOpaque; });
     if (transparent > 0)
         line(text, "alpha",
@@ -104,13 +106,13 @@ void tell_picture(const fs::path& path, const FileDescription& raster, const Ras
 // The depths beside a photograph.
 void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& text) {
     try {
-        line(text, "as depth", describe_map(path, {}, options.limits()).as_depth);
+        line(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
     } catch (const Error& error) {
         line(text, "as depth", error.what());
     }
 }
 
-void tell_calibration(const CalibrationFile& file, Text& text) {
+void tell_calibration(const readers::CalibrationFile& file, Text& text) {
     const Calibration& camera = file.calibration;
     line(text, "format", "calibration, " + file.format);
     line(text, "focal", number(camera.focal_px) + " px");
@@ -126,7 +128,7 @@ void tell_calibration(const CalibrationFile& file, Text& text) {
 }
 
 // What a file says of two cameras as they stand.
-void tell_stereo_calibration(const StereoCalibrationFile& file, Text& text) {
+void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& text) {
     const StereoCalibration& cameras = file.calibration;
     line(text, "format",
          std::string("calibration, OpenCV, of a pair to rectify") + (cameras.is_fisheye ? ", fisheye" : ""));
@@ -142,14 +144,14 @@ void tell_stereo_calibration(const StereoCalibrationFile& file, Text& text) {
 }
 
 void tell_calibration_of(const fs::path& path, Text& text) {
-    if (const auto stereo = read_stereo_calibration(path, Rectify::automatic))
+    if (const auto stereo = readers::read_stereo_calibration(path, readers::Rectify::automatic))
         tell_stereo_calibration(*stereo, text);
     else
-        tell_calibration(read_calibration_file(path), text);
+        tell_calibration(readers::read_calibration_file(path), text);
 }
 
 // False where the numbers of an NPY, which may as well be a map, are no camera's.
-bool tell_matrix(const fs::path& path, const FileDescription& raster, Text& text) {
+bool tell_matrix(const fs::path& path, const readers::FileDescription& raster, Text& text) {
     if (raster.format != "npy" || raster.width != 3 || raster.height != 3) return false;
     try {
         tell_calibration_of(path, text);
@@ -159,7 +161,7 @@ bool tell_matrix(const fs::path& path, const FileDescription& raster, Text& text
     return true;
 }
 
-void tell_raster(const fs::path& path, const FileDescription& raster, const RasterOptions& options,
+void tell_raster(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                  Text& text) {
     if (tell_matrix(path, raster, text)) return;
     line(text, "format", raster.format);
@@ -182,14 +184,15 @@ void tell_raster(const fs::path& path, const FileDescription& raster, const Rast
 // however well they are packed, and 64 bytes for each of the file for what does not pack 8 times as well.
 Text raster_text(const fs::path& path, const RasterOptions& options) {
     const std::uintmax_t bytes = fs::file_size(path);
-    const WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18), (std::uint64_t{1} << 30) + 64 * bytes,
-                            1 << 20};
-    const WorkBytes told = run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
-        Text text;
-        if (const auto raster = describe_raster(path, options.key, options.limits()))
-            tell_raster(path, *raster, options, text);
-        return WorkBytes(text.begin(), text.end());
-    });
+    const inspect::WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18),
+                                     (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
+    const inspect::WorkBytes told =
+        inspect::run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
+            Text text;
+            if (const auto raster = readers::describe_raster(path, options.key, options.limits()))
+                tell_raster(path, *raster, options, text);
+            return inspect::WorkBytes(text.begin(), text.end());
+        });
     return {told.begin(), told.end()};
 }
 
@@ -200,10 +203,10 @@ Text information(const fs::path& path, const RasterOptions& options) {
         throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
     Text text;
     if (is_mesh_file(path)) {
-        tell_mesh(describe_mesh(path), text);
+        tell_mesh(inspect::describe_mesh(path), text);
         return text;
     }
-    if (codec::find_codec(path)) return raster_text(path, options);
+    if (readers::codec::find_codec(path)) return raster_text(path, options);
     try {
         tell_calibration_of(path, text);
     } catch (const Error& e) {
@@ -229,17 +232,18 @@ void add_info_command(Command& program) {
     command.add_option("--key", &options->key, "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.add_option(
         "--max-pixels", &options->max_pixels,
-        "refuse images and maps of more, by their header; default " + std::to_string(kMaxPixels),
+        "refuse images and maps of more, by their header; default " + std::to_string(readers::kMaxPixels),
         {.value = "N"});
     command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
         "--key depth\n  hexrelief info calib.txt");
     command.set_action([path, options] {
-        if (const long long most = options->limits().max_pixels; most < 1 || most > kMaxPixels)
-            throw Error(ErrorKind::usage, "--max-pixels: must be from 1 to " + std::to_string(kMaxPixels));
+        if (const long long most = options->limits().max_pixels; most < 1 || most > readers::kMaxPixels)
+            throw Error(ErrorKind::usage,
+                        "--max-pixels: must be from 1 to " + std::to_string(readers::kMaxPixels));
         std::fputs(information(*path, *options).c_str(), stdout);
         return 0;
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -4,7 +4,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/manual.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct ManualOptions {
@@ -30,4 +30,4 @@ void add_manual_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -9,9 +9,9 @@
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/terminal/progress_line.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -123,7 +123,7 @@ std::string text_of(long long value) {
     return std::to_string(value);
 }
 std::string text_of(double value) {
-    return shortest(value);
+    return config::shortest(value);
 }
 
 }  // namespace
@@ -229,4 +229,4 @@ void add_run_command(Command& program) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -1,9 +1,9 @@
 // Each command: its options and help go into the parser, its work becomes the command's action.
 #pragma once
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_run_command(Command& program);
 void add_batch_command(Command& program);
@@ -18,4 +18,4 @@ void add_demo_command(Command& program);
 void add_manual_command(Command& program);
 void add_completion_command(Command& program);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -8,7 +8,7 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 std::string joined(const std::vector<std::string>& words) {
@@ -36,11 +36,11 @@ std::string choices_of(const OptionDescription& option) {
     const std::string& name = option.names.back();
     std::vector<std::string> words;
     if (const auto key = keys.find(name); key != keys.end())
-        if (const Field* field = find_field(key->second)) words = field->choices;
+        if (const config::Field* field = config::find_field(key->second)) words = field->choices;
     if (name == "--config")
-        for (const Preset& preset : presets()) words.push_back(preset.name);
+        for (const config::Preset& preset : config::presets()) words.push_back(preset.name);
     if (name == "--set")
-        for (const Field& field : config_fields()) words.push_back(field.path + "=");
+        for (const config::Field& field : config::config_fields()) words.push_back(field.path + "=");
     return joined(words);
 }
 
@@ -202,4 +202,4 @@ std::string completion_script(const CommandDescription& program, const std::stri
     throw Error(ErrorKind::usage, "there are completions for bash, zsh and fish, not for '" + shell + "'");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

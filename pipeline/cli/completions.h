@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // A script for "bash", "zsh" or "fish". Throws Error(usage) for another shell.
 std::string completion_script(const CommandDescription& program, const std::string& shell);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
     // map or clear pages.
     mallopt(M_TOP_PAD, 2 << 20);
 #endif
-    const int exit_code = hexrelief::run_command_line(argc, argv);
+    const int exit_code = hexrelief::cli::run_command_line(argc, argv);
 #if defined(__SANITIZE_ADDRESS__)
     return exit_code;  // leaks are looked for
 #else

@@ -7,7 +7,7 @@
 #include "exporters/core/file_transaction.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 // Text as roff takes it: no line of it is a request, and dashes are those that one types.
@@ -116,11 +116,11 @@ std::string manual_page(const CommandDescription& program, const std::string& co
 }
 
 void write_manual_pages(const CommandDescription& program, const std::filesystem::path& folder) {
-    FileTransaction files;
+    exporters::FileTransaction files;
     files.write(folder / (program.name + ".1"), manual_page(program, ""));
     for (const CommandDescription& sub : program.commands)
         files.write(folder / (program.name + "-" + sub.name + ".1"), manual_page(program, sub.name));
     files.commit();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

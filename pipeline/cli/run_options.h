@@ -9,11 +9,11 @@
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 struct RunOptions {
     FileRequest request;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::optional<double> scale, offset_px, fov_x_deg;
     std::string unknown, depth_unit, depth_kind, key, calibration, layout, backend;
     std::optional<int> threads;
@@ -31,4 +31,4 @@ Options options_of(const RunOptions& options);
 void check_run(const RunOptions& options);
 void run_and_tell(const RunOptions& options);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -4,7 +4,7 @@
 
 #include "pipeline/cli/terminal/printable.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 template <typename... Values>
@@ -73,4 +73,4 @@ std::string summary_text(const RunSummary& run, const FileRequest& request, doub
     return summary + text(", %.2f s\n", seconds);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // "1 234 567"
 std::string grouped(std::uint64_t value);
@@ -15,4 +15,4 @@ std::string grouped(std::uint64_t value);
 // the picture it covers, and what share of the map is none of the scene. `seconds` are the run's.
 std::string summary_text(const RunSummary& run, const FileRequest& request, double seconds);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

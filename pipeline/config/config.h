@@ -18,7 +18,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
@@ -31,20 +31,20 @@ struct CalibrationConfig {
     double cx = kNotGiven;  // px from the image's left edge; the centre of the first pixel is 0.5
     double cy = kNotGiven;
     double doffs_px = kNotGiven;
-    Rectify rectify = Rectify::automatic;  // of pairs
+    readers::Rectify rectify = readers::Rectify::automatic;  // of pairs
 };
 
 enum class Densification { automatic, off };
 
 struct InputConfig {
-    DisparityFileConfig disparity;
+    readers::DisparityFileConfig disparity;
     // Of a supplied map, of disparities or of depth (pipeline/densify).
     Densification densify = Densification::automatic;
-    DepthFileConfig depth;
-    MaskConfig mask;
-    ConfidenceConfig confidence;
+    readers::DepthFileConfig depth;
+    readers::MaskConfig mask;
+    readers::ConfidenceConfig confidence;
     CalibrationConfig calibration;
-    StereoFileConfig stereo;
+    readers::StereoFileConfig stereo;
 };
 
 enum class BackendChoice { automatic, cpu, cuda };
@@ -58,7 +58,7 @@ struct ExecutionConfig {
 
 // What a run may cost at most, for inputs that nobody vouches for.
 struct LimitsConfig {
-    ReaderLimits reading;
+    readers::ReaderLimits reading;
     long long max_memory = 0;  // bytes, as estimated before the work (pipeline/job/run_files.h); 0 = no limit
 };
 
@@ -71,11 +71,11 @@ struct BudgetConfig {
 
 struct Config {
     InputConfig input;
-    DisparityConfig disparity;
-    DensityConfig density;
+    stages::DisparityConfig disparity;
+    stages::DensityConfig density;
     MeshConfig mesh;
     SurfaceConfig surface;
-    ExportConfig exporting;
+    exporters::ExportConfig exporting;
     BudgetConfig budget;
     LimitsConfig limits;
     ExecutionConfig run;
@@ -84,4 +84,4 @@ struct Config {
     std::set<std::string> given;         // paths of the keys that a file, a setting or an option gave
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

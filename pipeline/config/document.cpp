@@ -8,7 +8,7 @@
 #include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -233,4 +233,4 @@ std::string config_markdown() {
     return text;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

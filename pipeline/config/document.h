@@ -6,7 +6,7 @@
 
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 // Fully commented YAML that reads back as the same configuration.
 std::string config_yaml(const Config& config);
@@ -18,4 +18,4 @@ std::string config_schema();
 // columns.
 std::string config_markdown();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

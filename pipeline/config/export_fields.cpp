@@ -1,7 +1,7 @@
 // The part of the field table on the files that are written.
 #include "pipeline/config/field_makers.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // Draco's coder takes 0.2 GB for 24 bits of any attribute, four times that for each two bits more.
@@ -74,4 +74,4 @@ std::vector<Field> export_fields() {
         number("export.draco.level", "", 0, 10, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
     };
 }
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -11,7 +11,7 @@
 
 #include "pipeline/config/fields.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 inline constexpr double kAny = 1e9;                     // "any number": far beyond what makes sense
 inline constexpr double kMaxSeed = 9007199254740991.0;  // 2^53 - 1: JSON readers keep it exactly
@@ -121,4 +121,4 @@ inline void append(std::vector<Field>& table, std::vector<Field> fields) {
 // The part of the table that is in export_fields.cpp.
 std::vector<Field> export_fields();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

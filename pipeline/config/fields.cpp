@@ -4,7 +4,7 @@
 
 #include "pipeline/config/field_makers.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 std::vector<Field> input_fields() {
@@ -306,7 +306,7 @@ std::vector<Field> run_fields() {
                "slack at "
                "borders; 0 = none given; also --max-error-px",
                MEMBER(budget.max_error_px)),
-        number("limits.max_pixels", "px", 1, static_cast<double>(kMaxPixels),
+        number("limits.max_pixels", "px", 1, static_cast<double>(readers::kMaxPixels),
                "pictures, maps and masks of more are refused by their header",
                MEMBER(limits.reading.max_pixels)),
         number("limits.max_memory", "byte", 0, 1e15,
@@ -345,4 +345,4 @@ const std::vector<Field>& config_fields() {
     return table;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

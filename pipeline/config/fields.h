@@ -8,7 +8,7 @@
 
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 enum class FieldType { boolean, integer, optional_integer, real, optional_real, choice, text };
 
@@ -55,4 +55,4 @@ std::string suggest_key(const std::string& path);
 // Rules between fields. Throws Error(usage) with origin in front.
 void check_rules(const Config& config, const std::string& origin);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

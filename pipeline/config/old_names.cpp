@@ -1,6 +1,6 @@
 #include "pipeline/config/old_names.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // No longer read: their values changed too.
@@ -52,4 +52,4 @@ std::string renamed_key_warning(const std::string& path) {
     return "'" + path + "' is now '" + new_name(path) + "'";
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 struct RenamedKey {
     const char *path, *now;
@@ -24,4 +24,4 @@ std::string moved_key(const std::string& path);
 // What is told of a key that is still read by its old name.
 std::string renamed_key_warning(const std::string& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -8,7 +8,7 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 namespace {
 
@@ -66,4 +66,4 @@ std::string shortest(double value) {
     return format_value(FieldValue(value));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -7,7 +7,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 struct ConfigOptions {
     std::string file;
@@ -29,4 +29,4 @@ void finish_config(const Config& config);
 // The shortest text that reads back as the same number.
 std::string shortest(double value);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

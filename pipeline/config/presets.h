@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 struct Preset {
     std::string name;  // the file's without ".yaml"
@@ -16,4 +16,4 @@ const std::vector<Preset>& presets();
 // nullptr where there is none.
 const Preset* find_preset(const std::string& name);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -12,9 +12,9 @@
 #include "pipeline/config/fields.h"
 #include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 constexpr std::size_t kMaxConfigBytes = 1 << 20;
@@ -142,7 +142,7 @@ void apply_yaml(Config& config, const std::string& text, const std::string& orig
     try {
         reader.read_section("", load_document(reader, text));
     } catch (const YAML::Exception& e) {
-        fail(reader.where(e.mark), "not valid YAML: " + codec::printable(e.msg, 200));
+        fail(reader.where(e.mark), "not valid YAML: " + readers::codec::printable(e.msg, 200));
     }
     check_rules(config, origin + ": ");
 }
@@ -177,4 +177,4 @@ void apply_setting(Config& config, const std::string& setting) {
     if (!wrong.empty()) fail(place, field->path + " " + wrong);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -6,7 +6,7 @@
 
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 // Changes in config what the YAML text sets; the rest stays. origin names the text in errors: "FILE:LINE:
 // ...". Relative file names in it are taken from `folder`. Throws Error(usage): not YAML, unknown or
@@ -21,4 +21,4 @@ void apply_config_file(Config& config, const std::filesystem::path& path);
 // "mesh.spacing_px=4". Older names are read with a warning as well. Throws Error(usage).
 void apply_setting(Config& config, const std::string& setting);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

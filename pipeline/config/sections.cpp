@@ -1,6 +1,6 @@
 #include "pipeline/config/fields.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 const std::vector<Section>& config_sections() {
     static const std::vector<Section> sections = {
@@ -40,4 +40,4 @@ const Section* find_section(const std::string& path) {
     return nullptr;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

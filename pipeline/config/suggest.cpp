@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 int edit_distance(const std::string& a, const std::string& b) {
     std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1));
@@ -37,4 +37,4 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
     return best;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

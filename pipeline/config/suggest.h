@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 // Levenshtein distance with neighbouring letters swapped as one step.
 int edit_distance(const std::string& a, const std::string& b);
@@ -12,4 +12,4 @@ int edit_distance(const std::string& a, const std::string& b);
 // The nearest candidate, the first of equals; empty where none is near enough to be meant.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -7,7 +7,7 @@
 #include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 std::string format_number(double value) {
@@ -145,7 +145,8 @@ void check_rules(const Config& config, const std::string& origin) {
     const CalibrationConfig& camera = config.input.calibration;
     if (!std::isnan(camera.focal_px) && !std::isnan(camera.fov_x_deg))
         fail("input.calibration.focal_px and fov_x_deg exclude each other; give one");
-    if (const std::string wrong = wrong_depth_config(config.input.depth); !wrong.empty()) fail(wrong);
+    if (const std::string wrong = readers::wrong_depth_config(config.input.depth); !wrong.empty())
+        fail(wrong);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

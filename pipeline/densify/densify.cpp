@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/densify/plane_votes.h"
 #include "pipeline/densify/planes.h"
 #include "pipeline/densify/reach.h"
-#include "pipeline/densify/votes.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads) {
     ThreadPool pool(threads);
@@ -23,4 +23,4 @@ DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads)
     return take_votes({sparse, planes, nearest, filled, left, sides}, stride_px, pool);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

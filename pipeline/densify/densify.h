@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 // Returns a dense map. sparse: see Sparsity::is_sparse(). left: the picture of the map's view and size, or
 // empty. Unknown pixels surrounded by measurements get the disparity of one of the surfaces around them;
@@ -11,4 +11,4 @@ namespace hexrelief {
 // filled for those filled here. The result is the same for any number of threads (>= 1).
 DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -1,6 +1,6 @@
 #include "pipeline/densify/measurements.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 constexpr std::uint32_t kStraight = kDistanceOne, kDiagonal = 23, kFar = 0x7fffffffu;
@@ -77,4 +77,4 @@ NearestMeasurements find_nearest(const std::vector<PlaneAt>& measurements, int w
     return nearest;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

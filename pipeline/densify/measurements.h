@@ -7,7 +7,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 // A plane through a pixel: disparity d + slope_x * dx + slope_y * dy px at (dx, dy) px from (x, y).
 struct PlaneAt {
@@ -54,4 +54,4 @@ inline int color_step(const std::uint8_t* a, const std::uint8_t* b, int channels
     return largest;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 constexpr int kReach = 3, kMostOffsets = (2 * kReach + 1) * (2 * kReach + 1);
@@ -127,4 +127,4 @@ void fit_planes(std::vector<PlaneAt>& planes, const NearestMeasurements& nearest
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -6,7 +6,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/densify/measurements.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 // Sets the slopes of each plane to those that most measurements around it agree on. These are the
 // measurements nearest to the pixels of a window of 7x7 at strides of stride_px. Those on other
@@ -14,4 +14,4 @@ namespace hexrelief {
 void fit_planes(std::vector<PlaneAt>& planes, const NearestMeasurements& nearest, int stride_px,
                 ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 constexpr double kTypical = 0.9;
@@ -92,4 +92,4 @@ std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestM
     return mask;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -7,7 +7,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/densify/measurements.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 // Returns the 90th percentile, in px, of the distance to the nearest measurement, over unknown pixels that
 // have measurements on both sides in their row or column. Distances of more than four times the median are
@@ -20,4 +20,4 @@ int typical_distance_px(const DisparityMap& map, const NearestMeasurements& near
 std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestMeasurements& nearest,
                                          int typical_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 constexpr double kJoined = 0.5;
@@ -37,4 +37,4 @@ Sparsity measure_sparsity(const DisparityMap& map) {
             share(below, with_below)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

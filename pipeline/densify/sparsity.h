@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 
 struct Sparsity {
     double known_share = 0;  // share of all pixels
@@ -18,4 +18,4 @@ struct Sparsity {
 
 Sparsity measure_sparsity(const DisparityMap& map);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

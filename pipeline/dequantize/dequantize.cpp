@@ -4,7 +4,7 @@
 #include "pipeline/dequantize/pyramid.h"
 #include "pipeline/dequantize/relax.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 // Largest difference of neighbours on one surface; the surface stage's own default.
@@ -36,4 +36,4 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads)
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // Removes the quantisation steps of a map. A map of whole pixels, or of other steps of quantum_px > 0
 // (find_quantum_px()), has a staircase on each slanted surface, which shows as rings when lit. Each disparity
@@ -13,4 +13,4 @@ namespace hexrelief {
 // result is the same for any number of threads (>= 1).
 DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

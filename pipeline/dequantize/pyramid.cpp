@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 constexpr int kLeastSide_px = 4;  // least side of a level that is halved
@@ -140,4 +140,4 @@ void prolong(const PyramidLevel& coarse, PyramidLevel& fine, float half_px, Thre
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

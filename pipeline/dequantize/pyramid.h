@@ -8,7 +8,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // The flags of a pixel.
 inline constexpr std::uint8_t kIsSmoothed = 1, kJoinsRight = 2, kJoinsBelow = 4, kBendsX = 8, kBendsY = 16,
@@ -40,4 +40,4 @@ std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quan
 // the planes between joined coarse pixels, within half_px of the given values.
 void prolong(const PyramidLevel& coarse, PyramidLevel& fine, float half_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

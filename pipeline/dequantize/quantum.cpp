@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 // Share of a quantum. Raw samples divided by 3 and the like are off their lattice by some 1e-5 px.
@@ -73,4 +73,4 @@ double find_quantum_px(const DisparityMap& map) {
     return lattice.quantum <= kLargestQuantum_px * (1 + 1e-4) ? lattice.quantum : 0;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

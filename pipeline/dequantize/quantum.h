@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // Bounds of the step. Finer steps are not visible in any mesh; larger ones are depth discontinuities
 // to the surface stage.
@@ -14,4 +14,4 @@ inline constexpr double kLeastQuantum_px = 0.1, kLargestQuantum_px = 1;
 // and if all disparities are equal.
 double find_quantum_px(const DisparityMap& map);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -5,7 +5,7 @@
 
 #include "mesher/common/simd.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 // The curvatures of the bending lie between 0 and 64. These steps are the fastest of their number for those
@@ -100,4 +100,4 @@ void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -3,7 +3,7 @@
 
 #include "pipeline/dequantize/pyramid.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 
 // Moves level.smooth towards the minimum of the sum over pixels of
 //     xx^2 + yy^2 + 2 xy^2 + pull (smooth - given)^2,   |smooth - given| <= half_px,
@@ -13,4 +13,4 @@ namespace hexrelief {
 // another, so the order of pixels does not matter.
 void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

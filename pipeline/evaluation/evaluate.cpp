@@ -7,10 +7,8 @@
 #include "pipeline/data/error.h"
 #include "pipeline/evaluation/evaluate_parts.h"
 
-namespace hexrelief {
+namespace hexrelief::evaluation {
 namespace {
-
-using namespace evaluation;
 
 // Returns the distance between windows: larger pictures have larger discontinuities, and
 // need no denser windows.
@@ -88,4 +86,4 @@ DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityM
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::evaluation

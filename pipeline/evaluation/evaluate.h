@@ -3,7 +3,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::evaluation {
 
 inline constexpr double kBadThresholds_px[4] = {0.5, 1, 2, 4};
 
@@ -46,4 +46,4 @@ struct DisparityEvaluation {
 DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityMap& truth,
                                        const EvaluationConfig& config = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::evaluation

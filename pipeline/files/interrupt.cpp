@@ -15,14 +15,14 @@
 #include "exporters/core/file_transaction.h"
 #include "pipeline/files/output_set.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 std::atomic<bool> signalled{false};
 
 void end_by_signal(int) {
     signalled = true;
-    remove_pending_files();
+    exporters::remove_pending_files();
     _exit(kInterruptedExitCode);
 }
 
@@ -80,4 +80,4 @@ void wait_if_interrupted() {
     while (signalled) pause();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

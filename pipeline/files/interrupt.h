@@ -1,7 +1,7 @@
 // Handles Ctrl-C and termination: the process ends at once and leaves no partial output.
 #pragma once
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 inline constexpr int kInterruptedExitCode = 130;
 
@@ -23,4 +23,4 @@ bool interrupted();
 // Returns at once if no signal has come, else never: the process is about to exit.
 void wait_if_interrupted();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

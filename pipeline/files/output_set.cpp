@@ -12,7 +12,7 @@
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/sha256.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -131,7 +131,7 @@ void OutputSet::commit() {
 }
 
 void roll_back_outputs() {
-    remove_pending_files();
+    exporters::remove_pending_files();
     const std::lock_guard lock(folders_mutex);
     std::error_code ignored;
     // In reverse order, so that folders inside others are removed first.
@@ -140,4 +140,4 @@ void roll_back_outputs() {
     fresh_folders.clear();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

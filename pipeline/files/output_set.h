@@ -8,7 +8,7 @@
 
 #include "exporters/core/file_transaction.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 // True for "-" with or without an extension, which means the standard output.
 bool is_standard_output(const std::filesystem::path& path);
@@ -52,7 +52,7 @@ class OutputSet {
     // Prepares the writing of `path` to files(): makes its folder if it is missing, or directs it
     // to the standard output.
     void place(const std::filesystem::path& path);
-    FileTransaction& files() { return files_; }
+    exporters::FileTransaction& files() { return files_; }
     const std::vector<WrittenFile>& written() const { return written_; }
     // Throws Error(output) as FileTransaction::commit() does.
     void commit();
@@ -65,11 +65,11 @@ class OutputSet {
         ~FreshFolders();
     };
     FreshFolders folders_;  // before the files, so that it is destroyed after them
-    FileTransaction files_;
+    exporters::FileTransaction files_;
     std::vector<WrittenFile> written_;
 };
 
 // Undoes all sets and makes every later write fail; called by the interrupt's thread.
 void roll_back_outputs();
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -9,7 +9,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 std::string digits_of(sha256_ctx& context) {
@@ -47,4 +47,4 @@ std::string sha256_of_file(const std::filesystem::path& path) {
     return digits_of(context);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

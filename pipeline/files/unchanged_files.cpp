@@ -4,7 +4,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 UnchangedFiles::State UnchangedFiles::state_of(const std::filesystem::path& path) {
     struct stat s = {};
@@ -25,4 +25,4 @@ void UnchangedFiles::check() const {
                 "'" + path.string() + "' was changed while it was read; run again when it is complete");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

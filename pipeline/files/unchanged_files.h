@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::files {
 
 // Remembers the identity, size and modification time of the files with these names. Missing files are left to
 // their readers. The clock may be set meanwhile, so times are only compared for equality.
@@ -23,4 +23,4 @@ class UnchangedFiles {
     std::vector<std::pair<std::filesystem::path, State>> files_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::files

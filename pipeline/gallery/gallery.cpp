@@ -10,18 +10,18 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/gallery/results.h"
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<GalleryColumn> kColumns = {{"Vertices", 0}, {"Triangles", 0}, {"Bytes", 0},
-                                             {"%cost", 2},    {"Error, px", 3}, {"Seconds", 2}};
+const std::vector<exporters::GalleryColumn> kColumns = {{"Vertices", 0}, {"Triangles", 0}, {"Bytes", 0},
+                                                        {"%cost", 2},    {"Error, px", 3}, {"Seconds", 2}};
 
-GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path& place) {
+exporters::GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path& place) {
     const auto& [vertices, triangles, bytes, percent_cost, error_px, seconds] = result.figures;
     fs::path name = fs::relative(result.file, folder);
-    if (extension_of(name) == ".html") name.replace_extension();
+    if (exporters::extension_of(name) == ".html") name.replace_extension();
     return {name.generic_string(),
             fs::relative(result.file, place),
             std::move(result.picture),
@@ -31,15 +31,16 @@ GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path
 }  // namespace
 
 std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
-    if (!has_viewer()) throw Error(ErrorKind::usage, std::string("no gallery can be made: ") + kNoViewer);
+    if (!exporters::has_viewer())
+        throw Error(ErrorKind::usage, std::string("no gallery can be made: ") + exporters::kNoViewer);
     if (!fs::is_directory(folder))
         throw Error(ErrorKind::input, "cannot read '" + folder.string() + "': it is no folder");
-    if (extension_of(path) != ".html")
+    if (exporters::extension_of(path) != ".html")
         throw Error(ErrorKind::usage, "'" + path.string() + "': a gallery is a page; name a file .html");
-    check_writable_file(path);
-    std::vector<GalleryEntry> entries;
+    files::check_writable_file(path);
+    std::vector<exporters::GalleryEntry> entries;
     for (FoundResult& result : find_results(folder)) {
-        check_overwrites({path}, {result.file});
+        files::check_overwrites({path}, {result.file});
         entries.push_back(entry_of(std::move(result), folder, fs::absolute(path).parent_path()));
     }
     if (entries.empty())
@@ -47,11 +48,11 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
                                           "' holds no result; hexrelief run -o a.html --report a.json "
                                           "writes what a gallery shows");
     const std::string title = fs::canonical(folder).filename().string();
-    OutputSet outputs;
+    files::OutputSet outputs;
     outputs.place(path);
-    outputs.files().write(path, gallery_page(title, kColumns, entries));
+    outputs.files().write(path, exporters::gallery_page(title, kColumns, entries));
     outputs.commit();
     return entries.size();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 
 // Writes the page to `path` and returns the number of results that it lists. Results are the pages (.html)
 // that hexrelief has written into `folder` and the folders below it, and the meshes of reports (.json) there;
@@ -12,4 +12,4 @@ namespace hexrelief {
 // if the folder holds no result, Error(output).
 std::size_t write_gallery(const std::filesystem::path& folder, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

@@ -14,7 +14,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,7 +88,7 @@ fs::path result_file(const Json& report, const fs::path& path) {
         if (!output.is_object()) continue;
         const fs::path file = existing(output.value("path", ""), path);
         if (file.empty()) continue;
-        if (extension_of(file) == ".html") return file;
+        if (exporters::extension_of(file) == ".html") return file;
         if (first.empty()) first = file;
     }
     return first;
@@ -102,7 +102,7 @@ std::string stage_picture(const fs::path& report) {
         const fs::path file = report.parent_path() / name;
         if (!fs::is_regular_file(file, none)) continue;
         try {
-            return small_picture(read_image(file));
+            return exporters::small_picture(readers::read_image(file));
         } catch (const Error&) {  // another file of that name
         }
     }
@@ -153,10 +153,10 @@ std::vector<FoundResult> find_results(const fs::path& folder) {
     std::map<fs::path, FoundResult> results, reports;
     const std::vector<fs::path> files = files_below(folder);
     for (const fs::path& file : files)
-        if (extension_of(file) == ".html")
+        if (exporters::extension_of(file) == ".html")
             if (const auto page = read_known(read_page, file)) results[fs::weakly_canonical(file)] = *page;
     for (const fs::path& file : files) {
-        if (extension_of(file) != ".json") continue;
+        if (exporters::extension_of(file) != ".json") continue;
         if (auto report = read_known(read_report, file)) reports[file] = std::move(*report);
     }
     std::map<fs::path, int> reports_in;
@@ -171,4 +171,4 @@ std::vector<FoundResult> find_results(const fs::path& folder) {
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 
 // The figures of a result; NaN = unknown.
 struct ResultFigures {
@@ -22,4 +22,4 @@ struct FoundResult {
 // skipped, and so are folders that cannot be read.
 std::vector<FoundResult> find_results(const std::filesystem::path& folder);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

@@ -17,7 +17,7 @@
 #include "cuda/cuda_mesher.h"
 #endif
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 std::string cpu_name() {
@@ -33,18 +33,18 @@ std::string cpu_name() {
 Backend cpu_backend(int threads) {
     return {"cpu",
             cpu_name(),
-            [threads](const StereoPair& pair, const MatchingConfig& config) {
-                return match_pair(pair, config, threads);
+            [threads](const StereoPair& pair, const matching::MatchingConfig& config) {
+                return matching::match_pair(pair, config, threads);
             },
             [threads](const DensityMap& density, const DisparityMap&, const MeshConfig& config,
                       const ProgressFunction& progress) {
-                return solve_mesh(density, config, threads, progress);
+                return mesher::solve_mesh(density, config, threads, progress);
             },
-            [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
-                return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
+            [threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
+                return surface::DisparityMeshResult{surface::cut_disparity_mesh(input, config, threads)};
             },
-            [threads](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
-                balance_patch(density, config, threads, patch);
+            [threads](const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch) {
+                balance::balance_patch(density, config, threads, patch);
             },
             {},
             {},
@@ -52,36 +52,38 @@ Backend cpu_backend(int threads) {
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
+using cuda::copy_from_cuda_device;
+
 struct CudaWorkers {
-    CudaMesher mesher;
-    std::unique_ptr<CudaMatcher> matcher;  // for those runs that match
+    cuda::CudaMesher mesher;
+    std::unique_ptr<cuda::CudaMatcher> matcher;  // for those runs that match
 };
 
 Backend cuda_backend(int threads) {
     const auto made = std::make_shared<std::unique_ptr<CudaWorkers>>(std::make_unique<CudaWorkers>());
     return {"cuda",
             (*made)->mesher.device().name,
-            [made](const StereoPair& pair, const MatchingConfig& config) {
-                std::unique_ptr<CudaMatcher>& matcher = (*made)->matcher;
-                if (!matcher) matcher = std::make_unique<CudaMatcher>();
+            [made](const StereoPair& pair, const matching::MatchingConfig& config) {
+                std::unique_ptr<cuda::CudaMatcher>& matcher = (*made)->matcher;
+                if (!matcher) matcher = std::make_unique<cuda::CudaMatcher>();
                 return matcher->match_pair(pair, config);
             },
             [made](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                    const ProgressFunction& progress) {
                 return (*made)->mesher.solve(density, config, progress, &map);
             },
-            [made, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
-                CudaMesher& mesher = (*made)->mesher;
-                return mesher.can_cut_meshes()
-                           ? mesher.cut_disparity_mesh(input, config)
-                           : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
+            [made, threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
+                cuda::CudaMesher& mesher = (*made)->mesher;
+                return mesher.can_cut_meshes() ? mesher.cut_disparity_mesh(input, config)
+                                               : surface::DisparityMeshResult{
+                                                     surface::cut_disparity_mesh(input, config, threads)};
             },
-            [made](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+            [made](const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch) {
                 (*made)->mesher.balance_patch(density, config, patch);
             },
             [made] {
                 made->reset();
-                end_cuda();
+                cuda::end_cuda();
             },
             {},
             {}};
@@ -90,7 +92,7 @@ Backend cuda_backend(int threads) {
 // nullopt where auto should take the CPU: no device, or one that does not start, which `why` is told.
 std::optional<Backend> usable_cuda_backend(int threads, std::string& why) {
     try {
-        if (!list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
+        if (!cuda::list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
     } catch (const Error& error) {
         why = error.what();
     }
@@ -99,7 +101,7 @@ std::optional<Backend> usable_cuda_backend(int threads, std::string& why) {
 
 void append_cuda_devices(std::vector<DeviceDescription>& devices) {
     std::string why;
-    for (const CudaDevice& device : list_cuda_devices(&why))
+    for (const cuda::CudaDevice& device : cuda::list_cuda_devices(&why))
         devices.push_back({"cuda", device.name,
                            "compute capability " + device.compute_capability + ", " +
                                std::to_string(device.memory_bytes >> 20) + " MiB, " +
@@ -126,10 +128,10 @@ void copy_from_cuda_device(void*, const void*, std::size_t) {
 }
 #endif
 
-Backend pick_any(BackendChoice choice, int threads, MeshMethod method) {
-    if (choice == BackendChoice::cuda) return cuda_backend(threads);
+Backend pick_any(config::BackendChoice choice, int threads, MeshMethod method) {
+    if (choice == config::BackendChoice::cuda) return cuda_backend(threads);
     std::string why;
-    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
+    if (choice == config::BackendChoice::automatic && method == MeshMethod::cellular)
         if (auto backend = usable_cuda_backend(threads, why)) return std::move(*backend);
     Backend cpu = cpu_backend(threads);
     cpu.missed = why;
@@ -146,7 +148,7 @@ int effective_threads(int configured) {
     return configured > 0 ? std::min(configured, std::max(usable, kHarmless)) : std::max(1, usable);
 }
 
-Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
+Backend pick_backend(config::BackendChoice choice, int threads, MeshMethod method) {
     Backend backend = pick_any(choice, threads, method);
     backend.give_back = {};
     return backend;
@@ -158,8 +160,8 @@ BackendPicker pick_for_one_run() {
 }
 
 BackendPicker keep_backends() {
-    using Key = std::tuple<BackendChoice, int, MeshMethod>;
-    return [kept = std::make_shared<std::map<Key, Backend>>()](BackendChoice choice, int threads,
+    using Key = std::tuple<config::BackendChoice, int, MeshMethod>;
+    return [kept = std::make_shared<std::map<Key, Backend>>()](config::BackendChoice choice, int threads,
                                                                MeshMethod method) {
         const Key key{choice, threads, method};
         const auto known = kept->find(key);
@@ -222,4 +224,4 @@ void copy_from_device(void* target, const void* source, std::size_t bytes) {
     copy_from_cuda_device(target, source, bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -12,18 +12,19 @@
 #include "pipeline/config/config.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct Backend {
     std::string name;    // "cpu" or "cuda"
     std::string device;  // its make and model
-    PairMatcher match_pair;
-    std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
-                             const ProgressFunction&)>
+    stages::PairMatcher match_pair;
+    std::function<mesher::MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
+                                     const ProgressFunction&)>
         solve_mesh;
-    std::function<DisparityMeshResult(const DisparityMeshInput&, const SurfaceConfig&)> cut_disparity_mesh;
+    std::function<surface::DisparityMeshResult(const surface::DisparityMeshInput&, const SurfaceConfig&)>
+        cut_disparity_mesh;
     // balance_patch() of mesher/balance/balance.h.
-    std::function<void(const DensityMap&, const BalanceConfig&, LatticePatch&)> balance_patch;
+    std::function<void(const DensityMap&, const BalanceConfig&, balance::LatticePatch&)> balance_patch;
     // Ends the process's use of the device; nothing above may be called after it. Empty where nobody needs
     // it.
     std::function<void()> give_back;
@@ -46,9 +47,9 @@ int effective_threads(int configured);
 
 // auto takes CUDA where it is built in, has a usable device and can do the method. Throws Error(device) where
 // the choice is not built in or has no usable device.
-Backend pick_backend(BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
+Backend pick_backend(config::BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
 
-using BackendPicker = std::function<Backend(BackendChoice, int threads, MeshMethod)>;
+using BackendPicker = std::function<Backend(config::BackendChoice, int threads, MeshMethod)>;
 
 // As pick_backend(), for a process that ends with the run: its device starts and ends sooner. The driver
 // makes one queue instead of eight (0.14 s for 0.20 on an H200), and give_back is set, since it takes 0.08 s
@@ -81,7 +82,8 @@ struct RunSize {
 };
 
 struct BackendDecision {
-    BackendChoice choice = BackendChoice::automatic;  // automatic: CUDA where a device is usable
+    config::BackendChoice choice =
+        config::BackendChoice::automatic;  // automatic: CUDA where a device is usable
     std::string reason;
 };
 
@@ -89,10 +91,10 @@ struct BackendDecision {
 // pixel and 4.5 us a vertex of the lattice on one thread, of which a tenth gains nothing from more threads.
 // Where the number of disparities is left to the pair, a seventh of the width; a budget takes seven meshes.
 // Measured on AMD EPYC cores; right within a factor of two.
-double estimated_cpu_seconds(const RunSize& size, const Config& config);
+double estimated_cpu_seconds(const RunSize& size, const config::Config& config);
 
 // The configured backend where it is not auto. For auto the CPU, where it does that work before a device has
 // started, or where only it can do what is asked for.
-BackendDecision choose_backend(const RunSize& size, const Config& config);
+BackendDecision choose_backend(const RunSize& size, const config::Config& config);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -20,7 +20,7 @@
 #include "pipeline/readers/stereo_reader.h"
 #include "pipeline/rectify/rectify.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,7 +31,7 @@ ViewSize size_of(const Raster& raster) {
 }
 
 InputFile hashed(const std::string& role, const fs::path& path) {
-    return {role, path.string(), sha256_of_file(path)};
+    return {role, path.string(), files::sha256_of_file(path)};
 }
 
 struct HashedImage {
@@ -40,12 +40,13 @@ struct HashedImage {
 };
 
 HashedImage read_hashed(const std::string& role, const fs::path& path, const RunRequest& request) {
-    return {read_image(path, request.config.limits.reading), hashed(role, path)};
+    return {readers::read_image(path, request.config.limits.reading), hashed(role, path)};
 }
 
 RunInput read_stereo(const RunRequest& request, const RunLog& log) {
     RunInput input;
-    input.pair = read_stereo_file(request.stereo, request.config.input.stereo, request.config.limits.reading);
+    input.pair =
+        readers::read_stereo_file(request.stereo, request.config.input.stereo, request.config.limits.reading);
     input.files.push_back(hashed("stereo", request.stereo));
     log.decide("stereo: two views of " + size_text(size_of(input.pair.left)) + " px");
     return input;
@@ -78,12 +79,12 @@ void take_picture(Image image, const fs::path& path, const fs::path& map_path, R
         input.pair.left = std::move(image);
         return;
     }
-    input.pair.left = resized(image, view.width, view.height);
+    input.pair.left = exporters::resized(image, view.width, view.height);
     input.picture = std::move(image);
 }
 
 // A depth map goes into `depth`, its size into the map: its disparities need the camera.
-RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
+RunInput read_map(const RunRequest& request, int threads, readers::DepthFile& depth) {
     RunInput input;
     std::future<HashedImage> reading_color;
     if (!request.color.empty())
@@ -91,11 +92,12 @@ RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
     const bool is_depth = !request.depth.empty();
     const fs::path& path = is_depth ? request.depth : request.disparity;
     if (is_depth) {
-        depth = read_depth_map(path, request.config.input.depth, request.config.limits.reading);
+        depth = readers::read_depth_map(path, request.config.input.depth, request.config.limits.reading);
         input.map.width = depth.map.width;
         input.map.height = depth.map.height;
     } else {
-        input.map = read_disparity_map(path, request.config.input.disparity, request.config.limits.reading);
+        input.map =
+            readers::read_disparity_map(path, request.config.input.disparity, request.config.limits.reading);
     }
     input.files.push_back(hashed(is_depth ? "depth" : "disparity", path));
     if (request.color.empty()) return input;
@@ -106,18 +108,18 @@ RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
 }
 
 // At the view's size.
-PixelMask fitted(const PixelMask& mask, ViewSize view, const fs::path& path) {
+readers::PixelMask fitted(const readers::PixelMask& mask, ViewSize view, const fs::path& path) {
     const ViewSize size{mask.width, mask.height};
     if (size == view) return mask;
     if (!same_aspect(size, view))
         throw Error(ErrorKind::input, path.string() + ": it has " + size_text(size) + " px, but the view " +
                                           size_text(view) +
                                           "; both must show the left view, with the same aspect");
-    return resampled(mask, view.width, view.height);
+    return readers::resampled(mask, view.width, view.height);
 }
 
 // Of the pixels that have this value.
-std::string percent_text(const PixelMask& mask, std::uint8_t value) {
+std::string percent_text(const readers::PixelMask& mask, std::uint8_t value) {
     return fixed(100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
                      static_cast<double>(mask.kept.size()),
                  1);
@@ -125,7 +127,7 @@ std::string percent_text(const PixelMask& mask, std::uint8_t value) {
 
 // Of what is in memory; empty = none, or a file's.
 struct GivenMasks {
-    PixelMask mask, confidence;
+    readers::PixelMask mask, confidence;
 };
 
 // For messages.
@@ -136,25 +138,25 @@ fs::path name_of(const fs::path& file, const char* in_memory) {
 // What the mask keeps goes into the input, and with what the confidences keep it is given back; empty = all.
 // What a rectified view does not show is hidden likewise. Between the measurements that are sure a sparse map
 // is filled, but not where a mask says that nothing is.
-PixelMask read_masks(const RunRequest& request, GivenMasks given, ViewSize view, RunInput& input,
-                     RunLog& log) {
-    const InputConfig& config = request.config.input;
+readers::PixelMask read_masks(const RunRequest& request, GivenMasks given, ViewSize view, RunInput& input,
+                              RunLog& log) {
+    const config::InputConfig& config = request.config.input;
     if (config.mask.alpha) {
         // take_picture() has found that it fits.
-        if (const PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
-            input.mask = both(std::move(input.mask), resampled(opaque, view.width, view.height));
+        if (const readers::PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
+            input.mask = both(std::move(input.mask), readers::resampled(opaque, view.width, view.height));
             log.decide("alpha: " + percent_text(opaque, 0) + " % of the picture is transparent, and unknown");
         }
     }
     if (!request.mask.empty())
-        given.mask = read_mask(request.mask, config.mask, request.config.limits.reading);
+        given.mask = readers::read_mask(request.mask, config.mask, request.config.limits.reading);
     if (!given.mask.empty())
         input.mask = both(std::move(input.mask), fitted(given.mask, view, name_of(request.mask, "mask")));
     if (!request.mask.empty()) input.files.push_back(hashed("mask", request.mask));
-    PixelMask kept = input.mask;
+    readers::PixelMask kept = input.mask;
     if (!request.confidence.empty())
         given.confidence =
-            read_confidence(request.confidence, config.confidence, request.config.limits.reading);
+            readers::read_confidence(request.confidence, config.confidence, request.config.limits.reading);
     if (!given.confidence.empty())
         kept =
             both(std::move(kept), fitted(given.confidence, view, name_of(request.confidence, "confidence")));
@@ -164,8 +166,8 @@ PixelMask read_masks(const RunRequest& request, GivenMasks given, ViewSize view,
 }
 
 // Of the camera a depth map needs the focal length alone.
-void take_depth_map(DepthFile depth, const ResolvedCalibration& resolved, const DepthFileConfig& config,
-                    RunInput& input, RunLog& log) {
+void take_depth_map(readers::DepthFile depth, const ResolvedCalibration& resolved,
+                    const readers::DepthFileConfig& config, RunInput& input, RunLog& log) {
     Calibration& camera = input.calibration;
     if (!resolved.is_baseline_known) camera.baseline_m = 0;
     if (!resolved.is_focal_known)
@@ -182,20 +184,20 @@ void take_depth_map(DepthFile depth, const ResolvedCalibration& resolved, const 
 // The file whose EXIF data tell of the left view's lens. Of two views in one picture they tell less.
 fs::path photograph_of(const RunRequest& request) {
     if (request.stereo.empty()) return request.left.empty() ? request.color : request.left;
-    const StereoLayout layout = request.config.input.stereo.layout;
-    const bool mpo = layout == StereoLayout::automatic || layout == StereoLayout::mpo;
+    const readers::StereoLayout layout = request.config.input.stereo.layout;
+    const bool mpo = layout == readers::StereoLayout::automatic || layout == readers::StereoLayout::mpo;
     return mpo ? request.stereo : fs::path();
 }
 
 // In the pair's stead, where its calibration tells of the cameras as they stand.
 void rectify_input(const RunRequest& request, int threads, RunInput& input, RunLog& log) {
-    const CalibrationConfig& config = request.config.input.calibration;
+    const config::CalibrationConfig& config = request.config.input.calibration;
     if (config.file.empty()) {
-        if (config.rectify == Rectify::always)
+        if (config.rectify == readers::Rectify::always)
             throw Error(ErrorKind::usage, "input.calibration.rectify needs a calibration file (--calib)");
         return;
     }
-    const auto file = read_stereo_calibration(config.file, config.rectify);
+    const auto file = readers::read_stereo_calibration(config.file, config.rectify);
     if (!file) return;
     const StereoCalibration& cameras = file->calibration;
     const ViewSize size = size_of(input.pair.left), made_for{cameras.width, cameras.height};
@@ -206,10 +208,10 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
     for (const std::string& told : file->told) log.warn(config.file + ": " + told);
     if (!request.stages_folder.empty())
         for (const fs::path& name : rectified_file_names())
-            check_overwrites({request.stages_folder / name}, read_files(request));
-    RectifiedPair rectified = rectify(input.pair, cameras, threads);
+            files::check_overwrites({request.stages_folder / name}, read_files(request));
+    rectify::RectifiedPair rectified = rectify::rectify(input.pair, cameras, threads);
     if (const Image alpha{size.width, size.height, 1, input.pair.left.alpha}; !alpha.empty())
-        rectified.pair.left.alpha = rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
+        rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
     input.pair = std::move(rectified.pair);
     input.calibration = rectified.calibration;
     input.is_rectified = true;
@@ -221,10 +223,10 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
 
 // The camera, which is returned, the masks and what depends on them: the same for files and for what is in
 // memory.
-ResolvedCalibration complete_input(const RunRequest& request, DepthFile depth, GivenMasks masks,
+ResolvedCalibration complete_input(const RunRequest& request, readers::DepthFile depth, GivenMasks masks,
                                    RunInput& input, RunLog& log) {
     const bool is_depth = !depth.map.values.empty();
-    const CalibrationConfig& config = request.config.input.calibration;
+    const config::CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
     const Calibration rectified = input.calibration;
     const Image& picture = input.texture();
@@ -240,7 +242,7 @@ ResolvedCalibration complete_input(const RunRequest& request, DepthFile depth, G
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
-    PixelMask kept = read_masks(request, std::move(masks), view, input, log);
+    readers::PixelMask kept = read_masks(request, std::move(masks), view, input, log);
     if (input.is_pair())
         input.mask = std::move(kept);
     else
@@ -268,9 +270,9 @@ const std::vector<fs::path>& rectified_file_names() {
 }
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
-    const UnchangedFiles sources(read_files(request));
+    const files::UnchangedFiles sources(read_files(request));
     const bool is_map = !request.depth.empty() || !request.disparity.empty();
-    DepthFile depth;
+    readers::DepthFile depth;
     RunInput input = !request.stereo.empty() ? read_stereo(request, log)
                      : is_map                ? read_map(request, threads, depth)
                                              : read_pair(request, threads);
@@ -308,4 +310,4 @@ RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log) {
     return input;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -12,7 +12,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct InputFile {
     // "left", "right", "stereo", "disparity", "depth", "color", "calibration", "mask", "confidence"
@@ -34,7 +34,7 @@ struct RunInput {
     DisparityMap map;  // empty where a pair is given
     // Of the left view: what its map is to keep once it is matched or filled; empty = all. What was read is
     // hidden already.
-    PixelMask mask;
+    readers::PixelMask mask;
     Calibration calibration;    // in effect
     bool is_rectified = false;  // the pair, by its calibration file
     InputBeliefs believed;
@@ -54,9 +54,9 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log);
 // A map that is in memory, with its picture and masks; empty = none.
 struct MapArrays {
     DisparityMap disparity = {};  // empty where depths are given
-    DepthFile depth = {};
+    readers::DepthFile depth = {};
     Image color = {};
-    PixelMask mask = {}, confidence = {};
+    readers::PixelMask mask = {}, confidence = {};
 };
 
 // The same of a rectified pair, or of a map, that are in memory: the request says the rest, and names no file
@@ -65,4 +65,4 @@ struct MapArrays {
 RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log);
 RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -10,14 +10,16 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 // The disparities themselves are then right.
-bool leaves_disparities(const Finding& finding) {
-    return finding.mistake == Mistake::range_wide || finding.mistake == Mistake::range_ends_low ||
-           finding.mistake == Mistake::rows_differ || finding.mistake == Mistake::color_elsewhere ||
-           finding.mistake == Mistake::color_unrelated;
+bool leaves_disparities(const checks::Finding& finding) {
+    return finding.mistake == checks::Mistake::range_wide ||
+           finding.mistake == checks::Mistake::range_ends_low ||
+           finding.mistake == checks::Mistake::rows_differ ||
+           finding.mistake == checks::Mistake::color_elsewhere ||
+           finding.mistake == checks::Mistake::color_unrelated;
 }
 
 }  // namespace
@@ -25,28 +27,31 @@ bool leaves_disparities(const Finding& finding) {
 void check_input(const RunRequest& request, const RunInput& input, const ChosenRange& range, int threads,
                  RunLog& log) {
     // The matcher refuses a blank picture: whatever is said beside that is made up.
-    if (input.is_pair() && (is_blank(input.pair.left) || is_blank(input.pair.right))) return;
+    if (input.is_pair() && (checks::is_blank(input.pair.left) || checks::is_blank(input.pair.right))) return;
     const bool is_depth = !request.depth.empty();
-    std::vector<Finding> findings;
+    std::vector<checks::Finding> findings;
     if (input.is_pair()) {
-        const DisparityConfig& config = range.config;
-        findings = check_pair(input.pair, range.coarse,
-                              {config.min_disparity_px, config.num_disparities_px, range.origin}, threads);
+        const stages::DisparityConfig& config = range.config;
+        findings =
+            checks::check_pair(input.pair, range.coarse,
+                               {config.min_disparity_px, config.num_disparities_px, range.origin}, threads);
     } else {
-        const DisparityFileConfig& file = request.config.input.disparity;
-        findings = check_map(input.map, input.pair.left, is_depth ? MapKind::depth : MapKind::disparity,
-                             {file.scale > 0 ? file.scale : 1, file.offset_px});
+        const readers::DisparityFileConfig& file = request.config.input.disparity;
+        findings = checks::check_map(input.map, input.pair.left,
+                                     is_depth ? checks::MapKind::depth : checks::MapKind::disparity,
+                                     {file.scale > 0 ? file.scale : 1, file.offset_px});
     }
     double median_px = std::numeric_limits<double>::quiet_NaN();
     if (input.calibration.metric && std::all_of(findings.begin(), findings.end(), leaves_disparities))
-        median_px = input.is_pair() ? median_disparity_px(range.coarse) : measure_values(input.map).median_px;
-    for (Finding& finding :
-         is_depth ? check_depths(input.calibration, median_px) : check_camera(input.calibration, median_px))
+        median_px = input.is_pair() ? checks::median_disparity_px(range.coarse)
+                                    : checks::measure_values(input.map).median_px;
+    for (checks::Finding& finding : is_depth ? checks::check_depths(input.calibration, median_px)
+                                             : checks::check_camera(input.calibration, median_px))
         findings.push_back(std::move(finding));
-    for (const Finding& finding : findings) {
+    for (const checks::Finding& finding : findings) {
         if (request.config.run.strict) throw Error(ErrorKind::input, finding.text);
         log.warn(finding.text);
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

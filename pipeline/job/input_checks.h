@@ -4,11 +4,11 @@
 #include "pipeline/job/input.h"
 #include "pipeline/job/steps.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Warns of what a pair, a map, their picture or their camera seems to be wrong in; range: of a pair. Throws
 // Error(input) with the same text where run.strict asks for that.
 void check_input(const RunRequest& request, const RunInput& input, const ChosenRange& range, int threads,
                  RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -11,7 +11,7 @@
 #include "pipeline/job/page_content.h"
 #include "pipeline/job/tolerance.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,78 +19,81 @@ namespace fs = std::filesystem;
 double largest_output(const LeftView& view, const SurfaceResult& result,
                       const std::vector<DetailLevel>& coarser, const std::vector<fs::path>& outputs,
                       const RunContext& run) {
-    Scene scene = scene_of(view, result, coarser);
-    PageContent page;
+    exporters::Scene scene = scene_of(view, result, coarser);
+    exporters::PageContent page;
     if (has_page(outputs)) {
         page = page_content(view, result, measure_written(view, result, outputs, run), run.threads);
         scene.page = &page;
     }
     std::uint64_t most = 0;
     for (const fs::path& path : outputs)
-        most = std::max(most, export_size(scene, result.config.exporting, path));
+        most = std::max(most, exporters::export_size(scene, result.config.exporting, path));
     return static_cast<double>(most);
 }
 
 // True where the tolerance changes the files.
-bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& config) {
+bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(),
                        [&](const fs::path& path) { return is_compressed(path, config); });
 }
 
 // What may be changed of the texture, where there is one: whatever the configuration does not give.
-std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& config,
-                                            const std::vector<fs::path>& outputs) {
-    const ExportConfig& exporting = config.exporting;
+std::optional<budget::TextureLimits> texture_limits(const LeftView& view, const config::Config& config,
+                                                    const std::vector<fs::path>& outputs) {
+    const exporters::ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
-        const MeshFormat format = export_format(path);
-        return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj ||
-               format == MeshFormat::html || format == MeshFormat::usdz;
+        const exporters::MeshFormat format = exporters::export_format(path);
+        return format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf ||
+               format == exporters::MeshFormat::obj || format == exporters::MeshFormat::html ||
+               format == exporters::MeshFormat::usdz;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
-        exporting.texture == TextureFormat::none)
+        exporting.texture == exporters::TextureFormat::none)
         return std::nullopt;
-    TextureLimits limits{
-        {exporting.texture_max_px, exporting.texture_quality},
-        std::max(view.texture.width, view.texture.height),
-        !config.given.contains("export.texture_max_px"),
-        !config.given.contains("export.texture_quality") && exporting.texture != TextureFormat::png};
+    budget::TextureLimits limits{{exporting.texture_max_px, exporting.texture_quality},
+                                 std::max(view.texture.width, view.texture.height),
+                                 !config.given.contains("export.texture_max_px"),
+                                 !config.given.contains("export.texture_quality") &&
+                                     exporting.texture != exporters::TextureFormat::png};
     if (exporting.texture_max_px > 0)
         limits.longest_px = std::min(limits.longest_px, exporting.texture_max_px);
     return limits;
 }
 
-ExportConfig with_texture(ExportConfig config, const TextureChoice& texture) {
+exporters::ExportConfig with_texture(exporters::ExportConfig config, const budget::TextureChoice& texture) {
     config.texture_max_px = texture.max_px;
     config.texture_quality = texture.quality;
     return config;
 }
 
-std::string text_of(const TextureChoice& texture) {
+std::string text_of(const budget::TextureChoice& texture) {
     return "texture of quality " + std::to_string(texture.quality) + ", " +
            (texture.max_px > 0 ? "at most " + std::to_string(texture.max_px) + " px" : "as large as it is");
 }
 
-double texture_bytes(const LeftView& view, const SurfaceResult& result, const TextureChoice& texture) {
-    const ExportConfig config = with_texture(result.config.exporting, texture);
-    const Scene scene = scene_of(view, result, {});
+double texture_bytes(const LeftView& view, const SurfaceResult& result,
+                     const budget::TextureChoice& texture) {
+    const exporters::ExportConfig config = with_texture(result.config.exporting, texture);
+    const exporters::Scene scene = scene_of(view, result, {});
     return static_cast<double>(
-        encode_texture(*scene.texture, textured_mesh(scene, config), config).bytes.size());
+        exporters::encode_texture(*scene.texture, exporters::textured_mesh(scene, config), config)
+            .bytes.size());
 }
 
 }  // namespace
 
-bool has_budget(const BudgetConfig& budget) {
+bool has_budget(const config::BudgetConfig& budget) {
     return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;
 }
 
-SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::vector<fs::path>& outputs,
-                          const RunContext& run) {
-    Config config = given;                // with the texture in use
+SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
+                          const std::vector<fs::path>& outputs, const RunContext& run) {
+    config::Config config = given;        // with the texture in use
     std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
     std::vector<DetailLevel> coarser;     // of that mesh
     double solved_px = 0;
-    BudgetJob search;
+    budget::BudgetJob search;
     const double side_px = std::min(view.disparity.width, view.disparity.height);
     const double coarsest_level = std::ldexp(1, config.exporting.lod - 1);  // in spacings, of which three fit
     search.most_px = std::max(search.least_px, std::min({256.0, side_px / 4, side_px / 3 / coarsest_level}));
@@ -98,7 +101,7 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
     search.tolerance_px = config.exporting.tolerance_px;
     search.compressed = any_compressed(outputs, config.exporting);
     search.solve = [&](double spacing_px, double tolerance_px) {
-        Config tried = config;
+        config::Config tried = config;
         tried.mesh.spacing_px = spacing_px;
         tried.exporting.tolerance_px = tolerance_px;
         if (spacing_px == solved_px) {
@@ -121,21 +124,21 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
     search.vertices = [&] { return static_cast<double>(result->surface.mesh.positions.size()); };
     search.bytes = [&] { return largest_output(view, *result, coarser, outputs, run); };
     search.error_px = [&] {
-        return measure_surface_quality(
+        return stages::measure_surface_quality(
                    as_written(result->surface.mesh, view.calibration, result->config.exporting, outputs),
                    view.disparity, view.density.background_px, run.threads)
             .duo_rmse_near_px;
     };
     search.texture = texture_limits(view, config, outputs);
-    search.texture_bytes = [&](const TextureChoice& texture) {
+    search.texture_bytes = [&](const budget::TextureChoice& texture) {
         return texture_bytes(view, *result, texture);
     };
-    search.use_texture = [&](const TextureChoice& texture) {
+    search.use_texture = [&](const budget::TextureChoice& texture) {
         config.exporting = with_texture(config.exporting, texture);
         if (result) result->config.exporting = with_texture(result->config.exporting, texture);
         run.log.decide("budget: " + text_of(texture));
     };
-    const BudgetResult found = fit_budget(config.budget, search);
+    const budget::BudgetResult found = budget::fit_budget(config.budget, search);
     result->budget = found;
     result->budget.tolerance_px = result->config.exporting.tolerance_px;
     run.log.decide("budget " + found.kind + ": " + fixed(found.reached, 3) + " of " + fixed(found.limit, 3) +
@@ -143,4 +146,4 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
     return std::move(*result);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -8,17 +8,18 @@
 #include "pipeline/job/tolerance.h"
 #include "pipeline/pictures/stage_pictures.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 namespace fs = std::filesystem;
 
-Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser) {
-    Scene scene{&result.surface.mesh,
-                view.texture.empty() ? nullptr : &view.texture,
-                std::string("hexrelief ") + HEXRELIEF_VERSION,
-                extras_json(view, result),
-                &view.calibration,
-                {}};
+exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
+                          const std::vector<DetailLevel>& coarser) {
+    exporters::Scene scene{&result.surface.mesh,
+                           view.texture.empty() ? nullptr : &view.texture,
+                           std::string("hexrelief ") + HEXRELIEF_VERSION,
+                           extras_json(view, result),
+                           &view.calibration,
+                           {}};
     scene.image_width = view.disparity.width;
     scene.image_height = view.disparity.height;
     for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
@@ -32,49 +33,50 @@ SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& resul
                            view, run);
 }
 
-std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
-                                   const std::vector<fs::path>& paths, OutputSet& files, const RunLog& log) {
+std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
+                                   const std::vector<fs::path>& paths, files::OutputSet& files,
+                                   const RunLog& log) {
     std::vector<OutputFile> outputs;
     double done = 0;
     for (const fs::path& name : paths) {
         files.place(name);
         const std::size_t before = files.written().size();
-        export_scene(scene, config, name, files.files());
+        exporters::export_scene(scene, config, name, files.files());
         for (std::size_t i = before; i < files.written().size(); ++i) {
-            const WrittenFile& file = files.written()[i];
+            const files::WrittenFile& file = files.written()[i];
             const std::string extension = file.path.extension().string();
-            outputs.push_back(
-                {file.path.string(),
-                 i == before ? format_name(export_format(name)) : extension.substr(!extension.empty()),
-                 file.bytes, file.sha256});
+            outputs.push_back({file.path.string(),
+                               i == before ? exporters::format_name(exporters::export_format(name))
+                                           : extension.substr(!extension.empty()),
+                               file.bytes, file.sha256});
         }
         log.progress(++done / static_cast<double>(paths.size()));
     }
     return outputs;
 }
 
-void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder, OutputSet& files,
-                 const RunContext& run) {
+void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder,
+                 files::OutputSet& files, const RunContext& run) {
     files.make_folder(folder);
-    const StageResults results{&view.meshed,
-                               &view.density,
-                               &result.lattice.mesh,
-                               &result.surface.mesh,
-                               view.color.empty() ? nullptr : &view.color,
-                               result.config.mesh.seed,
-                               run.threads};
+    const pictures::StageResults results{&view.meshed,
+                                         &view.density,
+                                         &result.lattice.mesh,
+                                         &result.surface.mesh,
+                                         view.color.empty() ? nullptr : &view.color,
+                                         result.config.mesh.seed,
+                                         run.threads};
     double done = 0;
-    for (const fs::path& name : stage_file_names()) {
-        files.files().write(folder / name, encode_stage_file(results, name));
-        run.log.progress(++done / static_cast<double>(stage_file_names().size()));
+    for (const fs::path& name : pictures::stage_file_names()) {
+        files.files().write(folder / name, pictures::encode_stage_file(results, name));
+        run.log.progress(++done / static_cast<double>(pictures::stage_file_names().size()));
     }
 }
 
-void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& files) {
+void save_rectified(const RunInput& input, const fs::path& folder, files::OutputSet& files) {
     files.make_folder(folder);
     const std::vector<fs::path>& names = rectified_file_names();
-    files.files().write(folder / names[0], encode_png(input.pair.left));
-    files.files().write(folder / names[1], encode_png(input.pair.right));
+    files.files().write(folder / names[0], exporters::encode_png(input.pair.left));
+    files.files().write(folder / names[1], exporters::encode_png(input.pair.right));
     const Calibration& camera = input.calibration;
     std::string text = "# The camera of " + names[0].string() + " and " + names[1].string() + ".\n";
     const auto line = [&](const char* key, double value) {
@@ -92,9 +94,9 @@ void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& fi
     write_text_file(text, folder / names[2], files);
 }
 
-void write_text_file(const std::string& text, const fs::path& name, OutputSet& files) {
+void write_text_file(const std::string& text, const fs::path& name, files::OutputSet& files) {
     files.place(name);
     files.files().write(name, text);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

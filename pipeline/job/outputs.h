@@ -11,7 +11,7 @@
 #include "pipeline/job/input.h"
 #include "pipeline/job/steps.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct OutputFile {
     std::string path;
@@ -21,25 +21,26 @@ struct OutputFile {
 };
 
 // What the exporters are given; it refers to its arguments.
-Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser);
+exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
+                          const std::vector<DetailLevel>& coarser);
 
 // The surface as the files among `outputs` hold it, against the map.
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
                                 const std::vector<std::filesystem::path>& outputs, const RunContext& run);
 
 // Writes each of `paths` with the files beside it; missing folders are made. Throws Error(output).
-std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
-                                   const std::vector<std::filesystem::path>& paths, OutputSet& files,
+std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
+                                   const std::vector<std::filesystem::path>& paths, files::OutputSet& files,
                                    const RunLog& log);
 
 // Data and pictures of all stages. Throws Error(output).
 void save_stages(const LeftView& view, const SurfaceResult& result, const std::filesystem::path& folder,
-                 OutputSet& files, const RunContext& run);
+                 files::OutputSet& files, const RunContext& run);
 
 // The rectified pair, and its camera as a file that --calib reads. Throws Error(output).
-void save_rectified(const RunInput& input, const std::filesystem::path& folder, OutputSet& files);
+void save_rectified(const RunInput& input, const std::filesystem::path& folder, files::OutputSet& files);
 
 // Throws Error(output).
-void write_text_file(const std::string& text, const std::filesystem::path& name, OutputSet& files);
+void write_text_file(const std::string& text, const std::filesystem::path& name, files::OutputSet& files);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

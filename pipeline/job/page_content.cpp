@@ -11,35 +11,35 @@
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/pictures/weights_picture.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {
     return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
-        return export_format(path) == MeshFormat::html;
+        return exporters::export_format(path) == exporters::MeshFormat::html;
     });
 }
 
-PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,
-                         int threads) {
+exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
+                                    const SurfaceMeasures& measures, int threads) {
     const HexMesh2D& lattice = result.lattice.mesh;
     std::future<Image> relief = start_work(threads, [&] {
-        return render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
+        return pictures::render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
     });
-    const Image disparities = disparity_picture(view.meshed);
-    PageContent page;
+    const Image disparities = pictures::disparity_picture(view.meshed);
+    exporters::PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {
         page.pictures.push_back({name, label, std::move(image)});
     };
     add("disparity", "Disparities, yellow is near", disparities);
-    add("density", "Density that the lattice is adapted to", density_picture(view.density));
+    add("density", "Density that the lattice is adapted to", pictures::density_picture(view.density));
     add("mesh2d", "The adapted lattice",
-        mesh_picture(lattice, view.color.empty() ? disparities : view.color));
+        pictures::mesh_picture(lattice, view.color.empty() ? disparities : view.color));
     add("weights", "How equal its honeycomb cells are",
-        weights_picture(honeycomb_weights(lattice, view.density, threads)));
+        pictures::weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
 
     add("relief", "The relief, seen from the side", relief.get());
 
-    const SurfaceQuality& quality = measures.quality;
+    const stages::SurfaceQuality& quality = measures.quality;
     page.figures = {
         {"Lattice vertices", static_cast<double>(lattice.positions.size()), 0, ""},
         {"%cost", result.quality.percent_cost, 2, ""},
@@ -50,4 +50,4 @@ PageContent page_content(const LeftView& view, const SurfaceResult& result, cons
     return page;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

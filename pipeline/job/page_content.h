@@ -7,12 +7,12 @@
 #include "exporters/core/scene.h"
 #include "pipeline/job/steps.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Whether one of the outputs is a page.
 bool has_page(const std::vector<std::filesystem::path>& outputs);
 
-PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,
-                         int threads);
+exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
+                                    const SurfaceMeasures& measures, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 // The pixels of a row that are neither known nor seen by the right camera. In a run of unknown pixels with
@@ -62,4 +62,4 @@ PictureShares share_picture(const DisparityMap& map, float background_px, const 
     return shares;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -4,7 +4,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Shares of the picture, 0..1. Known pixels are foreground or background, the others are unknown or occluded,
 // and these four add up to 1. The mesh covers the foreground but for slivers along its borders, and bridges
@@ -23,4 +23,4 @@ struct PictureShares {
 // `background_px` as in DensityMap; `surface` was made from `map`.
 PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

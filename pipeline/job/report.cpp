@@ -9,7 +9,7 @@
 
 #include "pipeline/config/document.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -70,7 +70,7 @@ Json picture_json(const PictureShares& shares) {
 Json matching_json(const std::optional<MatchingReport>& matching) {
     if (!matching) return nullptr;
     Json json;
-    json["method"] = matching->config.method == DisparityMethod::sgm ? "sgm" : "sgbm";
+    json["method"] = matching->config.method == stages::DisparityMethod::sgm ? "sgm" : "sgbm";
     json["min_disparity_px"] = matching->config.min_disparity_px;
     json["num_disparities_px"] = matching->config.num_disparities_px;
     json["matched_share"] = matching->matched_share;
@@ -84,7 +84,7 @@ double share_of(PixelOrigin origin, const DisparityMap& map) {
 }
 
 // Honeycomb weights in percent of their mean.
-Json weights_json(const MeshQuality& quality) {
+Json weights_json(const quality::MeshQuality& quality) {
     Json json;
     json["p5"] = finite(quality.percentile5_weight_percent);
     json["p50"] = finite(quality.percentile50_weight_percent);
@@ -93,7 +93,7 @@ Json weights_json(const MeshQuality& quality) {
 }
 
 // Smallest angles of the triangles.
-Json angles_json(const MeshQuality& quality) {
+Json angles_json(const quality::MeshQuality& quality) {
     Json json;
     json["min"] = finite(quality.min_angle_deg);
     json["p1"] = finite(quality.percentile1_angle_deg);
@@ -132,7 +132,7 @@ Json surface_json(const RunReport& report) {
     json["bounds"] = {{report.bounds.low.x, report.bounds.low.y, report.bounds.low.z},
                       {report.bounds.high.x, report.bounds.high.y, report.bounds.high.z}};
     json["metric"] = report.calibration.metric;
-    const SurfaceQuality& quality = report.surface_quality;
+    const stages::SurfaceQuality& quality = report.surface_quality;
     json["rmse_near_px"] = quality.rmse_near_px;
     json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
     json["flat_rmse_px"] = quality.flat_rmse_px;
@@ -142,7 +142,7 @@ Json surface_json(const RunReport& report) {
     return json;
 }
 
-Json budget_json(const BudgetResult& budget) {
+Json budget_json(const budget::BudgetResult& budget) {
     if (budget.kind.empty()) return nullptr;
     Json json;
     json["kind"] = budget.kind;
@@ -176,7 +176,7 @@ PictureShares shares_of(const LeftView& view, const SurfaceResult& result) {
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
     const auto& [backend_reason, input, disparity, view, result, measures, coarser, outputs, shares] =
         results;
-    const MeshResult& lattice = result.lattice;
+    const mesher::MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
     report.backend_reason = backend_reason;
@@ -236,7 +236,7 @@ std::string report_json(const RunReport& report) {
     json["device"] = report.device;
     json["threads"] = report.threads;
     json["seed"] = report.config.mesh.seed;
-    json["config"] = config_json(report.config);
+    json["config"] = config::config_json(report.config);
     json["input"] = input_json(report);
     json["foreground_share"] = report.shares.foreground;
     json["picture"] = picture_json(report.shares);
@@ -266,14 +266,14 @@ std::string report_json(const RunReport& report) {
 }
 
 std::string extras_json(const LeftView& view, const SurfaceResult& result) {
-    Json parameters = config_json(result.config);
+    Json parameters = config::config_json(result.config);
     parameters.erase("run");
     parameters.erase("budget");  // what it led to is in the other keys
     Json& input = parameters["input"];
     input["calibration"].erase("file");
     if (input["disparity"]["key"] == "") input["disparity"].erase("key");
     // Where depths were not read otherwise than by default, files stay what they were before there were any.
-    const Json defaults = config_json({})["input"];
+    const Json defaults = config::config_json({})["input"];
     for (const char* const section : {"depth", "mask", "confidence"})
         if (input[section] == defaults[section]) input.erase(section);
     Json json;
@@ -285,4 +285,4 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     return dump(json, -1);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -17,7 +17,7 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // A coarser level of detail.
 struct LevelReport {
@@ -27,7 +27,7 @@ struct LevelReport {
 
 // How a pair was matched.
 struct MatchingReport {
-    DisparityConfig config;                      // with the range searched
+    stages::DisparityConfig config;              // with the range searched
     double matched_share = 0, filled_share = 0;  // of the image
 };
 
@@ -40,7 +40,7 @@ struct RunReport {
     std::string stamp;  // of the request; empty = none
     std::string backend, backend_reason, device;
     int threads = 0;
-    Config config;  // effective
+    config::Config config;  // effective
     std::vector<InputFile> inputs;
     int width = 0, height = 0;
     Calibration calibration;  // in effect
@@ -56,14 +56,14 @@ struct RunReport {
     double device_balance_s = 0;   // the same for balancing
     double device_surface_s = 0;   // the same for cutting and fitting the mesh
     std::size_t device_bytes = 0;  // device memory in use at the peak; 0 on the CPU
-    MeshQuality quality;
+    quality::MeshQuality quality;
     std::size_t vertices = 0, triangles = 0;
     int components = 0, boundary_loops = 0;
     std::vector<LevelReport> levels;  // fine to coarse
     Bounds bounds;
     PictureShares shares;
-    SurfaceQuality surface_quality;  // measured only where a report is asked for
-    BudgetResult budget;
+    stages::SurfaceQuality surface_quality;  // measured only where a report is asked for
+    budget::BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
     double seconds = 0;          // from the beginning of the run until its report
@@ -99,4 +99,4 @@ std::string report_json(const RunReport& report);
 // so that the same input gives the same bytes everywhere.
 std::string extras_json(const LeftView& view, const SurfaceResult& result);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -7,14 +7,14 @@
 
 #include "pipeline/config/config.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Either left and right, or stereo, which holds both, or disparity or depth (with color or without).
 struct RunRequest {
     std::filesystem::path left, right, stereo;
     std::filesystem::path disparity, depth, color;
     std::filesystem::path mask, confidence;  // of the left view; confidences of a map alone
-    Config config;
+    config::Config config;
     std::filesystem::path config_file;           // that config was read from; empty = none
     std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
     std::filesystem::path report;                // empty = none
@@ -29,4 +29,4 @@ struct RunRequest {
 // and Error(input) for a run that is estimated to take more memory than limits.max_memory.
 void check_request(const RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

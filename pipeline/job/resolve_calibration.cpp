@@ -9,7 +9,7 @@
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 void override_by(double& value, double given) {
@@ -38,7 +38,7 @@ ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
 
 // The file's camera for the view.
 Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& resolved) {
-    const CalibrationFile file = read_calibration_file(source.config.file);
+    const readers::CalibrationFile file = readers::read_calibration_file(source.config.file);
     for (const std::string& told : file.told) resolved.warnings.push_back(source.config.file + ": " + told);
     resolved.focal_from = resolved.baseline_from = "the calibration file (" + file.format + ")";
     Calibration camera = file.calibration;
@@ -60,7 +60,8 @@ Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& reso
 // In px of the view; 0 = not known.
 double focal_of_picture(const CameraSource& source, ResolvedCalibration& resolved) {
     if (source.picture_file.empty()) return 0;
-    const auto focal = read_exif_focal(source.picture_file, source.picture.width, source.picture.height);
+    const auto focal =
+        readers::read_exif_focal(source.picture_file, source.picture.width, source.picture.height);
     if (!focal) return 0;
     const double focal_px = focal->focal_px * source.view.width / source.picture.width;
     char text[32];
@@ -123,7 +124,7 @@ Calibration scaled_to(const Calibration& camera, ViewSize size) {
 }
 
 ResolvedCalibration resolve_calibration(const CameraSource& source) {
-    const CalibrationConfig& config = source.config;
+    const config::CalibrationConfig& config = source.config;
     const ViewSize view = source.view;
     ResolvedCalibration resolved;
     Calibration& camera = resolved.calibration;
@@ -173,4 +174,4 @@ std::string missing_for_metres(const ResolvedCalibration& resolved) {
            "and baseline_m";
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -8,7 +8,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 struct ViewSize {
     int width = 0, height = 0;
@@ -27,7 +27,7 @@ Calibration scaled_to(const Calibration& camera, ViewSize size);
 
 // What a run is given to find its camera.
 struct CameraSource {
-    const CalibrationConfig& config;
+    const config::CalibrationConfig& config;
     ViewSize view;                            // of the map, or of the pair's pictures
     ViewSize picture;                         // of the left picture; as the view where there is none
     const Calibration* rectified = nullptr;   // of the pair that was rectified, in place of the file's
@@ -55,4 +55,4 @@ ResolvedCalibration resolve_calibration(const CameraSource& source);
 // What is missing for a mesh in metres, as a warning; empty where nothing is. Of a pair or a disparity map.
 std::string missing_for_metres(const ResolvedCalibration& resolved);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

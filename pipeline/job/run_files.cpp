@@ -8,9 +8,9 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,9 +44,9 @@ void check_inputs_named(const RunRequest& request) {
 }
 
 int files_for_standard_output(const RunRequest& request) {
-    return static_cast<int>(is_standard_output(request.report) + std::count_if(request.outputs.begin(),
-                                                                               request.outputs.end(),
-                                                                               is_standard_output));
+    return static_cast<int>(
+        files::is_standard_output(request.report) +
+        std::count_if(request.outputs.begin(), request.outputs.end(), files::is_standard_output));
 }
 
 // As make reads it: spaces, '#' and '%' after a backslash, '$' doubled. Make knows no name with a line end.
@@ -65,9 +65,10 @@ std::string make_name(const fs::path& path) {
 // One file can go to the standard output.
 void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
-        if (!is_standard_output(output)) continue;
+        if (!files::is_standard_output(output)) continue;
         if (planned_files(output, request.config.exporting).size() > 1)
-            refuse("the standard output takes one file, and " + format_name(export_format(output)) +
+            refuse("the standard output takes one file, and " +
+                   exporters::format_name(exporters::export_format(output)) +
                    " may have several; use -o - for .glb, -o drc:-, html:-, ply:-, stl:- or usdz:-, without "
                    "export.lod");
     }
@@ -77,7 +78,7 @@ void check_standard_output(const RunRequest& request) {
 
 // A file that a run writes, and what for.
 struct PlannedFile {
-    FileIdentity identity;
+    files::FileIdentity identity;
     fs::path path;
     std::string purpose;
     bool texture = false;  // two outputs may share it: its bytes are the same
@@ -86,7 +87,8 @@ struct PlannedFile {
 std::vector<PlannedFile> plan(const RunRequest& request) {
     std::vector<PlannedFile> files;
     auto add = [&](const fs::path& path, const std::string& purpose, bool texture = false) {
-        if (!is_standard_output(path)) files.push_back({identify(path), path, purpose, texture});
+        if (!files::is_standard_output(path))
+            files.push_back({files::identify(path), path, purpose, texture});
     };
     for (const fs::path& output : request.outputs)
         for (const fs::path& file : planned_files(output, request.config.exporting)) {
@@ -98,7 +100,7 @@ std::vector<PlannedFile> plan(const RunRequest& request) {
     if (!request.report.empty()) add(request.report, "the report");
     if (!request.depfile.empty()) add(request.depfile, "the rule for make");
     if (!request.stages_folder.empty())
-        for (const fs::path& name : stage_file_names())
+        for (const fs::path& name : pictures::stage_file_names())
             add(request.stages_folder / name, "a stage's result in " + request.stages_folder.string());
     return files;
 }
@@ -111,7 +113,7 @@ void check_collisions(const RunRequest& request) {
                 refuse(files[j].purpose + " and " + files[i].purpose + " would be one file, " +
                        files[i].path.string() + "; choose another name");
     for (const fs::path& source : read_files(request)) {
-        const FileIdentity identity = identify(source);
+        const files::FileIdentity identity = files::identify(source);
         for (const PlannedFile& file : files)
             if (file.identity == identity)
                 refuse(file.purpose + " would overwrite the input " + source.string() +
@@ -130,7 +132,7 @@ MainInput main_input(const RunRequest& request) {
     for (const fs::path& path : {request.left, request.stereo, request.disparity, request.depth}) {
         if (path.empty()) continue;
         try {
-            if (const auto raster = describe_raster(path, {}, request.config.limits.reading))
+            if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
                 return {path, static_cast<std::uint64_t>(raster->width),
                         static_cast<std::uint64_t>(raster->height)};
         } catch (const Error&) {  // the run will tell
@@ -140,7 +142,7 @@ MainInput main_input(const RunRequest& request) {
     return {};
 }
 
-std::uint64_t memory_for(const MainInput& input, const Config& config) {
+std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
     const double spacing = config.mesh.spacing_px, bytes_per_pixel = 100 + 1800 / (spacing * spacing);
     return kBaseBytes +
            static_cast<std::uint64_t>(static_cast<double>(input.width * input.height) * bytes_per_pixel);
@@ -165,7 +167,7 @@ void check_memory(const RunRequest& request) {
 std::string depfile_rule(const RunRequest& request) {
     std::string targets, sources, alone;
     for (const fs::path& output : request.outputs)
-        if (!is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
+        if (!files::is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
     for (const fs::path& source : read_files(request)) {
         sources += " \\\n  " + make_name(source);
         alone += "\n" + make_name(source) + ":\n";
@@ -178,27 +180,27 @@ bool writes_standard_output(const RunRequest& request) {
 }
 
 std::string levels_inside_warning(const RunRequest& request) {
-    const ExportConfig& config = request.config.exporting;
-    if (config.lod == 1 || config.lod_storage != LevelStorage::inside) return {};
+    const exporters::ExportConfig& config = request.config.exporting;
+    if (config.lod == 1 || config.lod_storage != exporters::LevelStorage::inside) return {};
     for (const fs::path& output : request.outputs)
-        if (const MeshFormat format = export_format(output);
-            format == MeshFormat::glb || format == MeshFormat::gltf)
+        if (const exporters::MeshFormat format = exporters::export_format(output);
+            format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf)
             return "Blender, and other programs that do not know MSFT_lod, show all levels of detail of " +
                    output.string() + " on top of each other; export.lod_storage: files writes a file each";
     return {};
 }
 
-std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
+std::vector<fs::path> planned_files(const fs::path& path, const exporters::ExportConfig& config) {
     std::vector<fs::path> files;
-    const MeshFormat format = export_format(path);
-    const int levels = separate_levels(path, config) ? config.lod : 1;
+    const exporters::MeshFormat format = exporters::export_format(path);
+    const int levels = exporters::separate_levels(path, config) ? config.lod : 1;
     for (int level = 0; level < levels; ++level) {
-        files.push_back(level == 0 ? path : level_path(path, level));
+        files.push_back(level == 0 ? path : exporters::level_path(path, level));
         fs::path companion = files.back();
-        if (format == MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
-        if (format == MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
-        if (format == MeshFormat::obj || format == MeshFormat::gltf)
-            files.push_back(texture_path(companion, config));
+        if (format == exporters::MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
+        if (format == exporters::MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
+        if (format == exporters::MeshFormat::obj || format == exporters::MeshFormat::gltf)
+            files.push_back(exporters::texture_path(companion, config));
     }
     return files;
 }
@@ -210,7 +212,8 @@ std::vector<fs::path> written_files(const RunRequest& request) {
     if (!request.depfile.empty()) files.push_back(request.depfile);
     if (!request.report.empty()) files.push_back(request.report);
     if (!request.stages_folder.empty())
-        for (const fs::path& name : stage_file_names()) files.push_back(request.stages_folder / name);
+        for (const fs::path& name : pictures::stage_file_names())
+            files.push_back(request.stages_folder / name);
     return files;
 }
 
@@ -233,21 +236,22 @@ void check_request(const RunRequest& request) {
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
     if (request.outputs.empty() && request.config.budget.max_bytes > 0)
         refuse("--max-bytes (budget.max_bytes) limits mesh files, and there is none; give -o FILE");
-    if (has_page(request.outputs) && !has_viewer())
-        refuse(std::string("no page can be written: ") + kNoViewer);
+    if (has_page(request.outputs) && !exporters::has_viewer())
+        refuse(std::string("no page can be written: ") + exporters::kNoViewer);
     check_standard_output(request);
     check_collisions(request);
     for (const fs::path& output : request.outputs)
-        if (!is_standard_output(output))
+        if (!files::is_standard_output(output))
             for (const fs::path& file : planned_files(output, request.config.exporting))
-                check_writable_file(file);
-    if (!request.report.empty() && !is_standard_output(request.report)) check_writable_file(request.report);
+                files::check_writable_file(file);
+    if (!request.report.empty() && !files::is_standard_output(request.report))
+        files::check_writable_file(request.report);
     if (!request.depfile.empty()) {
         static_cast<void>(depfile_rule(request));  // names that make cannot hold
-        check_writable_file(request.depfile);
+        files::check_writable_file(request.depfile);
     }
-    if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
+    if (!request.stages_folder.empty()) files::check_writable_folder(request.stages_folder);
     check_memory(request);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

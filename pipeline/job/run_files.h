@@ -9,12 +9,12 @@
 #include "exporters/exporter.h"
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // `path` and the files that its format writes beside it (.mtl, .bin, the texture), whether this run needs
 // them or not.
 std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path,
-                                                 const ExportConfig& config);
+                                                 const exporters::ExportConfig& config);
 
 // What is told where levels of detail are inside of a file, which not all programs understand; else empty.
 std::string levels_inside_warning(const RunRequest& request);
@@ -35,4 +35,4 @@ std::vector<std::filesystem::path> read_files(const RunRequest& request);
 // spacing than this is told. 40 MiB where the header cannot be read: such a run fails early.
 std::uint64_t estimated_memory(const RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

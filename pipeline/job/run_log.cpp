@@ -5,10 +5,10 @@
 
 #include "pipeline/files/interrupt.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 void RunLog::begin_stage(const std::string& name) const {
-    wait_if_interrupted();
+    files::wait_if_interrupted();
     if (observer_.stage_begins) observer_.stage_begins(name);
 }
 
@@ -23,7 +23,7 @@ void RunLog::end_stage(const std::string& name, double seconds) {
 }
 
 void RunLog::progress(double share) const {
-    wait_if_interrupted();
+    files::wait_if_interrupted();
     if (observer_.stage_progresses) observer_.stage_progresses(share);
 }
 
@@ -42,4 +42,4 @@ std::string fixed(double value, int digits) {
     return buffer;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

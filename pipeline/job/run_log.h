@@ -9,7 +9,7 @@
 
 #include "pipeline/data/clock.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // Told what happens; every function may be empty.
 struct RunObserver {
@@ -64,4 +64,4 @@ class RunLog {
 // "%.3f" and the like.
 std::string fixed(double value, int digits);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -14,7 +14,7 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/job/tolerance.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 namespace {
 
@@ -27,7 +27,7 @@ RunSize size_of(const RunInput& input, int threads, int jobs) {
 }
 
 std::string reason_for(const Backend& backend, const BackendDecision& decision) {
-    const bool missing = decision.choice == BackendChoice::automatic && backend.name == "cpu";
+    const bool missing = decision.choice == config::BackendChoice::automatic && backend.name == "cpu";
     return decision.reason + (missing ? ", but none is usable" : "");
 }
 
@@ -36,16 +36,16 @@ std::string reason_for(const Backend& backend, const BackendDecision& decision) 
 // range is chosen.
 ChosenRange prepare(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
                     RunLog& log, Relief& relief) {
-    const Config& config = request.config;
+    const config::Config& config = request.config;
     const int threads = relief.threads = effective_threads(config.run.threads);
     if (threads < config.run.threads)
         log.decide("threads: " + std::to_string(threads) + " in place of " +
                    std::to_string(config.run.threads) + ": more would wait for each other");
-    const auto start = [&](BackendChoice choice) {
+    const auto start = [&](config::BackendChoice choice) {
         return start_work(kWithDriver, [&, choice] { return pick(choice, threads, config.mesh.method); });
     };
     std::future<Backend> starting;
-    if (config.run.backend != BackendChoice::automatic) starting = start(config.run.backend);
+    if (config.run.backend != config::BackendChoice::automatic) starting = start(config.run.backend);
     const RunInput& input = relief.input = log.stage("input", [&] { return read(threads, log); });
     const BackendDecision decision = choose_backend(size_of(input, threads, request.jobs), config);
     if (!starting.valid()) starting = start(decision.choice);
@@ -58,10 +58,10 @@ ChosenRange prepare(const InputSource& read, const RunRequest& request, const Ba
     relief.backend = log.stage("device", [&] { return starting.get(); });
     relief.backend_reason = reason_for(relief.backend, decision);
     if (!relief.backend.missed.empty()) log.warn(going_on_without(relief.backend.missed));
-    if (config.run.backend == BackendChoice::automatic && relief.backend.name != "cpu")
-        relief.backend =
-            with_replacement(relief.backend, pick_backend(BackendChoice::cpu, threads, config.mesh.method),
-                             [&log](const std::string& warning) { log.warn(warning); });
+    if (config.run.backend == config::BackendChoice::automatic && relief.backend.name != "cpu")
+        relief.backend = with_replacement(
+            relief.backend, pick_backend(config::BackendChoice::cpu, threads, config.mesh.method),
+            [&log](const std::string& warning) { log.warn(warning); });
     log.decide("backend: " + relief.backend.name + ", " + relief.backend_reason);
     return range;
 }
@@ -69,7 +69,7 @@ ChosenRange prepare(const InputSource& read, const RunRequest& request, const Ba
 // What the report calls the backend, where the CPU had to take over.
 void tell_of_replacement(Relief& relief) {
     if (!relief.backend.is_replaced || !*relief.backend.is_replaced) return;
-    const Backend cpu = pick_backend(BackendChoice::cpu, relief.threads);
+    const Backend cpu = pick_backend(config::BackendChoice::cpu, relief.threads);
     relief.backend.name = cpu.name;
     relief.backend.device = cpu.device;
     relief.backend_reason += ", but the device failed";
@@ -83,7 +83,7 @@ LeftView Relief::view() const {
 
 Relief make_disparities(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
                         RunLog& log) {
-    const Config& config = request.config;
+    const config::Config& config = request.config;
     for (const std::string& warning : config.warnings) log.warn(warning);
     if (const std::string told = levels_inside_warning(request); !told.empty()) log.warn(told);
     for (const std::string& decision : config.decisions) log.decide(decision);
@@ -104,7 +104,7 @@ Relief make_disparities(const InputSource& read, const RunRequest& request, cons
 
 Relief make_relief(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
                    RunLog& log) {
-    const Config& config = request.config;
+    const config::Config& config = request.config;
     Relief relief = make_disparities(read, request, pick, log);
     count_from_infinity(relief.disparity, relief.input.calibration, log);
     const RunContext run{relief.backend, relief.threads, log};
@@ -131,10 +131,10 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
     if (result.config.exporting.lod > 1)
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
 
-    OutputSet files;
-    Scene scene = scene_of(view, result, coarser);
+    files::OutputSet files;
+    exporters::Scene scene = scene_of(view, result, coarser);
     scene.threads = relief.threads;
-    PageContent page;
+    exporters::PageContent page;
     if (with_page)
         page = log.stage("page", [&] { return page_content(view, result, measures, relief.threads); });
     scene.page = with_page ? &page : nullptr;
@@ -167,4 +167,4 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     return write_relief(relief, request, log);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -11,7 +11,7 @@
 #include "pipeline/job/run_log.h"
 #include "pipeline/job/steps.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // What a run makes of its input, before anything is written.
 struct Relief {
@@ -46,4 +46,4 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
 RunReport run_job(const RunRequest& request, const RunObserver& observer,
                   const BackendPicker& pick = pick_backend);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -9,20 +9,21 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool is_draco(const fs::path& path, const ExportConfig& config) {
-    return export_format(path) == MeshFormat::drc || config.compression == Compression::draco;
+bool is_draco(const fs::path& path, const exporters::ExportConfig& config) {
+    return exporters::export_format(path) == exporters::MeshFormat::drc ||
+           config.compression == exporters::Compression::draco;
 }
 
 // What Draco makes of a fixed number of bits.
-Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
+exporters::Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
     const Bounds bounds = bounds_of(surface.positions);
     const double step = bounds.widest_side() / ((1u << bits) - 1);
-    Grid<3> grid;
+    exporters::Grid<3> grid;
     grid.origin = {bounds.low.x, bounds.low.y, bounds.low.z};
     grid.step = {step, step, step};
     for (const Vec3f& p : surface.positions) {
@@ -37,40 +38,43 @@ Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
 
 // Quantised glTF files have one step for all axes, which leaves normals as they are; the others' depths have
 // a step of their own, but for .drc, which has no transform to hold it.
-Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
-                const fs::path& path) {
+exporters::Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera,
+                           const exporters::ExportConfig& config, const fs::path& path) {
     if (is_draco(path, config) && config.draco.position_bits > 0)
         return grid_of_bits(surface, config.draco.position_bits);
-    const bool is_cubic =
-        export_format(path) == MeshFormat::drc || config.compression == Compression::quantized;
-    return quantise_positions(surface, camera, config.tolerance_px,
-                              is_cubic ? GridShape::cubic : GridShape::per_axis);
+    const bool is_cubic = exporters::export_format(path) == exporters::MeshFormat::drc ||
+                          config.compression == exporters::Compression::quantized;
+    return exporters::quantise_positions(
+        surface, camera, config.tolerance_px,
+        is_cubic ? exporters::GridShape::cubic : exporters::GridShape::per_axis);
 }
 
 }  // namespace
 
-double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
-                     float background_px, int threads) {
+double tolerance_for(const exporters::ExportConfig& config, const SurfaceMesh& surface,
+                     const DisparityMap& map, float background_px, int threads) {
     if (!(config.tolerance_share > 0)) return config.tolerance_px;
-    const double error_px = measure_surface_quality(surface, map, background_px, threads).flat_rmse_px;
+    const double error_px =
+        stages::measure_surface_quality(surface, map, background_px, threads).flat_rmse_px;
     // rounded, because machines may differ in the last bits of the measured error
     const double wanted_px =
         std::max(kLeastTolerance_px, 1e-3 * static_cast<long long>(1e3 * config.tolerance_share * error_px));
     return std::min(config.tolerance_px, wanted_px);
 }
 
-bool is_compressed(const fs::path& path, const ExportConfig& config) {
-    const MeshFormat format = export_format(path);
-    return format == MeshFormat::drc || ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
-                                         config.compression != Compression::none);
+bool is_compressed(const fs::path& path, const exporters::ExportConfig& config) {
+    const exporters::MeshFormat format = exporters::export_format(path);
+    return format == exporters::MeshFormat::drc ||
+           ((format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf) &&
+            config.compression != exporters::Compression::none);
 }
 
-SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
-                       const std::vector<fs::path>& outputs) {
+SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera,
+                       const exporters::ExportConfig& config, const std::vector<fs::path>& outputs) {
     const auto path = std::find_if(outputs.begin(), outputs.end(),
                                    [&](const fs::path& output) { return is_compressed(output, config); });
     if (path == outputs.end()) return surface;
-    const Grid<3> grid = grid_of(surface, camera, config, *path);
+    const exporters::Grid<3> grid = grid_of(surface, camera, config, *path);
     SurfaceMesh seen;
     seen.triangles = surface.triangles;
     for (std::size_t i = 0; i < grid.cells.size(); ++i) {
@@ -84,4 +88,4 @@ SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, co
     return seen;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -9,21 +9,22 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
 // The tolerance of positions, px: config.tolerance_px, or, where tolerance_share is above 0 and that is less,
 // this share of the surface's error away from discontinuities (SurfaceQuality::flat_rmse_px), at least
 // kLeastTolerance_px.
 inline constexpr double kLeastTolerance_px = 0.01;
-double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
-                     float background_px, int threads);
+double tolerance_for(const exporters::ExportConfig& config, const SurfaceMesh& surface,
+                     const DisparityMap& map, float background_px, int threads);
 
 // True where a file at this path has quantised positions.
-bool is_compressed(const std::filesystem::path& path, const ExportConfig& config);
+bool is_compressed(const std::filesystem::path& path, const exporters::ExportConfig& config);
 
 // Triangles, image points and disparities as they are read back from the first of `outputs` that is
 // compressed; unchanged where none is. All positions lie in front of the camera.
-SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
+SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera,
+                       const exporters::ExportConfig& config,
                        const std::vector<std::filesystem::path>& outputs);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

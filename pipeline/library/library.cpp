@@ -11,7 +11,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/job/tolerance.h"
-#include "pipeline/library/arguments.h"
+#include "pipeline/library/conversions.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -23,8 +23,8 @@ namespace {
 // Held by each call that works: a set of files is the process's own, and a device does one job at a time.
 std::mutex library_mutex;
 
-RunObserver observer_of(const Options& options) {
-    RunObserver observer;
+job::RunObserver observer_of(const Options& options) {
+    job::RunObserver observer;
     if (options.progress) {
         const auto stage = std::make_shared<std::string>();
         observer.stage_begins = [stage, tell = options.progress](const std::string& name) {
@@ -40,20 +40,21 @@ RunObserver observer_of(const Options& options) {
 
 // The first device that is taken is kept: the next call need not wait for it to start. It is never given
 // back, for at the process's end the driver may be gone before.
-const BackendPicker& kept_backends() {
-    static const auto* const picker = new BackendPicker(keep_backends());
+const job::BackendPicker& kept_backends() {
+    static const auto* const picker = new job::BackendPicker(job::keep_backends());
     return *picker;
 }
 
-MapArrays arrays_of(const MapInput& input, const InputConfig& config) {
-    MapArrays arrays;
+job::MapArrays arrays_of(const MapInput& input, const config::InputConfig& config) {
+    job::MapArrays arrays;
     if (input.depth.values)
-        arrays.depth = depth_of(input.depth, config.depth);
+        arrays.depth = library::depth_of(input.depth, config.depth);
     else
-        arrays.disparity = map_of(input.disparity, config.disparity);
-    if (input.color.pixels) arrays.color = image_of(input.color, "color");
-    if (input.mask.pixels) arrays.mask = mask_of(input.mask, config.mask);
-    if (input.confidence.values) arrays.confidence = confidence_of(input.confidence, config.confidence);
+        arrays.disparity = library::map_of(input.disparity, config.disparity);
+    if (input.color.pixels) arrays.color = library::image_of(input.color, "color");
+    if (input.mask.pixels) arrays.mask = library::mask_of(input.mask, config.mask);
+    if (input.confidence.values)
+        arrays.confidence = library::confidence_of(input.confidence, config.confidence);
     return arrays;
 }
 
@@ -72,11 +73,11 @@ const float* floats_of(const std::vector<Vec3f>& points) {
 inline namespace v0 {
 
 struct Mesh::State {
-    RunObserver observer;  // the log's, empty between the calls
-    RunLog log{observer};
-    RunRequest request;
-    Relief relief;
-    std::vector<OutputFile> written;
+    job::RunObserver observer;  // the log's, empty between the calls
+    job::RunLog log{observer};
+    job::RunRequest request;
+    job::Relief relief;
+    std::vector<job::OutputFile> written;
 
     const SurfaceMesh& surface() const { return relief.result.surface.mesh; }
 };
@@ -116,26 +117,26 @@ int Mesh::lattice_rows() const {
 
 std::string Mesh::report() const {
     const std::lock_guard lock(library_mutex);
-    const Relief& relief = state_->relief;
-    const LeftView view = relief.view();
-    const RunContext run{relief.backend, relief.threads, state_->log};
+    const job::Relief& relief = state_->relief;
+    const job::LeftView view = relief.view();
+    const job::RunContext run{relief.backend, relief.threads, state_->log};
     std::vector<std::filesystem::path> paths;
-    for (const OutputFile& file : state_->written) paths.emplace_back(file.path);
+    for (const job::OutputFile& file : state_->written) paths.emplace_back(file.path);
     std::erase_if(paths, [](const auto& path) {  // textures and the like
-        const auto& known = export_extensions();
+        const auto& known = exporters::export_extensions();
         return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
     });
-    const SurfaceMeasures measures = measure_written(view, relief.result, paths, run);
-    return report_json(assemble_report({relief.backend_reason,
-                                        relief.input,
-                                        relief.disparity,
-                                        view,
-                                        relief.result,
-                                        measures,
-                                        {},
-                                        state_->written,
-                                        shares_of(view, relief.result)},
-                                       run));
+    const job::SurfaceMeasures measures = job::measure_written(view, relief.result, paths, run);
+    return job::report_json(job::assemble_report({relief.backend_reason,
+                                                  relief.input,
+                                                  relief.disparity,
+                                                  view,
+                                                  relief.result,
+                                                  measures,
+                                                  {},
+                                                  state_->written,
+                                                  job::shares_of(view, relief.result)},
+                                                 run));
 }
 
 std::vector<std::string> Mesh::save(const std::string& path, const Options& options) const {
@@ -144,26 +145,27 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
     // For this call alone.
     struct Restore {
         State& state;
-        const Config config = state.relief.result.config;
+        const config::Config config = state.relief.result.config;
         ~Restore() {
             state.relief.result.config = config;
             state.observer = {};
         }
     } restore{state};
     state.observer = observer_of(options);
-    Config& config = state.relief.result.config;
-    apply_export_settings(config, options);
-    if (sets_tolerance(options))
-        config = with_tolerance(config, state.surface(), state.relief.view(),
-                                {state.relief.backend, state.relief.threads, state.log});
-    RunRequest request = state.request;
+    config::Config& config = state.relief.result.config;
+    library::apply_export_settings(config, options);
+    if (library::sets_tolerance(options))
+        config = job::with_tolerance(config, state.surface(), state.relief.view(),
+                                     {state.relief.backend, state.relief.threads, state.log});
+    job::RunRequest request = state.request;
     request.config = config;
     request.outputs = {path};
-    for (const std::filesystem::path& file : planned_files(path, config.exporting)) check_writable_file(file);
-    const RunReport report = write_relief(state.relief, request, state.log);
+    for (const std::filesystem::path& file : job::planned_files(path, config.exporting))
+        files::check_writable_file(file);
+    const job::RunReport report = job::write_relief(state.relief, request, state.log);
     std::vector<std::string> files;
-    for (const OutputFile& file : report.outputs) {
-        std::erase_if(state.written, [&](const OutputFile& other) { return other.path == file.path; });
+    for (const job::OutputFile& file : report.outputs) {
+        std::erase_if(state.written, [&](const job::OutputFile& other) { return other.path == file.path; });
         state.written.push_back(file);
         files.push_back(file.path);
     }
@@ -171,7 +173,7 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
 }
 
 Picture read_picture(const std::string& path) {
-    Image image = read_image(path);
+    Image image = readers::read_image(path);
     if (image.alpha.empty()) return {image.width, image.height, image.channels, std::move(image.pixels)};
     const auto channels = static_cast<std::size_t>(image.channels);
     Picture picture{image.width, image.height, image.channels + 1, {}};
@@ -185,21 +187,22 @@ Picture read_picture(const std::string& path) {
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {
-    const Config config = config_of(options, {});
-    DisparityMap map = read_disparity_map(path, config.input.disparity, config.limits.reading);
+    const config::Config config = library::config_of(options, {});
+    DisparityMap map = readers::read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }
 
 Disparities compute_disparity(const ImageView& left, const ImageView& right, const Camera& camera,
                               const Options& options) {
     const std::lock_guard lock(library_mutex);
-    RunRequest request;
-    request.config = config_of(options, camera);
-    const RunObserver observer = observer_of(options);
-    RunLog log(observer);
-    Relief relief = make_disparities(
-        [&](int, RunLog& told) {
-            return take_pair({image_of(left, "left"), image_of(right, "right")}, request, told);
+    job::RunRequest request;
+    request.config = library::config_of(options, camera);
+    const job::RunObserver observer = observer_of(options);
+    job::RunLog log(observer);
+    job::Relief relief = job::make_disparities(
+        [&](int, job::RunLog& told) {
+            return job::take_pair({library::image_of(left, "left"), library::image_of(right, "right")},
+                                  request, told);
         },
         request, kept_backends(), log);
     DisparityMap& map = relief.disparity.map;
@@ -213,12 +216,14 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
         throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
     state->observer = observer_of(options);
-    RunRequest& request = state->request;
-    request.config = config_of(options, camera, is_depth);
+    job::RunRequest& request = state->request;
+    request.config = library::config_of(options, camera, is_depth);
     request.outputs = {"relief.glb"};
     if (is_depth) request.depth = "depth";
-    state->relief = make_relief(
-        [&](int, RunLog& told) { return take_map(arrays_of(input, request.config.input), request, told); },
+    state->relief = job::make_relief(
+        [&](int, job::RunLog& told) {
+            return job::take_map(arrays_of(input, request.config.input), request, told);
+        },
         request, kept_backends(), state->log);
     state->observer = {};
     return Mesh(std::move(state));
@@ -230,22 +235,22 @@ Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera
 
 RunSummary run(const FileRequest& files, const Options& options) {
     const std::lock_guard lock(library_mutex);
-    RunRequest request = request_of(files, options);
+    job::RunRequest request = library::request_of(files, options);
     if (files.update) {
-        check_request(request);
-        if (stamp_request(request) == UnitState::current) return {.is_up_to_date = true};
+        job::check_request(request);
+        if (stamp::stamp_request(request) == stamp::UnitState::current) return {.is_up_to_date = true};
     }
-    const RunObserver observer = observer_of(options);
-    const BackendPicker pick = files.ends_process ? pick_for_one_run() : kept_backends();
-    return summary_of(run_job(request, observer, pick), request);
+    const job::RunObserver observer = observer_of(options);
+    const job::BackendPicker pick = files.ends_process ? job::pick_for_one_run() : kept_backends();
+    return library::summary_of(job::run_job(request, observer, pick), request);
 }
 
 void check_run(const FileRequest& files, const Options& options) {
-    check_request(request_of(files, options));
+    job::check_request(library::request_of(files, options));
 }
 
 void end_on_interrupt() {
-    install_interrupt_handling();
+    files::install_interrupt_handling();
 }
 
 std::string version() {

@@ -6,9 +6,9 @@
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/run_files.h"
-#include "pipeline/library/arguments.h"
+#include "pipeline/library/conversions.h"
 
-namespace hexrelief {
+namespace hexrelief::library {
 namespace {
 
 void refuse_options_without_their_file(const FileRequest& files, const Options& options) {
@@ -34,21 +34,21 @@ std::filesystem::path standard_output_name(const std::string& name) {
     return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;
 }
 
-bool lacks_color(const RunRequest& request) {
+bool lacks_color(const job::RunRequest& request) {
     return request.left.empty() && request.stereo.empty() && request.color.empty() &&
-           request.config.exporting.texture != TextureFormat::none &&
+           request.config.exporting.texture != exporters::TextureFormat::none &&
            std::any_of(request.outputs.begin(), request.outputs.end(), [](const std::filesystem::path& path) {
-               return export_format(path) != MeshFormat::drc;
+               return exporters::export_format(path) != exporters::MeshFormat::drc;
            });
 }
 
 }  // namespace
 
-RunRequest request_of(const FileRequest& files, const Options& options) {
+job::RunRequest request_of(const FileRequest& files, const Options& options) {
     refuse_options_without_their_file(files, options);
     if (files.update && (files.report.empty() || files.report == "-"))
         throw Error(ErrorKind::usage, "--update goes with --report FILE, which says what was done");
-    RunRequest request;
+    job::RunRequest request;
     request.left = files.left;
     request.right = files.right;
     request.stereo = files.stereo;
@@ -63,24 +63,13 @@ RunRequest request_of(const FileRequest& files, const Options& options) {
     request.stages_folder = files.stages_folder;
     request.jobs = files.runs;
     request.config = config_of(options, {}, !files.depth.empty());
-    if (!find_preset(options.config)) request.config_file = options.config;
+    if (!config::find_preset(options.config)) request.config_file = options.config;
     return request;
 }
 
-inline namespace v0 {
-
-bool uses_standard_output(const FileRequest& files) {
-    RunRequest request;
-    for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
-    request.report = files.report;
-    return writes_standard_output(request);
-}
-
-}  // namespace v0
-
-RunSummary summary_of(const RunReport& report, const RunRequest& request) {
+RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request) {
     RunSummary summary;
-    for (const OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
+    for (const job::OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
     summary.width = report.width;
     summary.height = report.height;
     summary.vertices = report.vertices;
@@ -99,7 +88,7 @@ RunSummary summary_of(const RunReport& report, const RunRequest& request) {
         summary.filled = report.filling->filled_share;
     }
     summary.lacks_color = lacks_color(request);
-    const BudgetResult& budget = report.budget;
+    const budget::BudgetResult& budget = report.budget;
     summary.budget = {budget.kind,       budget.limit,        budget.reached,
                       budget.spacing_px, budget.tolerance_px, budget.solves};
     summary.backend = report.backend;
@@ -110,4 +99,18 @@ RunSummary summary_of(const RunReport& report, const RunRequest& request) {
     return summary;
 }
 
+}  // namespace hexrelief::library
+
+namespace hexrelief {
+inline namespace v0 {
+
+bool uses_standard_output(const FileRequest& files) {
+    job::RunRequest request;
+    for (const std::string& output : files.outputs)
+        request.outputs.push_back(library::standard_output_name(output));
+    request.report = files.report;
+    return job::writes_standard_output(request);
+}
+
+}  // namespace v0
 }  // namespace hexrelief

@@ -6,11 +6,11 @@
 #include "pipeline/job/report.h"
 #include "pipeline/job/request.h"
 
-namespace hexrelief {
+namespace hexrelief::library {
 
 // Throws Error(usage).
-RunRequest request_of(const FileRequest& files, const Options& options);
+job::RunRequest request_of(const FileRequest& files, const Options& options);
 
-RunSummary summary_of(const RunReport& report, const RunRequest& request);
+RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::library

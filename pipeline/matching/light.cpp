@@ -6,7 +6,7 @@
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr int kParts = 8;
@@ -93,4 +93,4 @@ void relight(Image& right, const LightCurves& curves, int threads) {
         });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -8,7 +8,7 @@
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/windows.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 struct MatchedViews {
@@ -37,7 +37,8 @@ MatchingConfig at_half_size(MatchingConfig config) {
 MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
     if (is_searched_wholly(config.range)) return match_in_windows(pair, config, {}, pool);
     const MatchedViews half =
-        match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, at_half_size(config), pool);
+        match({matching::at_half_size(pair.left, pool), matching::at_half_size(pair.right, pool)},
+              at_half_size(config), pool);
     return match_in_windows(pair, config, half.views.left.view(), pool);
 }
 
@@ -69,7 +70,8 @@ MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int 
     ThreadPool pool(threads);
     const MatchingConfig half_config = at_half_size(config);
     const MatchedViews half =
-        match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, half_config, pool);
+        match({matching::at_half_size(pair.left, pool), matching::at_half_size(pair.right, pool)},
+              half_config, pool);
     const HalfSizeMatches half_size{find_trusted_matches(half.views, consistency_of(half_config), pool).left,
                                     half_config.range.min_px};
     const MatchedViews matched = match_in_windows(pair, config, half.views.left.view(), pool);
@@ -92,4 +94,4 @@ MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, co
                                  consistency_of(config), pool));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

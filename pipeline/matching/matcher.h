@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "pipeline/data/disparity_map.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct MatchingConfig {
     // left(x, y) = right(x - d, y) is tried for min_px <= d < min_px + count. count is 1..1920: planes are
@@ -75,4 +75,4 @@ double find_noise(const Image& image);
 // bilateral filter). `noise` is the value from find_noise().
 void denoise(Image& image, double noise, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

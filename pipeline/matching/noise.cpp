@@ -5,10 +5,10 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/color_planes.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr int kBlock_px = 16;
@@ -94,4 +94,4 @@ void denoise(Image& image, double noise, int threads) {
                  [&](int y) { denoise_row(view_of(colors), y, other_color, image.at(0, y)); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 namespace {
 
 constexpr int kLongSide_px = 1200;
@@ -130,4 +130,4 @@ Image render_relief(const SurfaceMesh& mesh, const Image* texture) {
     return shrink(canvas.picture, kSupersampling);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

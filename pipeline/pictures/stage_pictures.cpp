@@ -7,11 +7,11 @@
 
 #include "exporters/images/image_writer.h"
 #include "mesher/mesher.h"
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 namespace {
 
 constexpr int kSamples = 10000;
@@ -156,19 +156,21 @@ const std::vector<std::filesystem::path>& stage_file_names() {
 std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const std::filesystem::path& name) {
     const DisparityMap& map = *results.map;
     const DensityMap& density = *results.density;
-    if (name == "disparity.pfm") return encode_pfm(map.width, map.height, map.values);
-    if (name == "disparity.png") return encode_png(disparity_picture(map));
-    if (name == "density.pfm") return encode_pfm(density.width, density.height, density.values);
-    if (name == "density.png") return encode_png(density_picture(density));
-    if (name == "samples.png") return encode_png(samples_picture(density, results.seed));
+    if (name == "disparity.pfm") return exporters::encode_pfm(map.width, map.height, map.values);
+    if (name == "disparity.png") return exporters::encode_png(disparity_picture(map));
+    if (name == "density.pfm") return exporters::encode_pfm(density.width, density.height, density.values);
+    if (name == "density.png") return exporters::encode_png(density_picture(density));
+    if (name == "samples.png") return exporters::encode_png(samples_picture(density, results.seed));
     if (name == "mesh2d.png")
-        return encode_png(mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
+        return exporters::encode_png(
+            mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
     if (name == "weights.png")
-        return encode_png(weights_picture(honeycomb_weights(*results.mesh, density, results.threads)));
-    if (name == "relief.png") return encode_png(render_relief(*results.surface, results.left));
+        return exporters::encode_png(
+            weights_picture(quality::honeycomb_weights(*results.mesh, density, results.threads)));
+    if (name == "relief.png") return exporters::encode_png(render_relief(*results.surface, results.left));
     if (name != "mesh2d.obj") throw std::logic_error("no stage writes " + name.string());
     const std::string text = mesh_obj(*results.mesh);
     return {text.begin(), text.end()};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

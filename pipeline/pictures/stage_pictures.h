@@ -12,7 +12,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 
 // The results to draw. `left` may be null, the others must be set; map, density and left have one size.
 struct StageResults {
@@ -45,4 +45,4 @@ Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop);
 // Returns an OBJ file: `v x y 0` for all lattice vertices, row-major, then the lattice's triangles.
 std::string mesh_obj(const HexMesh2D& mesh);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

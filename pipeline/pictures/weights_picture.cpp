@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 namespace {
 
 constexpr int kBins = 41, kBinsOfMean = 20;
@@ -50,4 +50,4 @@ Image weights_picture(const std::vector<double>& weights) {
     return picture;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

@@ -5,7 +5,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 
 // Returns the shares of the weights (>= 0) in bins of W_k / mean, each 0.05 wide: bin i is centred at 0.05 i,
 // the last one (2) holds all larger ones. Empty if there is no weight or all are 0.
@@ -16,4 +16,4 @@ std::vector<double> weight_shares(const std::vector<double>& weights);
 // visible. 820 x 400 px.
 Image weights_picture(const std::vector<double>& weights);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

@@ -14,7 +14,7 @@
 
 namespace py = pybind11;
 
-namespace hexrelief {
+namespace hexrelief::python {
 namespace {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -105,7 +105,7 @@ py::array_t<std::uint8_t> from_device(std::uintptr_t address, std::size_t bytes)
     py::array_t<std::uint8_t> here(static_cast<py::ssize_t>(bytes));
     std::uint8_t* const target = here.mutable_data();
     const py::gil_scoped_release unlocked;
-    copy_from_device(target, reinterpret_cast<const void*>(address), bytes);
+    job::copy_from_device(target, reinterpret_cast<const void*>(address), bytes);
     return here;
 }
 
@@ -186,4 +186,4 @@ PYBIND11_MODULE(_core, module) {
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::python

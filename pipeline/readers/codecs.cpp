@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::size_t kHeadBytes = 16;
@@ -114,4 +114,4 @@ SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimit
     return source;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

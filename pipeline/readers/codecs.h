@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <span>
 
-#include "pipeline/readers/describe.h"
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Each describe_ function reads only the header; each decode_ function returns the first picture of the file.
 // Both throw Error(input) for anything malformed, truncated, empty or larger than the source's limits, and
@@ -75,4 +75,4 @@ bool in_other_order(const std::vector<float>& samples);
 // Loads the whole file, up to the size of any valid raster within the limits.
 SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimits& limits = {});
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -8,7 +8,7 @@
 #include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 constexpr double kKittiScale = 256;
@@ -104,4 +104,4 @@ DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& p
     return map;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

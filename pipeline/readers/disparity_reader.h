@@ -6,10 +6,10 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // No view is as wide as this. Disparities beyond it, positive or negative, are unknown.
 inline constexpr double kLargestDisparity_px = 1e6;
@@ -48,4 +48,4 @@ DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& p
 DisparityMap disparities_of_part(codec::Raster raster, const std::filesystem::path& path,
                                  const DisparityFileConfig& config);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

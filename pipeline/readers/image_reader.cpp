@@ -4,7 +4,7 @@
 
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 // Scales 0..max_value to 0..255, rounded; samples beyond the maxval that a PGM declares are white.
@@ -47,4 +47,4 @@ Image image_of(codec::Raster raster, const std::filesystem::path& path) {
     return image;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -4,10 +4,10 @@
 #include <filesystem>
 
 #include "pipeline/data/image.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP or HEIC image, recognised by its content, not its
 // name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
@@ -21,4 +21,4 @@ Image read_image(const std::filesystem::path& path, const ReaderLimits& limits =
 // already; errors name `path`.
 Image image_of(codec::Raster raster, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

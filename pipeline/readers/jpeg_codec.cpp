@@ -10,7 +10,7 @@
 
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // A scan costs time for the whole picture; a small file can list thousands of empty ones.
@@ -149,4 +149,4 @@ Raster decode_jpeg(const SourceFile& source) {
             std::move(samples)};
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

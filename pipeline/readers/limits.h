@@ -1,7 +1,7 @@
 // Limits on the size of pictures and maps.
 #pragma once
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 inline constexpr long long kMaxPixels = 1LL << 29;  // 536 Mpx: 16384 x 16384 twice over
 
@@ -11,4 +11,4 @@ struct ReaderLimits {
     const char* max_pixels_option = "limits.max_pixels";
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 [[noreturn]] void refuse_index(const SourceFile& source, const char* what) {
@@ -80,4 +80,4 @@ std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const Sou
     refuse_index(source, "it lists no second picture");
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

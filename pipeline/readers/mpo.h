@@ -8,11 +8,11 @@
 
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Returns the first byte and the number of bytes of a file's second picture, by its index (CIPA DC-007); both
 // lie inside the file. Returns nullopt if the file is not a JPEG or has no index. Throws Error(input) if the
 // index is malformed or lists no second picture.
 std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const SourceFile& source);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 bool is_space(std::uint8_t c) {
@@ -55,4 +55,4 @@ std::size_t NetpbmHeader::samples_at(unsigned long long sample_bytes, unsigned l
     return at_ + (windows ? 2 : 1);
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -5,7 +5,7 @@
 
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Walks over a header's words, skipping white space and comments (# to the end of the line) between them.
 class NetpbmHeader {
@@ -45,4 +45,4 @@ struct PnmHeader {
 PfmHeader read_pfm_header(const SourceFile& source, NetpbmHeader& header);
 PnmHeader read_pnm_header(const SourceFile& source, NetpbmHeader& header);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -5,9 +5,9 @@
 
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/netpbm_header.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // Refuses more than a final line end after the last sample: header and samples then do not belong together.
@@ -68,4 +68,4 @@ Raster decode_pfm(const SourceFile& source) {
             std::move(samples)};
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -8,7 +8,7 @@
 
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 struct PngReader {
@@ -142,4 +142,4 @@ Raster decode_png(const SourceFile& source) {
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -4,7 +4,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/netpbm_header.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 PnmHeader read_pnm_header(const SourceFile& source, NetpbmHeader& header) {
     PnmHeader pnm{};
@@ -52,4 +52,4 @@ Raster decode_pnm(const SourceFile& source) {
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

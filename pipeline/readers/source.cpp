@@ -7,7 +7,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 struct Closer {
@@ -106,4 +106,4 @@ void check_length(const SourceFile& source, unsigned long long sample_bytes, uns
                             " bytes of samples that the header promises; copy or export it again");
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -10,7 +10,7 @@
 
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 struct SourceFile {
     std::filesystem::path path;
@@ -49,4 +49,4 @@ void check_size(const SourceFile& source, unsigned long long width, unsigned lon
 // than sample_bytes / ratio.
 void check_length(const SourceFile& source, unsigned long long sample_bytes, unsigned ratio);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

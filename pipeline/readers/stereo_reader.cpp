@@ -9,7 +9,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/mpo.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 std::string size_text(int width, int height) {
@@ -88,4 +88,4 @@ StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileC
     return pair;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -6,7 +6,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // The layout of both pictures in a file: side by side or one above the other. In the half forms each picture
 // was squeezed to half of its width or height, and is stretched again.
@@ -23,4 +23,4 @@ struct StereoFileConfig {
 StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                             const ReaderLimits& limits = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

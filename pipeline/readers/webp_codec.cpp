@@ -3,7 +3,7 @@
 
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 WebPBitstreamFeatures read_features(const SourceFile& source) {
@@ -41,4 +41,4 @@ Raster decode_webp(const SourceFile& source) {
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

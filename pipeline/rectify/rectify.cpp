@@ -9,7 +9,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::rectify {
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -148,4 +148,4 @@ RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibrati
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::rectify

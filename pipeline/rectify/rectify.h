@@ -8,7 +8,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/stereo_calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::rectify {
 
 struct RectifiedPair {
     StereoPair pair;          // of the same size as the input
@@ -26,4 +26,4 @@ struct RectifiedPair {
 // or if no view of both is left.
 RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibration, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::rectify

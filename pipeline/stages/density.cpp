@@ -14,7 +14,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density_detail.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr std::uint32_t kHalf = 1u << 16;
@@ -296,4 +296,4 @@ DensityMap compute_density(const DisparityMap& map, const DensityConfig& config,
     return density;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -7,7 +7,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 enum class BackgroundMethod { automatic, none, fraction, threshold_px, otsu };
 
@@ -76,4 +76,4 @@ DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& con
 DensityMap density_at_scale(const DisparityMap& part, const DensityScale& scale, const DensityConfig& config,
                             int threads = 1);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

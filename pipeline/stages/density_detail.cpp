@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // These values were chosen on Middlebury's maps by the error in both views at equal bytes. 450 cells and a
@@ -120,4 +120,4 @@ std::vector<float> detail_density(const DisparityMap& map, float background_px) 
     return density;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

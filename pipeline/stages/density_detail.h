@@ -5,7 +5,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Returns the density that a mesh of linear triangles needs on the foreground (disparities >= background_px
 // and above 0), row-major, 0..1; 0 elsewhere. A cell of area A over a surface of curvature c has an error of
@@ -14,4 +14,4 @@ namespace hexrelief {
 // discontinuities reach the cap. All values are 0 if the map consists of planes.
 std::vector<float> detail_density(const DisparityMap& map, float background_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <iterator>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // Share of the known pixels nearer than the nearest distance; the counterpart of density.scale_percentile.
@@ -57,4 +57,4 @@ DisparityMap disparities_of(const DepthMap& map, const Calibration& camera) {
     return disparities;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -5,7 +5,7 @@
 #include "pipeline/data/depth_map.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Converts distances along each pixel's ray to depths along the optical axis.
 void project_on_axis(DepthMap& map, const Calibration& camera);
@@ -24,4 +24,4 @@ double baseline_for(const DepthMap& map, double focal_px);
 // Returns d = focal * baseline / depth - doffs for each pixel. Unknown depths give unknown disparities.
 DisparityMap disparities_of(const DepthMap& map, const Calibration& camera);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

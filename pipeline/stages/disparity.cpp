@@ -9,7 +9,7 @@
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kLeastColumns = 16;
@@ -75,45 +75,48 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
 double left_right_limit_px(const DisparityConfig& config) {
     if (!std::isnan(config.left_right_check_px)) return config.left_right_check_px;
     return config.method == DisparityMethod::sgm
-               ? ConsistencyConfig{}.left_right_limit / static_cast<double>(kOnePixel)
+               ? matching::ConsistencyConfig{}.left_right_limit / static_cast<double>(matching::kOnePixel)
                : kSgbmLeftRight_px;
 }
 
-MatchingConfig matching_config(const DisparityConfig& config) {
-    MatchingConfig matching;
+matching::MatchingConfig matching_config(const DisparityConfig& config) {
+    matching::MatchingConfig matching;
     matching.range = {config.min_disparity_px, config.num_disparities_px};
     if (config.p1 > 0) matching.penalties.p1 = config.p1;
     if (config.p2 > 0) matching.penalties.p2 = config.p2;
     matching.penalties.p2 = std::max(matching.penalties.p2, matching.penalties.p1 + 1);
     const double limit_px = std::min(left_right_limit_px(config), 1000.0);
-    matching.consistency = {config.min_disparity_px, static_cast<int>(std::floor(limit_px * kOnePixel)),
-                            config.speckle_window_px, config.speckle_range_px * kOnePixel};
+    matching.consistency = {config.min_disparity_px,
+                            static_cast<int>(std::floor(limit_px * matching::kOnePixel)),
+                            config.speckle_window_px, config.speckle_range_px * matching::kOnePixel};
     if (config.farthest_px > config.min_disparity_px)
         matching.consistency.least = static_cast<int>(
-            kOnePixel * std::min<double>(config.farthest_px - config.min_disparity_px, kLargestRange_px));
+            matching::kOnePixel *
+            std::min<double>(config.farthest_px - config.min_disparity_px, kLargestRange_px));
     return matching;
 }
 
-Disparities16 above_least(const RawDisparities& raw, int min_px) {
-    Disparities16 map(raw.width, raw.height, kUnknown16);
+matching::Disparities16 above_least(const RawDisparities& raw, int min_px) {
+    matching::Disparities16 map(raw.width, raw.height, matching::kUnknown16);
     for (int y = 0; y < raw.height; ++y)
         for (int x = 0; x < raw.width; ++x) {
             const int d = raw.values[static_cast<std::size_t>(y) * raw.width + x];
-            if (d != kUnmatched) map.view().at(x, y) = static_cast<std::int16_t>(d - min_px * kOnePixel);
+            if (d != kUnmatched)
+                map.view().at(x, y) = static_cast<std::int16_t>(d - min_px * matching::kOnePixel);
         }
     return map;
 }
 
 // Refines the checked views as match_pair() refines its own.
-MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
+matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
     const RawViews views = match_views_sgbm(pair, config, threads);
-    return refine_views(
+    return matching::refine_views(
         pair,
         {above_least(views.left, config.min_disparity_px), above_least(views.right, config.min_disparity_px)},
         matching_config(config), threads);
 }
 
-MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
+matching::MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
     const RawViews views = match_views_sgbm(pair, config, threads);
     RawDisparities checked = views.left;
     const double limit_px = left_right_limit_px(config);
@@ -121,29 +124,30 @@ MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, in
     remove_speckles(checked, config.speckle_window_px, config.speckle_range_px);
     const RawDisparities matched = checked;
     smooth_wls(checked, views, pair.left, config);
-    MatchedMap map{checked.width, checked.height, {}, {}};
+    matching::MatchedMap map{checked.width, checked.height, {}, {}};
     for (std::size_t i = 0; i < checked.values.size(); ++i) {
         const int d = checked.values[i];
-        map.disparities.push_back(d == kUnmatched ? kUnknown16
-                                                  : static_cast<std::int16_t>(std::max(
-                                                        0, d - config.min_disparity_px * kOnePixel)));
+        map.disparities.push_back(
+            d == kUnmatched
+                ? matching::kUnknown16
+                : static_cast<std::int16_t>(std::max(0, d - config.min_disparity_px * matching::kOnePixel)));
         map.is_matched.push_back(matched.values[i] != kUnmatched);
     }
     return map;
 }
 
-DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config, int threads) {
+DisparityMap to_pixels(const matching::MatchedMap& matched, const DisparityConfig& config, int threads) {
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
                      std::vector<PixelOrigin>(count, PixelOrigin::unknown)};
     ThreadPool(threads).parallel_for(count, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const bool is_matched = matched.is_matched[i] != 0;
-            if (matched.disparities[i] == kUnknown16) continue;
+            if (matched.disparities[i] == matching::kUnknown16) continue;
             if (!is_matched && config.fill == DisparityFill::none) continue;
-            int d = matched.disparities[i] + config.min_disparity_px * kOnePixel;
+            int d = matched.disparities[i] + config.min_disparity_px * matching::kOnePixel;
             if (d == 0) d = 1;
-            map.values[i] = static_cast<float>(d) / kOnePixel;
+            map.values[i] = static_cast<float>(d) / matching::kOnePixel;
             map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
         }
     });
@@ -159,11 +163,11 @@ PixelRect middle_of(int width, int height) {
 }
 
 PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middle, Image right_middle) {
-    PairCorrection correction{find_light(coarse.small.pair, coarse.map, coarse.min_px),
-                              find_noise(left_middle)};
+    PairCorrection correction{matching::find_light(coarse.small.pair, coarse.map, coarse.min_px),
+                              matching::find_noise(left_middle)};
     constexpr int kOneThread = 1;  // the image is small
-    relight(right_middle, correction.light, kOneThread);
-    correction.right_noise = find_noise(right_middle);
+    matching::relight(right_middle, correction.light, kOneThread);
+    correction.right_noise = matching::find_noise(right_middle);
     return correction;
 }
 
@@ -190,9 +194,9 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 }
 
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads) {
-    relight(pair.right, correction.light, threads);
-    denoise(pair.left, correction.left_noise, threads);
-    denoise(pair.right, correction.right_noise, threads);
+    matching::relight(pair.right, correction.light, threads);
+    matching::denoise(pair.left, correction.left_noise, threads);
+    matching::denoise(pair.right, correction.right_noise, threads);
     return pair;
 }
 
@@ -212,10 +216,10 @@ DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& co
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    const PairMatcher on_cpu = [threads](const StereoPair& views, const MatchingConfig& matching) {
-        return match_pair(views, matching, threads);
+    const PairMatcher on_cpu = [threads](const StereoPair& views, const matching::MatchingConfig& matching) {
+        return matching::match_pair(views, matching, threads);
     };
     return compute_disparity(pair, config, on_cpu, threads);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -9,7 +9,7 @@
 #include "pipeline/matching/matcher.h"
 #include "pipeline/stages/disparity_range.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // sgm is the matcher in pipeline/matching, sgbm is OpenCV's StereoSGBM.
 enum class DisparityMethod { sgm, sgbm };
@@ -54,11 +54,11 @@ struct DisparityConfig {
 };
 
 // The matcher used by the method sgm: on the CPU, or its equal on a device.
-using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
+using PairMatcher = std::function<matching::MatchedMap(const StereoPair&, const matching::MatchingConfig&)>;
 
 // The corrections that a pair's images get before they are matched.
 struct PairCorrection {
-    LightCurves light;  // maps the right image's light to the left image's
+    matching::LightCurves light;  // maps the right image's light to the left image's
     // Noise by find_noise(); the right one's after its light is corrected.
     double left_noise = 0, right_noise = 0;
 };
@@ -104,4 +104,4 @@ DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& confi
 // As compute_disparity() above, with the matcher of the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

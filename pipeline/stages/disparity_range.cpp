@@ -11,7 +11,7 @@
 
 #include "pipeline/stages/sgbm.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kCoarseColumns = 160, kFineColumns = 320;
@@ -41,11 +41,12 @@ ReducedPair reduced(const StereoPair& pair, int columns) {
     return {scale, {reduced(pair.left, size), reduced(pair.right, size)}};
 }
 
-SmallMatch match_small(ReducedPair small, const DisparityRange& range, int speckle_pixels, int threads) {
-    MatchingConfig config;
+SmallMatch match_small(ReducedPair small, const matching::DisparityRange& range, int speckle_pixels,
+                       int threads) {
+    matching::MatchingConfig config;
     config.range = range;
     config.consistency.speckle_pixels = speckle_pixels;
-    MatchedMap map = match_trusted(small.pair, config, threads);
+    matching::MatchedMap map = matching::match_trusted(small.pair, config, threads);
     return {std::move(small), range.min_px, std::move(map)};
 }
 
@@ -57,14 +58,14 @@ std::optional<Extremes> extremes_of(const SmallMatch& match) {
     // Returns nothing if next to nothing matches.
     std::vector<std::int16_t> known;
     for (const std::int16_t d : match.map.disparities)
-        if (d != kUnknown16) known.push_back(d);
+        if (d != matching::kUnknown16) known.push_back(d);
     const std::size_t few =
         std::max(kLeastPixels, static_cast<std::size_t>(kLeastShare * static_cast<double>(known.size())));
     if (known.size() <= few) return std::nullopt;
     const auto nth_px = [&](std::size_t n) {
         const auto nth = known.begin() + static_cast<std::ptrdiff_t>(n);
         std::nth_element(known.begin(), nth, known.end());
-        return match.small.scale * (match.min_px + *nth / static_cast<double>(kOnePixel));
+        return match.small.scale * (match.min_px + *nth / static_cast<double>(matching::kOnePixel));
     };
     return Extremes{nth_px(few), nth_px(known.size() - few - 1)};
 }
@@ -87,8 +88,8 @@ int entries(double from_px, double to_px, const ReducedPair& small) {
 
 SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads) {
     ReducedPair coarse = reduced(pair, kCoarseColumns);
-    const DisparityRange range{floor_of(min_px, coarse),
-                               entries(std::max(0, min_px), pair.left.width, coarse)};
+    const matching::DisparityRange range{floor_of(min_px, coarse),
+                                         entries(std::max(0, min_px), pair.left.width, coarse)};
     return match_small(std::move(coarse), range, kCoarseSpeckle, threads);
 }
 
@@ -102,7 +103,7 @@ int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int
     if (scale > 1) {
         ReducedPair fine = reduced(pair, kFineColumns);
         const double reach_px = kFineReach * largest_px + 2 * scale;
-        const DisparityRange range{floor_of(min_px, fine), entries(min_px, reach_px, fine)};
+        const matching::DisparityRange range{floor_of(min_px, fine), entries(min_px, reach_px, fine)};
         scale = fine.scale;
         largest_px = std::max(
             largest_px, largest_disparity_px(match_small(std::move(fine), range, kFineSpeckle, threads)));
@@ -118,7 +119,7 @@ double farthest_disparity_px(const SmallMatch& coarse) {
     const double least_px = extremes->least_px;
     const double with_margin_px =
         least_px - kMargin * std::fabs(least_px) - kFarMargin_px * coarse.small.scale;
-    return std::floor(kOnePixel * with_margin_px) / kOnePixel;
+    return std::floor(matching::kOnePixel * with_margin_px) / matching::kOnePixel;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

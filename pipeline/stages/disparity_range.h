@@ -4,7 +4,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/matching/matcher.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 struct ReducedPair {
     double scale = 1;  // columns of the full pair per column of the reduced one
@@ -15,7 +15,7 @@ struct ReducedPair {
 struct SmallMatch {
     ReducedPair small;
     int min_px = 0;  // in px of the reduced pair: the map's disparities count from here
-    MatchedMap map;
+    matching::MatchedMap map;
 };
 
 // Matches the pair at 160 columns (or at its own width if that is less), from min_px on over its whole width.
@@ -35,4 +35,4 @@ int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int
 // near surface, may match anything, often something far.
 double farthest_disparity_px(const SmallMatch& coarse);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -6,7 +6,7 @@
 
 #include "pipeline/stages/surface_raster.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr double kJoined_px = 1;  // neighbours whose disparities differ by more belong to two surfaces
@@ -76,4 +76,4 @@ std::vector<float> hidden_from_left(const DisparityMap& left, int threads) {
     return hidden;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

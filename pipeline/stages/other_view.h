@@ -5,7 +5,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Returns, row-major, the disparities of those pixels of the right view that the left camera does not see; 0
 // at all other pixels. The left map (px; values not above 0 = unknown) is warped to x - d, nearer surfaces in
@@ -15,4 +15,4 @@ namespace hexrelief {
 // pixels that would lie outside the left image.
 std::vector<float> hidden_from_left(const DisparityMap& left, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

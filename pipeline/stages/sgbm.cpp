@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/wls_filter.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kStep = 16;  // StereoSGBM needs multiples of this
@@ -176,4 +176,4 @@ void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image&
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

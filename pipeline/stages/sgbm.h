@@ -4,7 +4,7 @@
 #include "pipeline/stages/disparity.h"
 #include "pipeline/stages/view_check.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 struct RawViews {
     RawDisparities left, right;
@@ -27,4 +27,4 @@ inline constexpr int kLargestPenalty = 16000;  // because sums of costs have 16 
 // Because 1/16 px, on planes that go beyond the range, must fit into 16 bits.
 inline constexpr int kLargestRange_px = 1920;
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

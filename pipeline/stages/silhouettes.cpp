@@ -8,7 +8,7 @@
 
 #include "pipeline/stages/surface_raster.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr double kMostMove_px = 0.75;
@@ -293,4 +293,4 @@ void adjust_silhouettes(DisparityMesh& mesh, const DisparityMap& map, float back
         for (const std::uint32_t vertex : vertices) adjuster.adjust(vertex);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

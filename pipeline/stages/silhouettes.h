@@ -5,7 +5,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/disparity_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Moves vertices on the mesh's borders if that lowers the error of the pixels around them; by at most 0.75 px
 // each, in `rounds` passes over all of them (0 = not at all). Near surfaces weigh more, and a pixel farther
@@ -14,4 +14,4 @@ namespace hexrelief {
 // background_px do not count. The result depends on the arguments only.
 void adjust_silhouettes(DisparityMesh& mesh, const DisparityMap& map, float background_px, int rounds);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

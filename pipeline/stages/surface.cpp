@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/surface_topology.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 struct Vec3d {
@@ -178,4 +178,4 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
     return surface;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

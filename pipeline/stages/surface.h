@@ -9,7 +9,7 @@
 #include "pipeline/data/disparity_mesh.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Returns Z = focal * baseline / (d + doffs), X = (u - cx) Z / focal, Y = (v - cy) Z / focal, in glTF's axes:
 // (X, -Y, -Z). Only for d + doffs > 0.
@@ -27,4 +27,4 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
                           const Calibration& calibration, int min_component,
                           std::vector<std::uint32_t>* sources = nullptr);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

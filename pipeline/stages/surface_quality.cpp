@@ -8,7 +8,7 @@
 #include "pipeline/stages/other_view.h"
 #include "pipeline/stages/surface_raster.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kDiscontinuityReach_px = 2;  // a pixel this near to a discontinuity is not "flat"
@@ -148,4 +148,4 @@ SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityM
     return quality;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -4,7 +4,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // The largest error that one pixel counts, and the error of a pixel that no triangle covers.
 inline constexpr double kErrorCap_px = 10;
@@ -37,4 +37,4 @@ struct SurfaceQuality {
 SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
                                        int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

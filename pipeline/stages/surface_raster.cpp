@@ -7,7 +7,7 @@
 
 #include "mesher/common/thread_pool.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // Points this far outside count as on the edge, so that shared edges leave no gaps.
@@ -184,4 +184,4 @@ void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, 
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -8,7 +8,7 @@
 
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // A point of a view: x, y in px (the centre of pixel (i, j) is (i + 0.5, j + 0.5)), and its
 // disparity d in px.
@@ -51,4 +51,4 @@ void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, 
 // Calls work(first_row, last_row + 1) for bands of rows on `threads` threads; returns when all are done.
 void for_row_bands(int height, int threads, const std::function<void(int, int)>& work);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -9,7 +9,7 @@
 #include "pipeline/data/counting_sort.h"
 #include "pipeline/data/union_find.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // Returns the corners of each vertex, as 3 * triangle + corner, ascending.
@@ -189,4 +189,4 @@ Topology count_topology(const SurfaceMesh& surface) {
     return topology;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

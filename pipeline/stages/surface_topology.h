@@ -6,7 +6,7 @@
 
 #include "pipeline/data/surface_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // Splits non-manifold vertices: each fan of a vertex (triangles connected through edges at it) gets a vertex
 // of its own. Renumbers the triangles in place. Returns the source vertex of each new vertex, ascending;
@@ -25,4 +25,4 @@ struct Topology {
 // Counts components and boundary loops. Throws std::logic_error if the triangles are not manifold.
 Topology count_topology(const SurfaceMesh& surface);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

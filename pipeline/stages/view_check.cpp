@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 void check_left_right(RawDisparities& left, const RawDisparities& right, double limit_px) {
     const int limit = static_cast<int>(std::floor(std::min(limit_px, 2048.0) * kRawScale));
@@ -33,4 +33,4 @@ void remove_speckles(RawDisparities& map, int window_px, int range_px) {
     cv::filterSpeckles(view, kUnmatched, window_px, range_px * kRawScale);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

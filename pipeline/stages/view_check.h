@@ -6,7 +6,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // The disparities of one view as StereoSGBM gives them: row-major, in 1/16 px; kUnmatched = no match.
 struct RawDisparities {
@@ -26,4 +26,4 @@ void check_left_right(RawDisparities& left, const RawDisparities& right, double 
 // range_px. window_px = 0 removes none.
 void remove_speckles(RawDisparities& map, int window_px, int range_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

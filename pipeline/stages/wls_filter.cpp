@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/module.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 WlsFunction load() {
@@ -29,4 +29,4 @@ void filter_wls(const WlsRequest& request) {
     if (run(&call) != 0) throw Error(ErrorKind::usage, "disparity.wls: " + std::string(message.data()));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

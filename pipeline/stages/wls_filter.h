@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 // The arguments of the library's function, in plain C types. Disparities are row-major, in 1/16 px.
 // `right` follows OpenCV's convention for right views: disparities are negated. All arrays have
@@ -32,4 +32,4 @@ inline constexpr const char* kWlsLibraryName = "hexrelief-wls.so";
 // is missing or fails.
 void filter_wls(const WlsRequest& request);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

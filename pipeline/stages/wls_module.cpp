@@ -7,9 +7,9 @@
 #include "pipeline/stages/wls_filter.h"
 
 extern "C" __attribute__((visibility("default"))) int hexrelief_wls_filter(
-    const hexrelief::WlsRequest* request) {
+    const hexrelief::stages::WlsRequest* request) {
     try {
-        const hexrelief::WlsRequest& r = *request;
+        const hexrelief::stages::WlsRequest& r = *request;
         // OpenCV wants non-const data; nothing below writes to it.
         const auto wrap = [&](const void* data, int type) {
             return cv::Mat(r.height, r.width, type, const_cast<void*>(data));

@@ -14,7 +14,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/readers/source.h"
 
-namespace hexrelief {
+namespace hexrelief::stamp {
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,8 +22,8 @@ using Json = nlohmann::ordered_json;
 
 // Returns the configuration as text, with the keys that were given, since a key may be given with its default
 // value (a budget does not change a given key).
-std::string config_text(const Config& config) {
-    Json json = config_json(config);
+std::string config_text(const config::Config& config) {
+    Json json = config::config_json(config);
     json["run"].erase("threads");
     json["run"].erase("backend");
     json.erase("limits");                        // the limits change no byte
@@ -37,14 +37,14 @@ std::string config_text(const Config& config) {
 
 std::string digest_line(const char* role, const fs::path& path) {
     if (path.empty()) return "";
-    static_cast<void>(codec::load_head(path, 0));  // refuses as the run would
-    return std::string(role) + " " + sha256_of_file(path) + "\n";
+    static_cast<void>(readers::codec::load_head(path, 0));  // refuses as the run would
+    return std::string(role) + " " + files::sha256_of_file(path) + "\n";
 }
 
 bool is_as_written(const Json& output, const fs::path& file) {
     std::error_code code;
     return fs::file_size(file, code) == output.at("bytes").get<std::uintmax_t>() && !code &&
-           sha256_of_file(file) == output.at("sha256").get<std::string>();
+           files::sha256_of_file(file) == output.at("sha256").get<std::string>();
 }
 
 // The different paths of each file name, in order.
@@ -63,10 +63,11 @@ std::size_t number_of(const fs::path& path, PathsByName& paths) {
 // True if the report's files are in place. The report may name other folders than the request, because
 // folders can be moved with their contents: the first file of a name must be where the request has its first
 // file of that name, and so on.
-bool are_as_written(const RunRequest& request, const Json& outputs) {
+bool are_as_written(const job::RunRequest& request, const Json& outputs) {
     PathsByName planned, told;
     for (const fs::path& output : request.outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting)) number_of(file, planned);
+        for (const fs::path& file : job::planned_files(output, request.config.exporting))
+            number_of(file, planned);
     std::set<fs::path> found;
     for (const Json& output : outputs) {
         const fs::path path = output.at("path").get<std::string>();
@@ -76,9 +77,9 @@ bool are_as_written(const RunRequest& request, const Json& outputs) {
         found.insert(places[number]);
     }
     // The report does not list the other files, whose bytes are not known.
-    RunRequest others = request;
+    job::RunRequest others = request;
     others.outputs.clear();
-    const std::vector<fs::path> unhashed = written_files(others);
+    const std::vector<fs::path> unhashed = job::written_files(others);
     std::error_code code;
     return std::all_of(request.outputs.begin(), request.outputs.end(),
                        [&](const fs::path& file) { return found.contains(file); }) &&
@@ -88,7 +89,7 @@ bool are_as_written(const RunRequest& request, const Json& outputs) {
 
 }  // namespace
 
-std::string unit_stamp(const RunRequest& request) {
+std::string unit_stamp(const job::RunRequest& request) {
     std::string text =
         std::string("hexrelief ") + HEXRELIEF_VERSION + "\n" + config_text(request.config) + "\n";
     for (const fs::path& output : request.outputs) text += "output " + output.filename().string() + "\n";
@@ -98,16 +99,16 @@ std::string unit_stamp(const RunRequest& request) {
             digest_line("depth", request.depth) + digest_line("color", request.color) +
             digest_line("mask", request.mask) + digest_line("confidence", request.confidence) +
             digest_line("calibration", request.config.input.calibration.file);
-    return sha256_of(text.data(), text.size());
+    return files::sha256_of(text.data(), text.size());
 }
 
-UnitState stamp_request(RunRequest& request) {
-    if (request.report.empty() || is_standard_output(request.report)) return UnitState::missing;
+UnitState stamp_request(job::RunRequest& request) {
+    if (request.report.empty() || files::is_standard_output(request.report)) return UnitState::missing;
     request.stamp = unit_stamp(request);
     return unit_state(request, request.stamp);
 }
 
-UnitState unit_state(const RunRequest& request, const std::string& stamp) {
+UnitState unit_state(const job::RunRequest& request, const std::string& stamp) {
     std::ifstream file(request.report, std::ios::binary);
     const Json report = Json::parse(file, nullptr, false);
     if (!report.is_object() || !report.contains("stamp")) return UnitState::missing;
@@ -121,4 +122,4 @@ UnitState unit_state(const RunRequest& request, const std::string& stamp) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stamp

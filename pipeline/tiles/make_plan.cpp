@@ -13,7 +13,7 @@
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // Most pixels on which the coarse lattice is solved.
@@ -22,7 +22,7 @@ constexpr long long kCoarsePixels = 1 << 28;
 // Row seams are solved at the same time as long as their total length is at most this.
 constexpr int kRowSeamPixels = 1 << 17;
 
-void check_settings(const Config& config) {
+void check_settings(const config::Config& config) {
     const auto refuse = [](const std::string& key, const std::string& why) {
         throw Error(ErrorKind::usage, key + ": " + why + "; tiles are solved apart");
     };
@@ -33,7 +33,7 @@ void check_settings(const Config& config) {
     if (config.surface.silhouette_rounds > 0) refuse("surface.silhouette_rounds", "must be 0");
     if (config.exporting.lod > 1)
         refuse("export.lod", "must be 1, because 'hexrelief tiles merge' makes levels of detail");
-    const BudgetConfig& budget = config.budget;
+    const config::BudgetConfig& budget = config.budget;
     if (budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0)
         refuse("budget", "no limit can be given; give mesh.spacing_px");
 }
@@ -48,9 +48,9 @@ DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threa
     const int side = std::max(kWindow_px, by), across = (plan.width + side - 1) / side,
               down = (plan.height + side - 1) / side;
     do_jobs(static_cast<std::size_t>(across) * down, threads, [&](std::size_t k) {
-        wait_if_interrupted();
+        files::wait_if_interrupted();
         const int left = static_cast<int>(k) % across * side, top = static_cast<int>(k) / across * side;
-        const DensityMap fine = density_at_scale(
+        const DensityMap fine = stages::density_at_scale(
             map.read({left, top, std::min(side, plan.width - left), std::min(side, plan.height - top)}),
             plan.density, plan.config.density);
         for (int y = 0; y < fine.height; ++y) {
@@ -73,7 +73,7 @@ double grid_step(const TilePlan& plan) {
                          c.focal_px;
     // The error in px of half a step, across and in disparity.
     const double px_of_step = 0.5 * std::max(c.focal_px / near * (1 + aside), depth / (near * near));
-    const LatticeTiling tiling = plan.tiling();
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
     const double tile_px =
         1.5 * std::max(double(plan.width) / tiling.across(), double(plan.height) / tiling.down());
     const double widest = std::max(tile_px / c.focal_px * far + aside * (far - near), far - near);
@@ -81,14 +81,16 @@ double grid_step(const TilePlan& plan) {
     return std::exp2(std::floor(std::log2(step)));
 }
 
-Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
-    const ViewSize size{plan.width, plan.height};
-    const ResolvedCalibration resolved =
-        resolve_calibration({plan.config.input.calibration, size, size, nullptr, plan.color.path});
+Calibration camera_of_map(const TilePlan& plan, job::RunLog& log) {
+    const job::ViewSize size{plan.width, plan.height};
+    const job::ResolvedCalibration resolved =
+        job::resolve_calibration({plan.config.input.calibration, size, size, nullptr, plan.color.path});
     for (const std::string& warning : resolved.warnings) log.warn(warning);
-    if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
+    if (const std::string missing = job::missing_for_metres(resolved); !missing.empty()) log.warn(missing);
     Calibration camera = resolved.calibration;
-    const auto rounded = [](double px) { return std::floor(px * kPlacesPerPixel + 0.5) / kPlacesPerPixel; };
+    const auto rounded = [](double px) {
+        return std::floor(px * mesh_tiles::kPlacesPerPixel + 0.5) / mesh_tiles::kPlacesPerPixel;
+    };
     camera.cx = rounded(camera.cx);
     camera.cy = rounded(camera.cy);
     return camera;
@@ -104,7 +106,7 @@ struct Range {
     }
 };
 
-Range range_of(const MapWindow& window) {
+Range range_of(const stages::MapWindow& window) {
     Range range;
     for (int y = 0; y < window.height; ++y)
         for (const float d : std::span(window.row(y), static_cast<std::size_t>(window.width)))
@@ -113,17 +115,17 @@ Range range_of(const MapWindow& window) {
 }
 
 void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
-    const MapInStrips strips = map.strips(threads);
+    const stages::MapInStrips strips = map.strips(threads);
     std::vector<Range> ranges(static_cast<std::size_t>(strips.strips));
     bool is_first = true;
     const auto read = [&](const auto& take) {
-        strips.read([&](int strip, const MapWindow& window) {
+        strips.read([&](int strip, const stages::MapWindow& window) {
             take(strip, window);
             if (is_first) ranges[static_cast<std::size_t>(strip)].include(range_of(window));
         });
         is_first = false;
     };
-    plan.density = find_density_scale({strips.strips, read}, plan.config.density);
+    plan.density = stages::find_density_scale({strips.strips, read}, plan.config.density);
     for (const Range& range : ranges) ranges[0].include(range);
     plan.nearest_px = ranges[0].nearest;
     if (plan.nearest_px > 0) plan.farthest_px = ranges[0].farthest;
@@ -134,7 +136,7 @@ void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
 }
 
 void lay_lattice(const PlanRequest& request, TilePlan& plan) {
-    const auto lattice = lattice_size(plan.width, plan.height, plan.config.mesh.spacing_px);
+    const auto lattice = som::lattice_size(plan.width, plan.height, plan.config.mesh.spacing_px);
     plan.columns = lattice.columns;
     plan.rows = lattice.rows;
     plan.tile_spacings = request.tile_vertices;
@@ -147,31 +149,33 @@ void lay_lattice(const PlanRequest& request, TilePlan& plan) {
     while (pixels() > kCoarsePixels) plan.shrunk_by *= 2;
 }
 
-void write_file(OutputSet& files, const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+void write_file(files::OutputSet& files, const std::filesystem::path& path,
+                const std::vector<std::uint8_t>& bytes) {
     files.place(path);
     files.files().write(path, bytes);
 }
 
 // Solves and writes the seams. Those of rows are as long as the map is wide: few at a time, each by several
 // threads. Those of columns are solved as many at a time as there are threads.
-void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
-                 const TileWorkers& workers, OutputSet& files, RunLog& log) {
-    const LatticeTiling tiling = plan.tiling();
-    const auto density_by = [&](int threads) -> DensityOfWindow {
-        return [&, threads](const MapRect& window) {
-            return density_at_scale(map.read(window, threads), plan.density, plan.config.density, threads);
+void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::CoarseLattice& coarse,
+                 const TileWorkers& workers, files::OutputSet& files, job::RunLog& log) {
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
+    const auto density_by = [&](int threads) -> mesh_tiles::DensityOfWindow {
+        return [&, threads](const mesh_tiles::MapRect& window) {
+            return stages::density_at_scale(map.read(window, threads), plan.density, plan.config.density,
+                                            threads);
         };
     };
     const int row_jobs = std::clamp(kRowSeamPixels / plan.width, 1, std::min(4, workers.threads)),
               row_threads = workers.threads / row_jobs;
-    const DensityOfWindow by_some = density_by(row_threads), by_one = density_by(1);
+    const mesh_tiles::DensityOfWindow by_some = density_by(row_threads), by_one = density_by(1);
     const BalanceConfig& config = plan.config.mesh.balance;
-    const TileSolver of_rows(tiling, coarse, config, by_some, row_threads, workers.balance),
+    const mesh_tiles::TileSolver of_rows(tiling, coarse, config, by_some, row_threads, workers.balance),
         of_columns(tiling, coarse, config, by_one, 1, workers.balance);
-    std::vector<Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
+    std::vector<mesh_tiles::Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
     log.stage("row seams", [&] {
         do_jobs(static_cast<std::size_t>(tiling.down()) - 1, row_jobs, [&](std::size_t k) {
-            wait_if_interrupted();
+            files::wait_if_interrupted();
             rows[k + 1] = of_rows.row_seam(static_cast<int>(k) + 1);
         });
     });
@@ -184,7 +188,7 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattic
     std::vector<std::vector<std::uint8_t>> columns(static_cast<std::size_t>(inner) * tiling.down());
     log.stage("column seams", [&] {
         do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
-            wait_if_interrupted();
+            files::wait_if_interrupted();
             const int i = static_cast<int>(k) % inner + 1, j = static_cast<int>(k) / inner;
             columns[k] = seam_bytes(of_columns.column_seam(i, j, row_seam(j), row_seam(j + 1)));
         });
@@ -197,7 +201,7 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattic
 
 }  // namespace
 
-TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log) {
+TilePlan make_plan(const PlanRequest& request, const job::Backend& backend, int threads, job::RunLog& log) {
     check_settings(request.config);
     keep_freed_memory();
     TilePlan plan;
@@ -215,13 +219,13 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     log.stage("density", [&] { find_scale(map, threads, plan); });
     plan.grid_step_m = grid_step(plan);
 
-    CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
+    mesh_tiles::CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
     const DensityMap shrunk = log.stage("shrunk density", [&] { return shrunk_density(plan, map, threads); });
     coarse.mesh = log.stage("coarse lattice", [&] {
         return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })
             .mesh;
     });
-    OutputSet files;
+    files::OutputSet files;
     write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));
     const TileWorkers workers = workers_of(backend, threads);
     write_seams(plan, map, coarse, workers, files, log);
@@ -230,4 +234,4 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     return plan;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -15,11 +15,11 @@
 #include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_output.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 namespace fs = std::filesystem;
-using SeamEdge = std::array<TileCorner, 2>;
+using SeamEdge = std::array<mesh_tiles::TileCorner, 2>;
 
 constexpr double kShareOfChildren = 0.25;  // share of the children's triangles
 
@@ -41,7 +41,7 @@ void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int
     std::vector<SeamEdge> edges;
     std::mutex turn;
     do_jobs(tiles.size(), threads, [&](std::size_t k) {
-        const TileMesh mesh = read_tile(tile_file(plan, tiles[k], ".mesh"));
+        const mesh_tiles::TileMesh mesh = read_tile(tile_file(plan, tiles[k], ".mesh"));
         const std::lock_guard lock(turn);
         edges.insert(edges.end(), mesh.seam_edges.begin(), mesh.seam_edges.end());
     });
@@ -57,32 +57,35 @@ void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int
 }
 
 // Returns the pixels that the mesh covers, in whole squares of by x by px.
-MapRect extent_of(const TilePlan& plan, const TileMesh& mesh, int by) {
-    Place least = mesh.corners.front().place, most = least;
-    for (const TileCorner& c : mesh.corners) {
+mesh_tiles::MapRect extent_of(const TilePlan& plan, const mesh_tiles::TileMesh& mesh, int by) {
+    mesh_tiles::Place least = mesh.corners.front().place, most = least;
+    for (const mesh_tiles::TileCorner& c : mesh.corners) {
         least = {std::min(least.x, c.place.x), std::min(least.y, c.place.y)};
         most = {std::max(most.x, c.place.x), std::max(most.y, c.place.y)};
     }
-    const auto below = [&](std::int32_t at) { return std::max(0, at / kPlacesPerPixel / by * by); };
+    const auto below = [&](std::int32_t at) {
+        return std::max(0, at / mesh_tiles::kPlacesPerPixel / by * by);
+    };
     const auto above = [&](std::int32_t at, int size) {
-        return std::min(size, (at / kPlacesPerPixel / by + 1) * by);
+        return std::min(size, (at / mesh_tiles::kPlacesPerPixel / by + 1) * by);
     };
     const int x = below(least.x), y = below(least.y);
     return {x, y, above(most.x, plan.width) - x, above(most.y, plan.height) - y};
 }
 
-TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
+mesh_tiles::TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
     return read_tile(tile_file(plan, tile, ".mesh"));
 }
 
-void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vector<TileMesh>& parts,
-                   const PictureWindows* picture, int threads) {
-    std::vector<TileMesh> children;
+void solve_coarser(const TilePlan& plan, const TileNumber& tile,
+                   const std::vector<mesh_tiles::TileMesh>& parts, const windows::PictureWindows* picture,
+                   int threads) {
+    std::vector<mesh_tiles::TileMesh> children;
     for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
     const Calibration& camera = plan.calibration;
-    const CoarserTile coarser = coarser_tile(children, parts, kShareOfChildren, [&](double disparity) {
-        return -position_in_space(0, 0, disparity, camera)[2];
-    });
+    const mesh_tiles::CoarserTile coarser = mesh_tiles::coarser_tile(
+        children, parts, kShareOfChildren,
+        [&](double disparity) { return -stages::position_in_space(0, 0, disparity, camera)[2]; });
     TileReport report;
     report.error_px = coarser.error_px;
     report.error_m = coarser.error_m;
@@ -91,7 +94,7 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vect
         return;
     }
     const int by = 1 << (plan.finest_level() - tile.level);
-    const MapRect extent = extent_of(plan, coarser.mesh, by);
+    const mesh_tiles::MapRect extent = extent_of(plan, coarser.mesh, by);
     Image texture;
     if (picture) texture = shrunk_picture(*picture, extent, by);
     write_tile(plan, tile, coarser.mesh, tile_scene(plan, coarser.mesh, extent),
@@ -134,21 +137,21 @@ std::size_t add_missing(const TilePlan& plan, const TileNumber& tile, LevelJobs&
     return last;
 }
 
-void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
-    const std::unique_ptr<PictureWindows> picture =
-        plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path);
+void solve_coarser_levels(const TilePlan& plan, int threads, job::RunLog& log) {
+    const std::unique_ptr<windows::PictureWindows> picture =
+        plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path);
     LevelJobs all;
     add_missing(plan, {0, 0, 0}, all);
-    std::vector<TileMesh> simplified(all.jobs.size());
+    std::vector<mesh_tiles::TileMesh> simplified(all.jobs.size());
     std::mutex turn;
     double done = 0;
     do_jobs_in_turn(all.needed_by, threads, [&](std::size_t k) {
-        wait_if_interrupted();
+        files::wait_if_interrupted();
         const LevelJob& job = all.jobs[k];
         if (job.parts.empty()) {
-            simplified[k] = simplified_alone(mesh_of(plan, job.tile), kShareOfChildren);
+            simplified[k] = mesh_tiles::simplified_alone(mesh_of(plan, job.tile), kShareOfChildren);
         } else {
-            std::vector<TileMesh> parts;
+            std::vector<mesh_tiles::TileMesh> parts;
             for (const std::size_t part : job.parts) parts.push_back(std::move(simplified[part]));
             const auto beside = static_cast<int>(tiles_of_level(plan, job.tile.level).size());
             solve_coarser(plan, job.tile, parts, picture.get(), std::max(1, threads / beside));
@@ -160,16 +163,17 @@ void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
 
 // Returns the tiles that are not empty, and the root. The error of a coarser tile is added to those of
 // the tiles in it.
-std::vector<TilesetTile> tileset_tiles(const TilePlan& plan) {
-    std::vector<TilesetTile> tiles;
-    std::vector<TilesetTile> below;
+std::vector<tileset::TilesetTile> tileset_tiles(const TilePlan& plan) {
+    std::vector<tileset::TilesetTile> tiles;
+    std::vector<tileset::TilesetTile> below;
     for (int level = plan.finest_level(); level >= 0; --level) {
-        std::vector<TilesetTile> here;
+        std::vector<tileset::TilesetTile> here;
         for (const TileNumber& number : tiles_of_level(plan, level)) {
             const TileReport report = read_tile_report(tile_file(plan, number, ".json"));
             if (report.triangles == 0 && level > 0) continue;
-            TilesetTile tile{level, number.i, number.j, report.low_m, report.high_m, 0, report.triangles > 0};
-            for (const TilesetTile& child : below)
+            tileset::TilesetTile tile{
+                level, number.i, number.j, report.low_m, report.high_m, 0, report.triangles > 0};
+            for (const tileset::TilesetTile& child : below)
                 if (child.x / 2 == tile.x && child.y / 2 == tile.y)
                     tile.error_m = std::max(tile.error_m, child.error_m + report.error_m);
             here.push_back(tile);
@@ -180,7 +184,7 @@ std::vector<TilesetTile> tileset_tiles(const TilePlan& plan) {
     return tiles;
 }
 
-void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& files) {
+void write_tileset(const TilePlan& plan, const fs::path& output, files::OutputSet& files) {
     const std::string generator = std::string("hexrelief ") + HEXRELIEF_VERSION;
     const fs::path folder = output.parent_path();
     const fs::path content =
@@ -192,11 +196,12 @@ void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& file
         files.place(path);
         files.files().write(path, bytes);
     };
-    const std::vector<TilesetTile> tiles = tileset_tiles(plan);
-    const ImplicitTileset halved = implicit_tileset(tiles, content.generic_string(), generator);
+    const std::vector<tileset::TilesetTile> tiles = tileset_tiles(plan);
+    const tileset::ImplicitTileset halved =
+        tileset::implicit_tileset(tiles, content.generic_string(), generator);
     for (const auto& subtree : halved.subtrees) write(folder / subtree.name, subtree.bytes);
     write(fs::path(output).replace_extension(".implicit.json"), halved.json);
-    write(output, explicit_tileset(tiles, content.generic_string(), generator));
+    write(output, tileset::explicit_tileset(tiles, content.generic_string(), generator));
 }
 
 // Refuses an output that would overwrite the tiles or their sources.
@@ -206,15 +211,15 @@ void check_output(const TilePlan& plan, const fs::path& output) {
         throw Error(ErrorKind::usage, "'" + output.string() + "': tiles are merged into .json or .glb");
     std::vector<fs::path> read = {plan_file(plan.folder), plan.map.path, plan.color.path};
     for (const auto& [name, sum] : plan.sums) read.push_back(plan.folder / name);
-    check_overwrites({output}, read);
-    const fs::path tiles = fs::weakly_canonical(plan.folder / "tiles"), at = identify(output).path;
+    files::check_overwrites({output}, read);
+    const fs::path tiles = fs::weakly_canonical(plan.folder / "tiles"), at = files::identify(output).path;
     if (std::mismatch(tiles.begin(), tiles.end(), at.begin(), at.end()).first == tiles.end())
         throw Error(ErrorKind::usage, output.string() + " would be among the tiles; choose another folder");
 }
 
 }  // namespace
 
-MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, RunLog& log) {
+MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, job::RunLog& log) {
     check_output(plan, output);
     keep_freed_memory();
     const std::vector<TileNumber> tiles = tiles_of_level(plan, plan.finest_level());
@@ -233,7 +238,7 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     }
     if (merged.empty == merged.tiles)
         throw Error(ErrorKind::input, plan.folder.string() + ": nothing is in any of the tiles");
-    OutputSet files;
+    files::OutputSet files;
     if (output.extension() == ".json") {
         merged.levels = plan.finest_level() + 1;
         log.stage("levels", [&] { solve_coarser_levels(plan, threads, log); });
@@ -241,11 +246,11 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     } else {
         files.place(output);
         log.stage("join", [&] {
-            join_glb(contents, std::string("hexrelief ") + HEXRELIEF_VERSION, output, files.files());
+            tileset::join_glb(contents, std::string("hexrelief ") + HEXRELIEF_VERSION, output, files.files());
         });
     }
     files.commit();
     return merged;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -7,7 +7,7 @@
 #include "pipeline/job/run_log.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct MergedTiles {
     std::size_t tiles = 0, empty = 0;         // of the finest level
@@ -19,6 +19,7 @@ struct MergedTiles {
 // writes one with implicit tiling ("NAME.implicit.json" and "subtrees/"), and makes the coarser levels that
 // are missing, each with a quarter of the triangles of the level below. Throws Error(input) if a tile is not
 // solved or an edge between two tiles is not in both, Error(usage) for another extension, Error(output).
-MergedTiles merge_tiles(const TilePlan& plan, const std::filesystem::path& output, int threads, RunLog& log);
+MergedTiles merge_tiles(const TilePlan& plan, const std::filesystem::path& output, int threads,
+                        job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

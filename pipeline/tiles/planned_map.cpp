@@ -8,27 +8,27 @@
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/tiles/tile_jobs.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // Files have tiles of mostly 256 px, each of which should be decoded by one thread.
 constexpr int kFileTile_px = 256;
 
 // Returns the first column of the file's tiles that is right of the window.
-int tiles_end(const MapRect& window) {
+int tiles_end(const mesh_tiles::MapRect& window) {
     return (window.x + window.width - 1) / kFileTile_px + 1;
 }
 
 }  // namespace
 
 PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
-    : map_(MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
-      picture_(plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path)),
+    : map_(windows::MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
+      picture_(plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path)),
       has_transparent_(picture_ && picture_->has_alpha() && plan.config.input.mask.alpha) {
     if (picture_ && (picture_->width() != width() || picture_->height() != height()))
         throw Error(ErrorKind::input, plan.color.path.string() + ": is " +
-                                          size_text({picture_->width(), picture_->height()}) +
-                                          " px, the map " + size_text({width(), height()}) +
+                                          job::size_text({picture_->width(), picture_->height()}) +
+                                          " px, the map " + job::size_text({width(), height()}) +
                                           "; of tiles they must be of one size");
     if (std::max(width(), height()) > kLargestTiledSide_px)
         throw Error(ErrorKind::input, plan.map.path.string() + ": tiles are for maps of up to " +
@@ -37,12 +37,13 @@ PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
     if (!needs_colors && !has_transparent_) picture_.reset();
 }
 
-int PlannedMap::strips_of(const MapRect& window, int threads) {
+int PlannedMap::strips_of(const mesh_tiles::MapRect& window, int threads) {
     return std::clamp(tiles_end(window) - window.x / kFileTile_px, 1, std::max(1, threads));
 }
 
-void PlannedMap::read_in_strips(const MapRect& window, int strips,
-                                const std::function<void(int strip, const MapWindow& part)>& take) const {
+void PlannedMap::read_in_strips(
+    const mesh_tiles::MapRect& window, int strips,
+    const std::function<void(int strip, const stages::MapWindow& part)>& take) const {
     const int first = window.x / kFileTile_px, tiles = tiles_end(window) - first,
               right = window.x + window.width, bottom = window.y + window.height;
     do_jobs(static_cast<std::size_t>(strips), strips, [&](std::size_t k) {
@@ -52,7 +53,7 @@ void PlannedMap::read_in_strips(const MapRect& window, int strips,
         };
         const int x = edge(strip), width = edge(strip + 1) - x;
         for (int y = window.y, next = 0; y < bottom; y = next) {
-            wait_if_interrupted();
+            files::wait_if_interrupted();
             next = std::min((y / kFileTile_px + 1) * kFileTile_px, bottom);
             const DisparityMap part = read({x, y, width, next - y});
             take(strip, {x, y, width, part.height, part.values.data(), static_cast<std::size_t>(width)});
@@ -61,7 +62,7 @@ void PlannedMap::read_in_strips(const MapRect& window, int strips,
 }
 
 // Hides in bands, so that the picture's samples need little memory beside the map's.
-void PlannedMap::hide_transparent(const MapRect& window, DisparityMap& map) const {
+void PlannedMap::hide_transparent(const mesh_tiles::MapRect& window, DisparityMap& map) const {
     for (int top = 0; top < window.height; top += kFileTile_px) {
         const int rows = std::min(kFileTile_px, window.height - top);
         const Image part = picture_->read(window.x, window.y + top, window.width, rows);
@@ -71,27 +72,27 @@ void PlannedMap::hide_transparent(const MapRect& window, DisparityMap& map) cons
     }
 }
 
-DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
+DisparityMap PlannedMap::read(const mesh_tiles::MapRect& window, int threads) const {
     const int strips = strips_of(window, threads);
     if (strips == 1) {
         DisparityMap map = map_->read(window.x, window.y, window.width, window.height);
         if (has_transparent_) hide_transparent(window, map);
-        rounded_disparities(map);
+        mesh_tiles::rounded_disparities(map);
         return map;
     }
     DisparityMap map{window.width, window.height, {}};
     map.values.resize(static_cast<std::size_t>(window.width) * window.height);
-    read_in_strips(window, strips, [&](int, const MapWindow& part) {
+    read_in_strips(window, strips, [&](int, const stages::MapWindow& part) {
         for (int row = 0; row < part.height; ++row)
             std::copy_n(part.row(row), part.width, &map.at(part.x - window.x, part.y - window.y + row));
     });
     return map;
 }
 
-MapInStrips PlannedMap::strips(int threads) const {
-    const MapRect all{0, 0, width(), height()};
+stages::MapInStrips PlannedMap::strips(int threads) const {
+    const mesh_tiles::MapRect all{0, 0, width(), height()};
     const int strips = strips_of(all, threads);
     return {strips, [this, all, strips](const auto& take) { read_in_strips(all, strips, take); }};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -10,7 +10,7 @@
 #include "pipeline/windows/map_windows.h"
 #include "pipeline/windows/picture_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 class PlannedMap {
   public:
@@ -22,22 +22,22 @@ class PlannedMap {
 
     int width() const { return map_->width(); }
     int height() const { return map_->height(); }
-    const PictureWindows* picture() const { return picture_.get(); }  // null if none is kept
+    const windows::PictureWindows* picture() const { return picture_.get(); }  // null if none is kept
     // Returns a window's disparities, rounded by rounded_disparities() and read by `threads` threads; unknown
     // where the picture is transparent if input.mask.alpha is set. Any number of threads may call. Throws
     // what MapWindows::read() and PictureWindows::read() throw.
-    DisparityMap read(const MapRect& window, int threads = 1) const;
+    DisparityMap read(const mesh_tiles::MapRect& window, int threads = 1) const;
     // Returns the whole map in strips, to be read by `threads` threads.
-    MapInStrips strips(int threads) const;
+    stages::MapInStrips strips(int threads) const;
 
   private:
-    static int strips_of(const MapRect& window, int threads);
-    void read_in_strips(const MapRect& window, int strips,
-                        const std::function<void(int strip, const MapWindow& part)>& take) const;
-    void hide_transparent(const MapRect& window, DisparityMap& map) const;
-    std::unique_ptr<MapWindows> map_;
-    std::unique_ptr<PictureWindows> picture_;
+    static int strips_of(const mesh_tiles::MapRect& window, int threads);
+    void read_in_strips(const mesh_tiles::MapRect& window, int strips,
+                        const std::function<void(int strip, const stages::MapWindow& part)>& take) const;
+    void hide_transparent(const mesh_tiles::MapRect& window, DisparityMap& map) const;
+    std::unique_ptr<windows::MapWindows> map_;
+    std::unique_ptr<windows::PictureWindows> picture_;
     bool has_transparent_ = false;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
-Image shrunk_picture(const PictureWindows& picture, const MapRect& part, int by) {
+Image shrunk_picture(const windows::PictureWindows& picture, const mesh_tiles::MapRect& part, int by) {
     const auto shrunk = [by](int size) { return (size + by - 1) / by; };
     Image out{shrunk(part.width), shrunk(part.height), 1, {}};
     const int band_rows = std::max(by, (1 << 24) / std::max(1, part.width) / by * by);
@@ -31,4 +31,4 @@ Image shrunk_picture(const PictureWindows& picture, const MapRect& part, int by)
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

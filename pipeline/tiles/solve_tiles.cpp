@@ -17,7 +17,7 @@
 #include "pipeline/tiles/tile_output.h"
 #include "pipeline/tiles/tile_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 namespace fs = std::filesystem;
@@ -30,11 +30,11 @@ struct SolveContext {
     const TilePlan& plan;
     const TileWorkers& workers;
     int threads;  // of one job
-    LatticeTiling tiling;
+    mesh_tiles::LatticeTiling tiling;
     PlannedMap map;
-    CoarseLattice coarse;
-    DensityOfWindow density;
-    TileSolver solver;
+    mesh_tiles::CoarseLattice coarse;
+    mesh_tiles::DensityOfWindow density;
+    mesh_tiles::TileSolver solver;
 
     SolveContext(const TilePlan& of, const TileWorkers& with, int threads_of_job)
         : plan(of),
@@ -43,19 +43,19 @@ struct SolveContext {
           tiling(of.tiling()),
           map(of, true),
           coarse{read_lattice(coarse_file(of)), of.shrunk_by, of.width, of.height},
-          density([this](const MapRect& window) {
-              return density_at_scale(map.read(window), plan.density, plan.config.density);
+          density([this](const mesh_tiles::MapRect& window) {
+              return stages::density_at_scale(map.read(window), plan.density, plan.config.density);
           }),
           solver(tiling, coarse, plan.config.mesh.balance, density, threads, workers.balance) {}
 };
 
-LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
+mesh_tiles::LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
     const TilePlan& plan = context.plan;
-    std::array<std::unique_ptr<Seam>, 4> seams;  // above, below, left, right
+    std::array<std::unique_ptr<mesh_tiles::Seam>, 4> seams;  // above, below, left, right
     const auto read = [&](std::size_t k, bool is_there, const fs::path& path) {
         if (!is_there) return;
         check_planned_file(plan, path);
-        seams[k] = std::make_unique<Seam>(read_seam(path));
+        seams[k] = std::make_unique<mesh_tiles::Seam>(read_seam(path));
     };
     const int i = tile.i, j = tile.j;
     read(0, j > 0, row_seam_file(plan, j));
@@ -73,12 +73,12 @@ constexpr int kMeasuredRows = 192;
 // there is none in these.
 void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,
                    TileReport& report) {
-    View view{{}, &mesh.triangles, map.width, map.height};
+    stages::View view{{}, &mesh.triangles, map.width, map.height};
     for (std::size_t v = 0; v < mesh.image_points.size(); ++v)
         view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
     const Calibration& c = plan.calibration;
     double pixels = 0, squares_px = 0, squares_m = 0;
-    const auto measure = [&](const PixelRun& run) {
+    const auto measure = [&](const stages::PixelRun& run) {
         const float* const known = map.values.data() + static_cast<std::size_t>(run.y) * map.width + run.x;
         for (int i = 0; i < run.count; ++i) {
             const double d = known[i], seen = run.disparity(i);
@@ -93,8 +93,8 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
         }
     };
     const int row_step = std::max(1, map.height / kMeasuredRows);
-    scan_pixels(view, row_step, measure);
-    if (pixels == 0 && row_step > 1) scan_pixels(view, 1, measure);
+    stages::scan_pixels(view, row_step, measure);
+    if (pixels == 0 && row_step > 1) stages::scan_pixels(view, 1, measure);
     if (pixels == 0) return;
     report.error_px = std::sqrt(squares_px / pixels);
     report.error_m = std::sqrt(squares_m / pixels);
@@ -102,19 +102,22 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
 
 void solve_tile(const SolveContext& context, const TileNumber& tile) {
     const TilePlan& plan = context.plan;
-    const LatticeBlock block = solved_block(context, tile);
-    const MapRect window = window_of(block, kTileMargin_px, plan.width, plan.height);
+    const mesh_tiles::LatticeBlock block = solved_block(context, tile);
+    const mesh_tiles::MapRect window =
+        mesh_tiles::window_of(block, mesh_tiles::kTileMargin_px, plan.width, plan.height);
     const DisparityMap map = context.map.read(window);
     Image color;
-    if (const PictureWindows* const picture = context.map.picture())
+    if (const windows::PictureWindows* const picture = context.map.picture())
         color = picture->read(window.x, window.y, window.width, window.height);
-    TileSurfaceInput input{window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
+    mesh_tiles::TileSurfaceInput input{
+        window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
     input.whole.cell_px = double(plan.width) * plan.height / (double(plan.columns) * plan.rows);
     input.whole.nearest_px = plan.nearest_px;
     input.whole.farthest_px = plan.farthest_px;
-    TileMesh mesh = tile_mesh_of(cut_tile(context.tiling, tile.i, tile.j, block, input, plan.config.surface,
-                                          context.threads, context.workers.cut),
-                                 window);
+    mesh_tiles::TileMesh mesh = mesh_tiles::tile_mesh_of(
+        mesh_tiles::cut_tile(context.tiling, tile.i, tile.j, block, input, plan.config.surface,
+                             context.threads, context.workers.cut),
+        window);
     drop_specks(mesh, plan.config.surface.min_component);
     TileReport report;
     const TileScene scene = tile_scene(plan, mesh, window);
@@ -124,7 +127,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
 
 int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t tiles) {
     if (settings.jobs > 0) return settings.jobs;
-    const std::uint64_t memory = settings.memory > 0 ? settings.memory : memory_to_use();
+    const std::uint64_t memory = settings.memory > 0 ? settings.memory : batch::memory_to_use();
     const std::uint64_t fitting = std::max<std::uint64_t>(1, memory / tile_memory(plan));
     return static_cast<int>(std::min({fitting, std::uint64_t(settings.threads), std::uint64_t(tiles)}));
 }
@@ -132,13 +135,13 @@ int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t til
 }  // namespace
 
 std::uint64_t tile_memory(const TilePlan& plan) {
-    const LatticeTiling tiling = plan.tiling();
-    const auto side = [](int px, int tiles) { return 1.3 * px / tiles + 4 * kTileMargin_px; };
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
+    const auto side = [](int px, int tiles) { return 1.3 * px / tiles + 4 * mesh_tiles::kTileMargin_px; };
     return static_cast<std::uint64_t>(side(plan.width, tiling.across()) * side(plan.height, tiling.down())) *
            kBytesPerPixel;
 }
 
-void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const job::Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer) {
     if (tiles.empty()) return;
     check_planned_file(plan, coarse_file(plan));
@@ -148,16 +151,16 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, con
     const SolveContext context(plan, workers, std::max(1, settings.threads / jobs));
     std::mutex turn;
     do_jobs(tiles.size(), jobs, [&](std::size_t k) {
-        wait_if_interrupted();
-        UnitResult result;
+        files::wait_if_interrupted();
+        batch::UnitResult result;
         try {
             solve_tile(context, tiles[k]);
         } catch (...) {
-            result = result_of_exception();
+            result = batch::result_of_exception();
         }
         const std::lock_guard lock(turn);
         if (observer.ended) observer.ended(tiles[k], result.message, result.exit_code);
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -9,7 +9,7 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct SolveSettings {
     int threads = 1;           // of all jobs together
@@ -28,10 +28,10 @@ struct SolveObserver {
 // .json, the report. A tile that fails is reported and skipped; the others continue. The result is the same
 // in any order, for any number of threads and jobs, on any backend. Throws Error(input) if the coarse lattice
 // is not the plan's.
-void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const job::Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer);
 
 // Returns the estimated number of bytes that solving a tile takes.
 std::uint64_t tile_memory(const TilePlan& plan);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -8,11 +8,12 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-static_assert(sizeof(Place) == 8 && sizeof(TileCorner) == 12 && sizeof(Triangle) == 12);
+static_assert(sizeof(mesh_tiles::Place) == 8 && sizeof(mesh_tiles::TileCorner) == 12 &&
+              sizeof(Triangle) == 12);
 
 enum class Kind : std::uint32_t { lattice = 1, seam = 2, tile = 3 };
 constexpr std::uint32_t kMagic = 0x31545848;  // "HXT1"
@@ -111,7 +112,7 @@ HexMesh2D read_lattice(const std::filesystem::path& path) {
     return lattice;
 }
 
-std::vector<std::uint8_t> seam_bytes(const Seam& seam) {
+std::vector<std::uint8_t> seam_bytes(const mesh_tiles::Seam& seam) {
     Writer writer(Kind::seam);
     for (const int value :
          {seam.first_column, seam.first_row, seam.end_column, seam.end_row, seam.block.first_column,
@@ -121,20 +122,20 @@ std::vector<std::uint8_t> seam_bytes(const Seam& seam) {
     return writer.take();
 }
 
-Seam read_seam(const std::filesystem::path& path) {
+mesh_tiles::Seam read_seam(const std::filesystem::path& path) {
     Reader reader(path, Kind::seam);
-    Seam seam;
+    mesh_tiles::Seam seam;
     for (int* const value :
          {&seam.first_column, &seam.first_row, &seam.end_column, &seam.end_row, &seam.block.first_column,
           &seam.block.first_row, &seam.block.columns, &seam.block.rows})
         *value = reader.get<int>();
-    seam.block.places = reader.get_all<Place>();
+    seam.block.places = reader.get_all<mesh_tiles::Place>();
     reader.end();
     if (!fits(seam.block.columns, seam.block.rows, seam.block.places.size())) reader.refuse("is damaged");
     return seam;
 }
 
-std::vector<std::uint8_t> tile_bytes(const TileMesh& mesh) {
+std::vector<std::uint8_t> tile_bytes(const mesh_tiles::TileMesh& mesh) {
     Writer writer(Kind::tile);
     writer.put_all(mesh.corners);
     writer.put_all(mesh.triangles);
@@ -142,12 +143,12 @@ std::vector<std::uint8_t> tile_bytes(const TileMesh& mesh) {
     return writer.take();
 }
 
-TileMesh read_tile(const std::filesystem::path& path) {
+mesh_tiles::TileMesh read_tile(const std::filesystem::path& path) {
     Reader reader(path, Kind::tile);
-    TileMesh mesh;
-    mesh.corners = reader.get_all<TileCorner>();
+    mesh_tiles::TileMesh mesh;
+    mesh.corners = reader.get_all<mesh_tiles::TileCorner>();
     mesh.triangles = reader.get_all<Triangle>();
-    mesh.seam_edges = reader.get_all<std::array<TileCorner, 2>>();
+    mesh.seam_edges = reader.get_all<std::array<mesh_tiles::TileCorner, 2>>();
     reader.end();
     for (const Triangle& t : mesh.triangles)
         for (const std::uint32_t corner : t)
@@ -155,4 +156,4 @@ TileMesh read_tile(const std::filesystem::path& path) {
     return mesh;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -11,7 +11,7 @@
 
 #include "mesher/common/thread_pool.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 int pool_size(std::size_t count, int jobs) {
@@ -20,19 +20,19 @@ int pool_size(std::size_t count, int jobs) {
 
 }  // namespace
 
-TileWorkers workers_of(const Backend& backend, int threads) {
-    if (backend.name == "cpu") return {threads, balance_patch, cut_disparity_mesh};
+TileWorkers workers_of(const job::Backend& backend, int threads) {
+    if (backend.name == "cpu") return {threads, balance::balance_patch, surface::cut_disparity_mesh};
     const auto turn = std::make_shared<std::mutex>();
-    return {
-        threads,
-        [backend, turn](const DensityMap& density, const BalanceConfig& config, int, LatticePatch& patch) {
-            const std::lock_guard lock(*turn);
-            backend.balance_patch(density, config, patch);
-        },
-        [backend, turn](const DisparityMeshInput& input, const SurfaceConfig& config, int) {
-            const std::lock_guard lock(*turn);
-            return backend.cut_disparity_mesh(input, config).cut_mesh;
-        }};
+    return {threads,
+            [backend, turn](const DensityMap& density, const BalanceConfig& config, int,
+                            balance::LatticePatch& patch) {
+                const std::lock_guard lock(*turn);
+                backend.balance_patch(density, config, patch);
+            },
+            [backend, turn](const surface::DisparityMeshInput& input, const SurfaceConfig& config, int) {
+                const std::lock_guard lock(*turn);
+                return backend.cut_disparity_mesh(input, config).cut_mesh;
+            }};
 }
 
 void keep_freed_memory() {
@@ -88,4 +88,4 @@ void do_jobs_in_turn(const std::vector<std::size_t>& needed_by, int jobs,
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

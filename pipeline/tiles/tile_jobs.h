@@ -10,18 +10,18 @@
 #include "mesher/tiles/tile_surface.h"
 #include "pipeline/job/backend.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // The functions that balance and cut; any number of threads may call them.
 struct TileWorkers {
     int threads = 1;  // of all jobs together
-    BalancePatch balance;
-    CutMesh cut;
+    mesh_tiles::BalancePatch balance;
+    mesh_tiles::CutMesh cut;
 };
 
 // Returns the backend's functions. A device serves one caller at a time; the CPU works
 // on the caller's thread.
-TileWorkers workers_of(const Backend& backend, int threads);
+TileWorkers workers_of(const job::Backend& backend, int threads);
 
 // Makes the process keep the memory of freed windows for the next ones, for the rest of its life: sixteen
 // threads would wait for each other if each took fresh pages from the system.
@@ -36,4 +36,4 @@ inline constexpr std::size_t kNeededByNone = SIZE_MAX;
 void do_jobs_in_turn(const std::vector<std::size_t>& needed_by, int jobs,
                      const std::function<void(std::size_t)>& work);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

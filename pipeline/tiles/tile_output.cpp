@@ -7,13 +7,13 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/tiles/tile_files.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 namespace fs = std::filesystem;
 
-void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& mesh, const TileScene& scene,
-                const Image* texture, int threads, TileReport report) {
-    OutputSet files;
+void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::TileMesh& mesh,
+                const TileScene& scene, const Image* texture, int threads, TileReport report) {
+    files::OutputSet files;
     const auto place = [&](const char* extension) {
         const fs::path path = tile_file(plan, tile, extension);
         files.place(path);
@@ -22,11 +22,12 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& me
     const fs::path kept = place(".mesh");
     files.files().write(kept, tile_bytes(mesh));
     if (!scene.mesh.empty()) {
-        Scene exported{&scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
+        exporters::Scene exported{
+            &scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
         exported.threads = threads;
         exported.grid_step_m = plan.grid_step_m;
         exported.origin_m = scene.origin_m;
-        export_scene(exported, plan.config.exporting, place(".glb"), files.files());
+        exporters::export_scene(exported, plan.config.exporting, place(".glb"), files.files());
     }
     report.plan = plan.stamp;
     report.vertices = scene.mesh.positions.size();
@@ -35,7 +36,7 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& me
     report.low_m = scene.low_m;
     report.high_m = scene.high_m;
     report.files = files.written();
-    for (WrittenFile& file : report.files) file.path = file.path.lexically_relative(plan.folder);
+    for (files::WrittenFile& file : report.files) file.path = file.path.lexically_relative(plan.folder);
     const fs::path path = place(".json");
     files.files().write(path, report_text(report));
     files.commit();
@@ -48,14 +49,14 @@ bool is_solved(const TilePlan& plan, const TileNumber& tile) {
     try {
         const TileReport report = read_tile_report(path);
         return report.plan == plan.stamp &&
-               std::all_of(report.files.begin(), report.files.end(), [&](const WrittenFile& file) {
+               std::all_of(report.files.begin(), report.files.end(), [&](const files::WrittenFile& file) {
                    const fs::path name = plan.folder / file.path;
                    return fs::is_regular_file(name) && fs::file_size(name) == file.bytes &&
-                          sha256_of_file(name) == file.sha256;
+                          files::sha256_of_file(name) == file.sha256;
                });
     } catch (const Error&) {
         return false;
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

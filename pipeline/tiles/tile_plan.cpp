@@ -13,7 +13,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 namespace fs = std::filesystem;
@@ -48,16 +48,17 @@ PlannedFile file_of(const Json& json) {
     return {json.at("path").get<std::string>(), json.at("bytes"), json.at("modified_ns")};
 }
 
-Json raw_json(const RawMapLayout& raw) {
+Json raw_json(const windows::RawMapLayout& raw) {
     return {{"width", raw.width},
             {"height", raw.height},
-            {"sample", raw.sample == MapSample::uint16 ? "uint16" : "float32"},
+            {"sample", raw.sample == windows::MapSample::uint16 ? "uint16" : "float32"},
             {"big_endian", raw.is_big_endian}};
 }
 
-RawMapLayout raw_of(const Json& json) {
+windows::RawMapLayout raw_of(const Json& json) {
     return {json.at("width"), json.at("height"),
-            json.at("sample") == "uint16" ? MapSample::uint16 : MapSample::float32, json.at("big_endian")};
+            json.at("sample") == "uint16" ? windows::MapSample::uint16 : windows::MapSample::float32,
+            json.at("big_endian")};
 }
 
 Json camera_json(const Calibration& camera) {
@@ -91,7 +92,7 @@ Json plan_json(const TilePlan& plan) {
     json["map"]["farthest_px"] = plan.farthest_px;
     if (!plan.color.path.empty()) json["color"] = file_json(plan.color);
     json["calibration"] = camera_json(plan.calibration);
-    const LatticeTiling tiling = plan.tiling();
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
     json["lattice"] = {{"columns", plan.columns},
                        {"rows", plan.rows},
                        {"tile_spacings", plan.tile_spacings},
@@ -164,14 +165,14 @@ fs::path tile_file(const TilePlan& plan, const TileNumber& tile, const std::stri
 }
 
 int TilePlan::finest_level() const {
-    const LatticeTiling all = tiling();
+    const mesh_tiles::LatticeTiling all = tiling();
     int level = 0;
     while ((1 << level) < std::max(all.across(), all.down())) ++level;
     return level;
 }
 
 std::vector<TileNumber> tiles_of_level(const TilePlan& plan, int level) {
-    const LatticeTiling all = plan.tiling();
+    const mesh_tiles::LatticeTiling all = plan.tiling();
     const int by = 1 << (plan.finest_level() - level);
     std::vector<TileNumber> tiles;
     for (int j = 0; j * by < all.down(); ++j)
@@ -180,7 +181,7 @@ std::vector<TileNumber> tiles_of_level(const TilePlan& plan, int level) {
 }
 
 std::vector<TileNumber> children_of(const TilePlan& plan, const TileNumber& tile) {
-    const LatticeTiling all = plan.tiling();
+    const mesh_tiles::LatticeTiling all = plan.tiling();
     const int level = tile.level + 1, by = 1 << (plan.finest_level() - level);
     std::vector<TileNumber> children;
     for (int j = 2 * tile.j; j <= 2 * tile.j + 1 && j * by < all.down(); ++j)
@@ -194,20 +195,20 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
     return tile.level == plan.finest_level() ? name : name + " of level " + std::to_string(tile.level);
 }
 
-void write_plan(TilePlan& plan, OutputSet& files) {
+void write_plan(TilePlan& plan, files::OutputSet& files) {
     const fs::path config = plan_config_file(plan.folder), whole = plan_file(plan.folder);
-    Config kept = plan.config;
+    config::Config kept = plan.config;
     // The tiles do not depend on backend and threads: a plan made with others has the same stamp.
-    kept.run.backend = ExecutionConfig{}.backend;
-    kept.run.threads = ExecutionConfig{}.threads;
+    kept.run.backend = config::ExecutionConfig{}.backend;
+    kept.run.threads = config::ExecutionConfig{}.threads;
     files.place(config);
-    files.files().write(config, config_yaml(kept));
+    files.files().write(config, config::config_yaml(kept));
     Json json = plan_json(plan);
-    for (const WrittenFile& file : files.written())
+    for (const files::WrittenFile& file : files.written())
         plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;
     for (const auto& [name, sum] : plan.sums) json["files"][name] = sum;
     const std::string text = json.dump(2) + "\n";
-    plan.stamp = sha256_of(text.data(), text.size());
+    plan.stamp = files::sha256_of(text.data(), text.size());
     files.place(whole);
     files.files().write(whole, text);
 }
@@ -228,9 +229,9 @@ TilePlan read_plan(const fs::path& folder) {
         refuse_plan(path, "damaged");
     }
     plan.folder = folder;
-    plan.stamp = sha256_of(text.data(), text.size());
+    plan.stamp = files::sha256_of(text.data(), text.size());
     check_planned_file(plan, plan_config_file(folder));
-    apply_config_file(plan.config, plan_config_file(folder));
+    config::apply_config_file(plan.config, plan_config_file(folder));
     check_unchanged(plan.map);
     check_unchanged(plan.color);
     return plan;
@@ -238,8 +239,8 @@ TilePlan read_plan(const fs::path& folder) {
 
 void check_planned_file(const TilePlan& plan, const fs::path& path) {
     const auto sum = plan.sums.find(path.lexically_relative(plan.folder).string());
-    if (sum == plan.sums.end() || !fs::is_regular_file(path) || sha256_of_file(path) != sum->second)
+    if (sum == plan.sums.end() || !fs::is_regular_file(path) || files::sha256_of_file(path) != sum->second)
         refuse_plan(path, "is not as the plan left it");
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -15,7 +15,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/windows/map_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // The largest width or height of the map: places are 32-bit numbers of 1/1024 px.
 inline constexpr int kLargestTiledSide_px = 2'000'000;
@@ -42,18 +42,18 @@ struct TilePlan {
     std::filesystem::path folder;
     std::string stamp;  // SHA-256 of everything that the tiles' bytes depend on
     PlannedFile map, color;
-    std::optional<RawMapLayout> raw;
-    Config config;            // effective; after read_plan(), run.backend and run.threads have their defaults
+    std::optional<windows::RawMapLayout> raw;
+    config::Config config;    // effective; after read_plan(), run.backend and run.threads have their defaults
     Calibration calibration;  // of the map; cx and cy are multiples of 1/1024 px
     int width = 0, height = 0;
     int columns = 0, rows = 0, tile_spacings = 0;  // of the lattice and of a tile, as in LatticeTiling
     int shrunk_by = 2;                             // factor by which the map is shrunk for the coarse lattice
-    DensityScale density;
+    stages::DensityScale density;
     float nearest_px = 0, farthest_px = 0;    // the largest and the smallest disparity above 0
     double grid_step_m = 0;                   // of all positions in space, a power of two
     std::map<std::string, std::string> sums;  // SHA-256 of the plan's other files, by name in the folder
 
-    LatticeTiling tiling() const { return {columns, rows, tile_spacings}; }
+    mesh_tiles::LatticeTiling tiling() const { return {columns, rows, tile_spacings}; }
     int finest_level() const;
 };
 
@@ -76,7 +76,7 @@ std::filesystem::path tile_file(const TilePlan& plan, const TileNumber& tile, co
 
 // Writes plan.json and config.yaml; to be called last on the set that holds the plan's other files.
 // Sets the plan's stamp.
-void write_plan(TilePlan& plan, OutputSet& files);
+void write_plan(TilePlan& plan, files::OutputSet& files);
 
 // Reads a plan. Throws Error(input) if the folder holds no plan or one of another version, if the
 // configuration is damaged, or if the map or the picture has changed since.
@@ -85,4 +85,4 @@ TilePlan read_plan(const std::filesystem::path& folder);
 // Throws Error(input) if a file of the plan is missing or has changed.
 void check_planned_file(const TilePlan& plan, const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

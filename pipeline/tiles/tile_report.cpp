@@ -5,7 +5,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 using Json = nlohmann::ordered_json;
 
@@ -20,7 +20,7 @@ std::string report_text(const TileReport& report) {
     json["error_px"] = report.error_px;
     json["error_m"] = report.error_m;
     json["files"] = Json::array();
-    for (const WrittenFile& file : report.files)
+    for (const files::WrittenFile& file : report.files)
         json["files"].push_back(
             {{"name", file.path.string()}, {"bytes", file.bytes}, {"sha256", file.sha256}});
     return json.dump(2) + "\n";
@@ -49,4 +49,4 @@ TileReport read_tile_report(const std::filesystem::path& path) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -8,7 +8,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct TileReport {
     std::string plan;  // TilePlan::stamp
@@ -17,11 +17,11 @@ struct TileReport {
     // Root mean square differences between surface and map, over the foreground pixels that the surface
     // covers, in some of the rows.
     double error_px = 0, error_m = 0;
-    std::vector<WrittenFile> files;  // names within the plan's folder
+    std::vector<files::WrittenFile> files;  // names within the plan's folder
 };
 
 std::string report_text(const TileReport& report);
 // Reads a report. Throws Error(input) if it is missing or malformed.
 TileReport read_tile_report(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -12,28 +12,28 @@
 #include "pipeline/stages/surface.h"
 #include "pipeline/stages/surface_topology.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds exactly
 
 using GridPoint = std::array<std::int64_t, 3>;
 
-GridPoint grid_point(const TilePlan& plan, const TileCorner& corner) {
-    const std::array<double, 3> p =
-        position_in_space(double(corner.place.x) / kPlacesPerPixel, double(corner.place.y) / kPlacesPerPixel,
-                          corner.disparity, plan.calibration);
+GridPoint grid_point(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
+    const std::array<double, 3> p = stages::position_in_space(
+        double(corner.place.x) / mesh_tiles::kPlacesPerPixel,
+        double(corner.place.y) / mesh_tiles::kPlacesPerPixel, corner.disparity, plan.calibration);
     GridPoint point;
     for (std::size_t k = 0; k < 3; ++k) point[k] = std::llround(p[k] / plan.grid_step_m);
     return point;
 }
 
-DisparityMesh in_picture(const TileMesh& mesh, const MapRect& window) {
+DisparityMesh in_picture(const mesh_tiles::TileMesh& mesh, const mesh_tiles::MapRect& window) {
     DisparityMesh seen;
     seen.points.reserve(mesh.corners.size());
     seen.disparities.reserve(mesh.corners.size());
-    for (const TileCorner& corner : mesh.corners) {
-        seen.points.push_back(in_window(corner.place, window));
+    for (const mesh_tiles::TileCorner& corner : mesh.corners) {
+        seen.points.push_back(mesh_tiles::in_window(corner.place, window));
         seen.disparities.push_back(corner.disparity);
     }
     seen.triangles = mesh.triangles;
@@ -42,12 +42,13 @@ DisparityMesh in_picture(const TileMesh& mesh, const MapRect& window) {
 
 }  // namespace
 
-TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& window) {
+TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
+                     const mesh_tiles::MapRect& window) {
     Calibration camera = plan.calibration;
     camera.cx -= window.x;
     camera.cy -= window.y;
     TileScene scene;
-    const auto can_be_placed = [&](const TileCorner& corner) {
+    const auto can_be_placed = [&](const mesh_tiles::TileCorner& corner) {
         return corner.disparity + camera.doffs_px > 0;
     };
     if (std::none_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
@@ -56,7 +57,8 @@ TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& 
         }))
         return scene;
     std::vector<std::uint32_t> corners;
-    scene.mesh = build_surface(in_picture(mesh, window), window.width, window.height, camera, 0, &corners);
+    scene.mesh =
+        stages::build_surface(in_picture(mesh, window), window.width, window.height, camera, 0, &corners);
     std::vector<GridPoint> points;
     points.reserve(corners.size());
     for (const std::uint32_t corner : corners) points.push_back(grid_point(plan, mesh.corners[corner]));
@@ -82,7 +84,7 @@ TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& 
     return scene;
 }
 
-void drop_specks(TileMesh& mesh, int min_triangles) {
+void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles) {
     if (min_triangles <= 1 || mesh.empty()) return;
     // Union-find over the corners' numbers: each corner points to one before it or to itself.
     std::vector<std::uint32_t> parents(mesh.corners.size());
@@ -98,7 +100,7 @@ void drop_specks(TileMesh& mesh, int min_triangles) {
         }
     std::vector<int> triangles(mesh.corners.size(), 0);
     for (const Triangle& t : mesh.triangles) ++triangles[root(t[0])];
-    std::set<TileCorner> at_seams;
+    std::set<mesh_tiles::TileCorner> at_seams;
     for (const auto& edge : mesh.seam_edges) at_seams.insert(edge.begin(), edge.end());
     std::vector<bool> stays(mesh.corners.size());
     for (std::uint32_t v = 0; v < parents.size(); ++v)
@@ -106,4 +108,4 @@ void drop_specks(TileMesh& mesh, int min_triangles) {
     std::erase_if(mesh.triangles, [&](const Triangle& t) { return !stays[root(t[0])]; });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -7,7 +7,7 @@
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/tiles/tile_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct TileScene {
     // positions: exact multiples of the plan's grid step, relative to the tile's own origin;
@@ -20,9 +20,10 @@ struct TileScene {
 // Places a tile in space. `window` is the part of the picture that the tile is textured with. A corner has
 // the same position in every tile, to the bit. Corners without a position (d + doffs <= 0) are left out with
 // their triangles. Throws Error(input) if the tile is too large for the grid.
-TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& window);
+TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
+                     const mesh_tiles::MapRect& window);
 
 // Drops components of fewer than min_triangles triangles without seam edges, which are therefore complete.
-void drop_specks(TileMesh& mesh, int min_triangles);
+void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

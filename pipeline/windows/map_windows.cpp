@@ -3,15 +3,17 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/windows/window_source.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const MapWindowConfig& config) {
     if (config.raw) return raw_windows(std::make_shared<MapFile>(path), *config.raw);
-    const codec::Codec& codec = codec::require_codec(path, "a disparity map as TIFF, BigTIFF or PFM");
-    if (codec.format == codec::Format::tiff) return tiff_windows(std::make_shared<MapFile>(path));
-    if (codec.format == codec::Format::pfm) return pfm_windows(std::make_shared<MapFile>(path));
-    codec::refuse(path, std::string(codec.name) + " cannot be read in windows; give the map as TIFF or PFM");
+    const readers::codec::Codec& codec =
+        readers::codec::require_codec(path, "a disparity map as TIFF, BigTIFF or PFM");
+    if (codec.format == readers::codec::Format::tiff) return tiff_windows(std::make_shared<MapFile>(path));
+    if (codec.format == readers::codec::Format::pfm) return pfm_windows(std::make_shared<MapFile>(path));
+    readers::codec::refuse(
+        path, std::string(codec.name) + " cannot be read in windows; give the map as TIFF or PFM");
 }
 
 }  // namespace
@@ -24,7 +26,8 @@ MapWindows::~MapWindows() = default;
 std::unique_ptr<MapWindows> MapWindows::open(const std::filesystem::path& path,
                                              const MapWindowConfig& config) {
     std::unique_ptr<MapWindows> map(new MapWindows(path, config));
-    disparities_of_part(no_samples(*map->source_), path, config.disparity);  // refuses a missing scale
+    readers::disparities_of_part(no_samples(*map->source_), path,
+                                 config.disparity);  // refuses a missing scale
     return map;
 }
 
@@ -37,7 +40,7 @@ int MapWindows::height() const {
 }
 
 DisparityMap MapWindows::read(int x, int y, int width, int height) const {
-    return disparities_of_part(read_window(*source_, path_, {x, y, width, height}), path_, config_);
+    return readers::disparities_of_part(read_window(*source_, path_, {x, y, width, height}), path_, config_);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -9,7 +9,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 // The largest width or height: beyond it, floats cannot resolve half a pixel of a coordinate.
 inline constexpr int kLargestMapSide_px = 1 << 23;
@@ -28,8 +28,8 @@ struct RawMapLayout {
 RawMapLayout parse_raw_map_layout(const std::string& text);
 
 struct MapWindowConfig {
-    DisparityFileConfig disparity = {};    // meaning of the samples, as for maps that are read whole
-    std::optional<RawMapLayout> raw = {};  // none = TIFF, BigTIFF or PFM, recognised by content
+    readers::DisparityFileConfig disparity = {};  // meaning of the samples, as for maps that are read whole
+    std::optional<RawMapLayout> raw = {};         // none = TIFF, BigTIFF or PFM, recognised by content
 };
 
 class WindowSource;
@@ -56,8 +56,8 @@ class MapWindows {
   private:
     MapWindows(std::filesystem::path path, const MapWindowConfig& config);
     std::filesystem::path path_;
-    DisparityFileConfig config_;
+    readers::DisparityFileConfig config_;
     std::unique_ptr<WindowSource> source_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

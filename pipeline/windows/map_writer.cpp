@@ -10,10 +10,10 @@
 #include <string>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/windows/map_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 constexpr std::uint64_t kTiffHeaderBytes = 16;
@@ -71,8 +71,8 @@ std::string tiff_directory(std::uint64_t at, std::uint64_t width, std::uint64_t 
 
 }  // namespace
 
-MapWriter::MapWriter(FileTransaction& files, const std::filesystem::path& path, int width, int height,
-                     int tile_px)
+MapWriter::MapWriter(exporters::FileTransaction& files, const std::filesystem::path& path, int width,
+                     int height, int tile_px)
     : path_(path), width_(width), height_(height), tile_px_(tile_px), is_tiff_(is_tiff_name(path)) {
     assert(tile_px >= 1 && tile_px <= 4096);
     if (std::min(width, height) < 1 || std::max(width, height) > kLargestMapSide_px)
@@ -123,7 +123,7 @@ void MapWriter::write(const float* rows, int count) {
         const float* row = rows + static_cast<std::size_t>(i) * width_;
         if constexpr (std::endian::native == std::endian::big) {
             swapped.assign(row, row + width_);
-            for (float& value : swapped) value = codec::in_other_byte_order(value);
+            for (float& value : swapped) value = readers::codec::in_other_byte_order(value);
             row = swapped.data();
         }
         const std::uint64_t row_bytes = std::uint64_t{4} * static_cast<unsigned>(width_);
@@ -155,4 +155,4 @@ void MapWriter::finish() {
     write_at(0, header.data(), header.size());
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

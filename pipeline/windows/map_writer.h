@@ -8,7 +8,7 @@
 
 #include "exporters/core/file_transaction.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 // The extension of the file's name is its format: .tif and .tiff are BigTIFF in square tiles, not compressed;
 // .pfm is PFM. Both are little endian. Samples are written as they are, so unknown is +infinity.
@@ -17,7 +17,7 @@ class MapWriter {
     // Opens the file in `files`, which must outlive this object; the file appears when `files` is committed
     // after finish(). tile_px: 1 to 4096. Throws Error(usage) for another extension or a side above
     // kLargestMapSide_px, and Error(output) as FileTransaction::open() does.
-    MapWriter(FileTransaction& files, const std::filesystem::path& path, int width, int height,
+    MapWriter(exporters::FileTransaction& files, const std::filesystem::path& path, int width, int height,
               int tile_px = 256);
 
     // Writes the next `count` rows, from the top; no more than the map has. Throws Error(output), for example
@@ -41,4 +41,4 @@ class MapWriter {
     std::vector<float> band_;  // a row of tiles, one after the other
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

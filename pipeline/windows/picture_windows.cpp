@@ -6,7 +6,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/windows/window_source.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 // A picture that is held in memory as a whole.
@@ -20,8 +20,8 @@ class WholePicture : public WindowSource {
         sample = MapSample::uint8;
     }
 
-    codec::Raster read(const codec::PixelWindow& window) const override {
-        codec::Raster part;
+    readers::codec::Raster read(const readers::codec::PixelWindow& window) const override {
+        readers::codec::Raster part;
         part.width = static_cast<int>(window.width);
         part.height = static_cast<int>(window.height);
         part.channels = image_.channels;
@@ -48,26 +48,28 @@ class WholePicture : public WindowSource {
     Image image_;
 };
 
-std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const ReaderLimits& limits) {
-    const codec::Codec* const codec = codec::find_codec(path);
+std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path,
+                                          const readers::ReaderLimits& limits) {
+    const readers::codec::Codec* const codec = readers::codec::find_codec(path);
     std::unique_ptr<WindowSource> source;
-    if (codec && codec->format == codec::Format::pnm) source = pnm_windows(std::make_shared<MapFile>(path));
-    if (codec && codec->format == codec::Format::tiff)
+    if (codec && codec->format == readers::codec::Format::pnm)
+        source = pnm_windows(std::make_shared<MapFile>(path));
+    if (codec && codec->format == readers::codec::Format::tiff)
         source = tiff_picture_windows(std::make_shared<MapFile>(path));
-    return source ? std::move(source) : std::make_unique<WholePicture>(read_image(path, limits));
+    return source ? std::move(source) : std::make_unique<WholePicture>(readers::read_image(path, limits));
 }
 
 }  // namespace
 
-PictureWindows::PictureWindows(std::filesystem::path path, const ReaderLimits& limits)
+PictureWindows::PictureWindows(std::filesystem::path path, const readers::ReaderLimits& limits)
     : path_(std::move(path)), source_(open_source(path_, limits)) {}
 
 PictureWindows::~PictureWindows() = default;
 
 std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path& path,
-                                                     const ReaderLimits& limits) {
+                                                     const readers::ReaderLimits& limits) {
     std::unique_ptr<PictureWindows> picture(new PictureWindows(path, limits));
-    image_of(no_samples(*picture->source_), path);  // refuses floats, which are not a picture
+    readers::image_of(no_samples(*picture->source_), path);  // refuses floats, which are not a picture
     return picture;
 }
 
@@ -88,7 +90,7 @@ bool PictureWindows::has_alpha() const {
 }
 
 Image PictureWindows::read(int x, int y, int width, int height) const {
-    return image_of(read_window(*source_, path_, {x, y, width, height}), path_);
+    return readers::image_of(read_window(*source_, path_, {x, y, width, height}), path_);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

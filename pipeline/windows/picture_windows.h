@@ -7,7 +7,7 @@
 #include "pipeline/data/image.h"
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 class WindowSource;
 
@@ -20,7 +20,7 @@ class PictureWindows {
     // Opens a picture. limits: for pictures that are held as a whole. Throws
     // Error(input) as read_image() does.
     static std::unique_ptr<PictureWindows> open(const std::filesystem::path& path,
-                                                const ReaderLimits& limits = {});
+                                                const readers::ReaderLimits& limits = {});
     ~PictureWindows();
 
     int width() const;
@@ -34,9 +34,9 @@ class PictureWindows {
     Image read(int x, int y, int width, int height) const;
 
   private:
-    PictureWindows(std::filesystem::path path, const ReaderLimits& limits);
+    PictureWindows(std::filesystem::path path, const readers::ReaderLimits& limits);
     std::filesystem::path path_;
     std::unique_ptr<WindowSource> source_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -8,7 +8,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 namespace {
 
 constexpr float kBase_px = 20, kHills_px = 80, kCliff_px = 25;
@@ -126,4 +126,4 @@ void write_terrain(MapWriter& writer, int width, int height, std::uint32_t seed,
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -5,7 +5,7 @@
 
 #include "pipeline/windows/map_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::windows {
 
 // Computes the disparities of `count` pixels of row y from x on: hills (value noise of nine octaves), cliffs
 // along curved lines, buildings with flat roofs and straight walls; lakes and single pixels are unknown. They
@@ -17,4 +17,4 @@ void terrain_row(int x, int y, int count, std::uint32_t seed, float* out);
 // not finish the file.
 void write_terrain(MapWriter& writer, int width, int height, std::uint32_t seed, int threads);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::windows

@@ -12,16 +12,16 @@
 namespace hexrelief::testing_cuda {
 
 // Returns the shared context, or null if no device is usable.
-inline CudaMesher* shared_mesher() {
-    static const std::unique_ptr<CudaMesher> mesher =
-        list_cuda_devices(nullptr).empty() ? nullptr : std::make_unique<CudaMesher>();
+inline cuda::CudaMesher* shared_mesher() {
+    static const std::unique_ptr<cuda::CudaMesher> mesher =
+        cuda::list_cuda_devices(nullptr).empty() ? nullptr : std::make_unique<cuda::CudaMesher>();
     return mesher.get();
 }
 
 #define HEXRELIEF_NEEDS_DEVICE() \
     if (!shared_mesher()) GTEST_SKIP() << "no CUDA device here: CPU and CUDA were not compared"
 
-inline bool same_bytes(const MeshResult& a, const MeshResult& b) {
+inline bool same_bytes(const mesher::MeshResult& a, const mesher::MeshResult& b) {
     return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
            a.mesh.positions.size() == b.mesh.positions.size() &&
            std::memcmp(a.mesh.positions.data(), b.mesh.positions.data(),
@@ -62,8 +62,8 @@ inline MeshConfig paper_config(int t_max) {
 
 // Solves on both backends and compares the results; asserts that the device did the work.
 inline void expect_equal(const DensityMap& density, const MeshConfig& config) {
-    const MeshResult cpu = solve_mesh(density, config, 2, {});
-    const MeshResult cuda = shared_mesher()->solve(density, config, {});
+    const mesher::MeshResult cpu = mesher::solve_mesh(density, config, 2, {});
+    const mesher::MeshResult cuda = shared_mesher()->solve(density, config, {});
     EXPECT_GT(cuda.device_bytes, 0u) << "the device did nothing";
     EXPECT_EQ(cuda.device_balance_s > 0, config.balance.enabled);
     EXPECT_TRUE(same_bytes(cpu, cuda)) << testing_mesher::describe(density, config);

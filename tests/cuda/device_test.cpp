@@ -20,9 +20,9 @@ std::string device_error(const Call& call, ErrorKind kind) {
 TEST(CudaDevice, NoDeviceSaysWhyAndWhatToDo) {
     if (shared_mesher()) GTEST_SKIP() << "there is a CUDA device here";
     std::string why;
-    EXPECT_TRUE(list_cuda_devices(&why).empty());
+    EXPECT_TRUE(cuda::list_cuda_devices(&why).empty());
     EXPECT_FALSE(why.empty());
-    const std::string message = device_error([] { CudaMesher mesher; }, ErrorKind::device);
+    const std::string message = device_error([] { cuda::CudaMesher mesher; }, ErrorKind::device);
     EXPECT_NE(message.find(why), std::string::npos) << message;
     EXPECT_NE(message.find("--backend cpu"), std::string::npos) << message;
 }

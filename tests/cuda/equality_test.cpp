@@ -43,23 +43,23 @@ struct EqualityCase {
 
 std::vector<EqualityCase> cases() {
     using namespace testing_mesher;
-    return {{"Bumps", [] { return bumps_density(211, 163); }},
-            {"Ramp", [] { return ramp_density(160, 150); }},
-            {"Noise", [] { return noise_density(150, 131, 4); }},
-            {"BrightPixel", [] { return bright_pixel_density(150, 150, 149, 0); }},
-            {"Nothing", [] { return flat_density(90, 80, 0); }},
-            {"Flat", [] { return flat_density(240, 180); }},
-            {"Framed", [] { return framed(bumps_density(260, 190), 71, 33); }},
+    return {{"Bumps", [] { return testing_mesher::bumps_density(211, 163); }},
+            {"Ramp", [] { return testing_mesher::ramp_density(160, 150); }},
+            {"Noise", [] { return testing_mesher::noise_density(150, 131, 4); }},
+            {"BrightPixel", [] { return testing_mesher::bright_pixel_density(150, 150, 149, 0); }},
+            {"Nothing", [] { return testing_mesher::flat_density(90, 80, 0); }},
+            {"Flat", [] { return testing_mesher::flat_density(240, 180); }},
+            {"Framed", [] { return framed(testing_mesher::bumps_density(260, 190), 71, 33); }},
             {"Step", [] { return step_density(290, 240); }},
-            {"Leaves", [] { return leaves_density(300, 240, false); }},
-            {"HangingLeaves", [] { return leaves_density(1301, 1103, true); }},
-            {"TwoDiscs", [] { return two_discs_density(450, 375); }},
-            {"TwoDiscsLarge", [] { return two_discs_density(1301, 1103); }},
-            {"ThreeByThree", [] { return bumps_density(18, 19); }},
-            {"OneRowOfCells", [] { return bumps_density(333, 20); }},
-            {"OneColumnOfCells", [] { return bumps_density(20, 333); }},
-            {"OddSize", [] { return noise_density(457, 379, 9); }},
-            {"LargeLevel", [] { return bumps_density(1301, 1103); }}};
+            {"Leaves", [] { return testing_mesher::leaves_density(300, 240, false); }},
+            {"HangingLeaves", [] { return testing_mesher::leaves_density(1301, 1103, true); }},
+            {"TwoDiscs", [] { return testing_mesher::two_discs_density(450, 375); }},
+            {"TwoDiscsLarge", [] { return testing_mesher::two_discs_density(1301, 1103); }},
+            {"ThreeByThree", [] { return testing_mesher::bumps_density(18, 19); }},
+            {"OneRowOfCells", [] { return testing_mesher::bumps_density(333, 20); }},
+            {"OneColumnOfCells", [] { return testing_mesher::bumps_density(20, 333); }},
+            {"OddSize", [] { return testing_mesher::noise_density(457, 379, 9); }},
+            {"LargeLevel", [] { return testing_mesher::bumps_density(1301, 1103); }}};
 }
 
 class Equality : public ::testing::TestWithParam<EqualityCase> {};
@@ -156,7 +156,7 @@ TEST(CudaOracle, PlainLoopsGiveTheSame) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(60, 48), testing_mesher::noise_density(160, 150, 2)})
         for (const MeshConfig& config : {quick_config(20), paper_config(40)}) {
-            const MeshResult cuda = shared_mesher()->solve(density, config, {});
+            const mesher::MeshResult cuda = shared_mesher()->solve(density, config, {});
             const testing_mesher::NaiveResult naive = testing_mesher::naive_som(density, config);
             EXPECT_EQ(naive.mesh.positions, cuda.mesh.positions) << testing_mesher::describe(density, config);
         }
@@ -208,7 +208,7 @@ TEST(CudaRepeats, EveryRunGivesTheSameBytes) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(451, 375), testing_mesher::noise_density(901, 751, 5)}) {
         for (const MeshConfig& config : {quick_config(80), MeshConfig{}}) {
-            const MeshResult first = shared_mesher()->solve(density, config, {});
+            const mesher::MeshResult first = shared_mesher()->solve(density, config, {});
             for (int k = 1; k < (repeats ? std::atoi(repeats) : 20); ++k)
                 ASSERT_TRUE(same_bytes(first, shared_mesher()->solve(density, config, {}))) << "run " << k;
         }

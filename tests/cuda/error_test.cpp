@@ -62,7 +62,7 @@ TEST(CudaErrors, TooLittleMemorySaysHowMuch) {
 // it is free again.
 TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
     HEXRELIEF_NEEDS_DEVICE();
-    CudaMesher mesher;
+    cuda::CudaMesher mesher;
     const DensityMap large = testing_mesher::flat_density(4000, 3000);
     {
         std::vector<void*> taken;

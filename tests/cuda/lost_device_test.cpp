@@ -46,12 +46,13 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
 // Each call to a lost device is refused in one line, and its resources can be released.
 [[noreturn]] void everything_is_refused() {
     {
-        CudaMesher mesher;
+        cuda::CudaMesher mesher;
         const MeshConfig config = balanced_config(20);
         expect_device_error("the run that lost it",
                             [&] { mesher.solve(density(), config, losing_progress()); });
         expect_device_error("the next run", [&] { mesher.solve(density(), config, {}); });
-        expect_device_error("another context", [] { CudaMesher().solve(density(), quick_config(3), {}); });
+        expect_device_error("another context",
+                            [] { cuda::CudaMesher().solve(density(), quick_config(3), {}); });
     }
     std::cerr << "all was refused\n";
     std::_Exit(0);
@@ -61,18 +62,18 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
 [[noreturn]] void the_cpu_goes_on() {
     bool same = true;
     {
-        CudaMesher mesher;
-        Backend device = pick_backend(BackendChoice::cpu, 2);
+        cuda::CudaMesher mesher;
+        job::Backend device = job::pick_backend(config::BackendChoice::cpu, 2);
         device.solve_mesh = [&](const DensityMap& of, const DisparityMap& map, const MeshConfig& config,
                                 const ProgressFunction&) {
             return mesher.solve(of, config, losing_progress(), &map);
         };
-        const Backend both =
-            with_replacement(std::move(device), pick_backend(BackendChoice::cpu, 2),
-                             [](const std::string& warning) { std::cerr << warning << "\n"; });
+        const job::Backend both =
+            job::with_replacement(std::move(device), job::pick_backend(config::BackendChoice::cpu, 2),
+                                  [](const std::string& warning) { std::cerr << warning << "\n"; });
         const DisparityMap map = varied_map(density());
         const MeshConfig config = balanced_config(20);
-        const MeshResult expected = solve_mesh(density(), config, 2, {});
+        const mesher::MeshResult expected = mesher::solve_mesh(density(), config, 2, {});
         for (int i = 0; i < 2; ++i)
             same = same && same_bytes(both.solve_mesh(density(), map, config, {}), expected);
         same = same && *both.is_replaced;
@@ -90,11 +91,11 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     };
     int before = 0;
     {
-        CudaMesher mesher;
+        cuda::CudaMesher mesher;
         mesher.solve(density(), quick_config(3), {});
         before = open_files();
     }
-    end_cuda();
+    cuda::end_cuda();
     std::_Exit(before > 0 && open_files() == 0 ? 0 : 1);
 }
 

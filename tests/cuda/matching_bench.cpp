@@ -58,10 +58,10 @@ Image read_ppm(const std::string& path) {
     return image;
 }
 
-bool measure(CudaMatcher& matcher, const Size& size, int runs, const StereoPair& pair) {
-    MatchingConfig config;
+bool measure(cuda::CudaMatcher& matcher, const Size& size, int runs, const StereoPair& pair) {
+    matching::MatchingConfig config;
     config.range = {0, size.disparities};
-    MatchedMap map = matcher.match_pair(pair, config);
+    matching::MatchedMap map = matcher.match_pair(pair, config);
     std::vector<double> whole, kernels;
     for (int i = 0; i < runs; ++i) {
         const auto begin = std::chrono::steady_clock::now();
@@ -73,10 +73,10 @@ bool measure(CudaMatcher& matcher, const Size& size, int runs, const StereoPair&
     std::vector<std::string> order;
     std::map<std::string, std::vector<double>> stages;
     for (int i = 0; i < runs; ++i) {
-        std::vector<CudaMatchingTime> times;
+        std::vector<cuda::CudaMatchingTime> times;
         matcher.match_pair(pair, config, &times);
         std::map<std::string, double> once;
-        for (const CudaMatchingTime& time : times) {
+        for (const cuda::CudaMatchingTime& time : times) {
             if (!once.contains(time.stage) && i == 0) order.emplace_back(time.stage);
             once[time.stage] += time.seconds * 1e3;
         }
@@ -91,7 +91,7 @@ bool measure(CudaMatcher& matcher, const Size& size, int runs, const StereoPair&
         std::printf("    %-26s %9.3f\n", name.c_str(), median(stages[name]));
     std::fflush(stdout);
     if (size.width > 450) return true;
-    const MatchedMap cpu = match_pair(pair, config, 4);
+    const matching::MatchedMap cpu = matching::match_pair(pair, config, 4);
     const bool same = cpu.disparities == map.disparities && cpu.is_matched == map.is_matched;
     std::printf("    the CPU's bytes: %s\n", same ? "equal" : "DIFFERENT");
     return same;
@@ -104,7 +104,7 @@ int main(int argc, char** argv) {
     using namespace hexrelief::testing_cuda;
     const int runs = argc > 1 ? std::atoi(argv[1]) : 20;
     try {
-        hexrelief::CudaMatcher matcher;
+        hexrelief::cuda::CudaMatcher matcher;
         bool same = true;
         if (argc > 4) {
             const Size size{std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4])};

@@ -8,15 +8,15 @@
 namespace hexrelief::testing_cuda {
 namespace {
 
-CudaMatcher& shared_matcher() {
-    static CudaMatcher matcher;
+cuda::CudaMatcher& shared_matcher() {
+    static cuda::CudaMatcher matcher;
     return matcher;
 }
 
 struct Case {
     const char* name;
     PairSpec pair;
-    DisparityRange range;
+    matching::DisparityRange range;
 };
 std::ostream& operator<<(std::ostream& out, const Case& tried) {
     return out << tried.name;
@@ -38,9 +38,10 @@ template <typename T>
            << first / width << "): cpu " << +cpu[first] << ", cuda " << +cuda[first];
 }
 
-void expect_equal(const PairSpec& spec, const MatchingConfig& config) {
+void expect_equal(const PairSpec& spec, const matching::MatchingConfig& config) {
     const StereoPair pair = made_up_pair(spec);
-    const MatchedMap cpu = match_pair(pair, config, 2), cuda = shared_matcher().match_pair(pair, config);
+    const matching::MatchedMap cpu = matching::match_pair(pair, config, 2),
+                               cuda = shared_matcher().match_pair(pair, config);
     EXPECT_GT(shared_matcher().device_bytes(), 0u) << "the device did nothing";
     EXPECT_TRUE(equal_maps(cpu.is_matched, cuda.is_matched, spec.width));
     EXPECT_TRUE(equal_maps(cpu.disparities, cuda.disparities, spec.width))
@@ -51,8 +52,8 @@ void expect_equal(const PairSpec& spec, const MatchingConfig& config) {
         << spec.left_channels << "/" << spec.right_channels << ", seed " << spec.seed;
 }
 
-MatchingConfig with_range(const DisparityRange& range) {
-    MatchingConfig config;
+matching::MatchingConfig with_range(const matching::DisparityRange& range) {
+    matching::MatchingConfig config;
     config.range = range;
     return config;
 }
@@ -109,7 +110,7 @@ TEST(CudaMatching, TwoHundredSettings) {
         return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
     };
     for (int k = 0; k < 200; ++k) {
-        MatchingConfig config = with_range({pick(-30, 20), k % 7 ? pick(1, 90) : pick(91, 300)});
+        matching::MatchingConfig config = with_range({pick(-30, 20), k % 7 ? pick(1, 90) : pick(91, 300)});
         config.penalties.p1 = pick(0, 3) ? pick(1, 120) : pick(1, 15999);
         config.penalties.p2 = config.penalties.p1 + pick(1, pick(0, 3) ? 600 : 16000 - config.penalties.p1);
         config.penalties.p2 = std::min(config.penalties.p2, 16000);
@@ -134,9 +135,9 @@ TEST(CudaMatching, TwoHundredSettings) {
 TEST(CudaMatching, EveryRunGivesTheSameBytes) {
     HEXRELIEF_NEEDS_DEVICE();
     const StereoPair pair = made_up_pair({450, 375, 3, 3, 55, 12, 41});
-    const MatchedMap first = shared_matcher().match_pair(pair, with_range({0, 64}));
+    const matching::MatchedMap first = shared_matcher().match_pair(pair, with_range({0, 64}));
     for (int k = 0; k < 20; ++k) {
-        const MatchedMap again = shared_matcher().match_pair(pair, with_range({0, 64}));
+        const matching::MatchedMap again = shared_matcher().match_pair(pair, with_range({0, 64}));
         ASSERT_EQ(first.disparities, again.disparities) << "run " << k;
         ASSERT_EQ(first.is_matched, again.is_matched) << "run " << k;
     }
@@ -147,11 +148,11 @@ TEST(CudaMatching, PairsOfOneSizeAfterEachOther) {
     HEXRELIEF_NEEDS_DEVICE();
     const auto spec = [](std::uint32_t seed) { return PairSpec{150, 90, 3, 3, 60, 9, seed}; };
     for (const int count : {64, 130}) {
-        MatchingConfig config = with_range({0, count});
+        matching::MatchingConfig config = with_range({0, count});
         for (std::uint32_t seed = 61; seed < 65; ++seed) expect_equal(spec(seed), config);
         config.penalties.p1 += 7;
         for (std::uint32_t seed = 65; seed < 68; ++seed) expect_equal(spec(seed), config);
-        std::vector<CudaMatchingTime> times;
+        std::vector<cuda::CudaMatchingTime> times;
         shared_matcher().match_pair(made_up_pair(spec(61)), config, &times);
         EXPECT_GT(times.size(), 10u);
         EXPECT_GT(shared_matcher().kernel_seconds(), 0);

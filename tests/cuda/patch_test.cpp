@@ -11,14 +11,14 @@ namespace {
 enum class Held { none, some, most, all, frame };
 
 // Returns a regular lattice over the density whose vertices are displaced by up to `jitter` spacings.
-LatticePatch made_up_patch(const DensityMap& density, step::Lattice lattice, float jitter, Held held,
-                           unsigned seed) {
+balance::LatticePatch made_up_patch(const DensityMap& density, step::Lattice lattice, float jitter, Held held,
+                                    unsigned seed) {
     std::mt19937 random(seed);
     const auto share = [&] { return static_cast<float>(random() / 4294967296.0); };
     const float width = static_cast<float>(density.width), height = static_cast<float>(density.height);
     const float dx = width / static_cast<float>(lattice.columns),
                 dy = height / static_cast<float>(lattice.rows);
-    LatticePatch patch{{lattice.columns, lattice.rows, {}}, {}};
+    balance::LatticePatch patch{{lattice.columns, lattice.rows, {}}, {}};
     for (int row = 0; row < lattice.rows; ++row)
         for (int column = 0; column < lattice.columns; ++column) {
             const float x = step::regular_x(column, row, lattice.columns, width) +
@@ -34,10 +34,10 @@ LatticePatch made_up_patch(const DensityMap& density, step::Lattice lattice, flo
     return patch;
 }
 
-void expect_same_patch(const DensityMap& density, const BalanceConfig& config, const LatticePatch& patch,
-                       const std::string& what) {
-    LatticePatch cpu = patch, cuda = patch;
-    balance_patch(density, config, 2, cpu);
+void expect_same_patch(const DensityMap& density, const BalanceConfig& config,
+                       const balance::LatticePatch& patch, const std::string& what) {
+    balance::LatticePatch cpu = patch, cuda = patch;
+    balance::balance_patch(density, config, 2, cpu);
     shared_mesher()->balance_patch(density, config, cuda);
     EXPECT_EQ(cuda.held, patch.held);
     ASSERT_EQ(cpu.mesh.positions.size(), cuda.mesh.positions.size());
@@ -121,8 +121,8 @@ TEST(CudaPatch, AfterAndBeforeOtherWork) {
 TEST(CudaPatch, StaysAsItIsWhereTheDeviceCannot) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(90, 80);
-    const LatticePatch before = made_up_patch(density, {25, 22}, 1.5f, Held::some, 1);
-    LatticePatch patch = before;
+    const balance::LatticePatch before = made_up_patch(density, {25, 22}, 1.5f, Held::some, 1);
+    balance::LatticePatch patch = before;
     BalanceConfig config;
     config.sweeps = 101;
     EXPECT_THROW(shared_mesher()->balance_patch(density, config, patch), Error);

@@ -9,16 +9,16 @@
 namespace hexrelief::testing_cuda {
 namespace {
 
-using testing_mesher::Scene;
+using surface::Scene;
 
 template <typename T>
 bool same(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-void expect_same_mesh(const DisparityMeshInput& input, const SurfaceConfig& config) {
-    const DisparityMesh cpu = cut_disparity_mesh(input, config, 2);
-    const DisparityMeshResult cuda = shared_mesher()->cut_disparity_mesh(input, config);
+void expect_same_mesh(const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
+    const DisparityMesh cpu = surface::cut_disparity_mesh(input, config, 2);
+    const surface::DisparityMeshResult cuda = shared_mesher()->cut_disparity_mesh(input, config);
     EXPECT_GT(cuda.device_s, 0) << "the device did nothing";
     EXPECT_TRUE(same(cpu.points, cuda.cut_mesh.points))
         << cpu.points.size() << " " << cuda.cut_mesh.points.size();
@@ -39,7 +39,7 @@ Image stripes(int width, int height, int channels) {
 
 struct NamedScene {
     const char* name;
-    testing_mesher::DisparityAt disparity;
+    surface::DisparityAt disparity;
     float background_px = 0;
 };
 void PrintTo(const NamedScene& scene, std::ostream* out) {
@@ -54,8 +54,8 @@ std::vector<NamedScene> scenes() {
     const double nothing = std::nan("");
     return {
         {"Plane", [](double x, double y) { return 20 + 0.1 * x + 0.05 * y; }},
-        {"Disc", [](double x, double y) { return testing_mesher::disc(x, y, 40, 12); }},
-        {"DiscOnBackground", [](double x, double y) { return testing_mesher::disc(x, y, 40, 12); }, 20},
+        {"Disc", [](double x, double y) { return surface::disc(x, y, 40, 12); }},
+        {"DiscOnBackground", [](double x, double y) { return surface::disc(x, y, 40, 12); }, 20},
         {"LowSteps", [](double x, double y) { return 20 + std::floor(x / 9) + std::floor(y / 13); }},
         {"Floor", [](double x, double y) { return 5 + 0.8 * y + 0.02 * x; }},
         {"Stripes", [](double x, double) { return static_cast<int>(x) % 5 == 0 ? 30.0 : 10.0; }},
@@ -63,13 +63,10 @@ std::vector<NamedScene> scenes() {
         {"Noise", [](double x, double y) { return 5 + 50 * hashed(x, y); }},
         {"NoisyPlane", [](double x, double y) { return 20 + 0.1 * x + hashed(x, y); }},
         {"Holes",
-         [=](double x, double y) {
-             return hashed(x, y) < 0.4 ? nothing : testing_mesher::disc(x, y, 40, 12);
-         }},
+         [=](double x, double y) { return hashed(x, y) < 0.4 ? nothing : surface::disc(x, y, 40, 12); }},
         {"LargeHoles",
          [=](double x, double y) {
-             return std::sin(x / 6) * std::sin(y / 5) > 0.5 ? nothing
-                                                            : testing_mesher::disc(x, y, 40, 12 + x / 30);
+             return std::sin(x / 6) * std::sin(y / 5) > 0.5 ? nothing : surface::disc(x, y, 40, 12 + x / 30);
          }},
         {"Nothing", [=](double, double) { return nothing; }},
         {"AllBackground", [](double, double) { return 3.0; }, 10},
@@ -82,14 +79,14 @@ class SurfaceEquality : public ::testing::TestWithParam<NamedScene> {};
 
 TEST_P(SurfaceEquality, Cut) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    surface::Scene scene(GetParam().disparity);
     scene.background_px = GetParam().background_px;
     expect_same_mesh({&scene.mesh, &scene.map, scene.background_px, nullptr}, scene.config);
 }
 
 TEST_P(SurfaceEquality, CutWithColorAndInset) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    surface::Scene scene(GetParam().disparity);
     scene.config.color_shift_px = 0.25;
     scene.config.silhouette_inset_px = 0.3;
     scene.config.split_rounds = 5;
@@ -101,7 +98,7 @@ TEST_P(SurfaceEquality, CutWithColorAndInset) {
 
 TEST_P(SurfaceEquality, Bridged) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    surface::Scene scene(GetParam().disparity);
     scene.config.discontinuities = Discontinuities::bridge;
     scene.config.split_rounds = 1;
     expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
@@ -109,9 +106,9 @@ TEST_P(SurfaceEquality, Bridged) {
 
 TEST_P(SurfaceEquality, CoarseAndFineLattices) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene(GetParam().disparity);
+    surface::Scene scene(GetParam().disparity);
     for (const double spacing : {2.5, 4.0, 11.0, 40.0}) {
-        scene.mesh = testing_mesher::covering(regular_lattice(scene.map.width, scene.map.height, spacing));
+        scene.mesh = surface::covering(mesher::regular_lattice(scene.map.width, scene.map.height, spacing));
         expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
     }
 }
@@ -122,8 +119,8 @@ INSTANTIATE_TEST_SUITE_P(Cuda, SurfaceEquality, ::testing::ValuesIn(scenes()),
 // Small enough for the sanitizers.
 TEST(CudaSmall, MeshOfADisc) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene([](double x, double y) {
-        return hashed(x, y) < 0.02 ? std::nan("") : testing_mesher::disc(x, y, 40, 12 + 0.1 * y);
+    surface::Scene scene([](double x, double y) {
+        return hashed(x, y) < 0.02 ? std::nan("") : surface::disc(x, y, 40, 12 + 0.1 * y);
     });
     scene.config.color_shift_px = 0.25;
     scene.config.silhouette_inset_px = 0.3;
@@ -136,7 +133,7 @@ TEST(CudaSurface, TinyMaps) {
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 9}, {3, 3}, {7, 5}, {33, 2}}) {
         DisparityMap map{width, height, {}};
         for (int i = 0; i < width * height; ++i) map.values.push_back(static_cast<float>(1 + 7 * (i % 3)));
-        const HexMesh2D mesh = regular_lattice(width, height, 2);
+        const HexMesh2D mesh = mesher::regular_lattice(width, height, 2);
         expect_same_mesh({&mesh, &map, 0, nullptr}, {});
     }
 }
@@ -144,13 +141,14 @@ TEST(CudaSurface, TinyMaps) {
 // More vertices than the first capacity: the stage runs again with more.
 TEST(CudaSurface, FarMoreVerticesThanTheLattice) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene([](double x, double y) {
+    surface::Scene scene([](double x, double y) {
         return (static_cast<int>(x / 5) + static_cast<int>(y / 5)) % 2 ? 30.0 : 10.0;
     });
     const DisparityMap& map = scene.map;
-    scene.mesh = testing_mesher::covering(regular_lattice(map.width, map.height, 8));
+    scene.mesh = surface::covering(mesher::regular_lattice(map.width, map.height, 8));
     const std::size_t vertices = scene.mesh.positions.size(),
-                      points = cut_disparity_mesh({&scene.mesh, &map, 0, nullptr}, {}, 2).points.size();
+                      points =
+                          surface::cut_disparity_mesh({&scene.mesh, &map, 0, nullptr}, {}, 2).points.size();
     ASSERT_GT(points, 1024 + 3 * vertices / 2);
     expect_same_mesh({&scene.mesh, &map, 0, nullptr}, {});
 }
@@ -161,7 +159,7 @@ TEST(CudaSurface, SolvedMeshes) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(457, 379), testing_mesher::noise_density(333, 290, 3)}) {
         const DisparityMap map = varied_map(density);
-        const MeshResult solved = solve_mesh(density, {}, 2, {});
+        const mesher::MeshResult solved = mesher::solve_mesh(density, {}, 2, {});
         for (const float background_px : {0.0f, 18.0f})
             expect_same_mesh({&solved.mesh, &map, background_px, nullptr}, {});
     }
@@ -170,7 +168,7 @@ TEST(CudaSurface, SolvedMeshes) {
 // Maps that the mesh stage left on the device, and one that another map has replaced.
 TEST(CudaSurface, MapOnTheDevice) {
     HEXRELIEF_NEEDS_DEVICE();
-    std::vector<std::pair<MeshResult, DisparityMap>> solved;
+    std::vector<std::pair<mesher::MeshResult, DisparityMap>> solved;
     for (const unsigned seed : {3, 4}) {
         const DensityMap density = testing_mesher::noise_density(133, 90, seed);
         const DisparityMap map = varied_map(density);
@@ -180,13 +178,14 @@ TEST(CudaSurface, MapOnTheDevice) {
         expect_same_mesh({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
         DisparityMap other = its_map;  // is not read while the device has its own copy
         std::fill(other.values.begin(), other.values.end(), 1.0f);
-        const DisparityMeshInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
+        const surface::DisparityMeshInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
         const DisparityMesh there = shared_mesher()->cut_disparity_mesh(kept, {}).cut_mesh;
-        const DisparityMesh here = cut_disparity_mesh({&result.mesh, &its_map, 0, nullptr}, {}, 2);
+        const DisparityMesh here = surface::cut_disparity_mesh({&result.mesh, &its_map, 0, nullptr}, {}, 2);
         EXPECT_TRUE(same(there.points, here.points) && same(there.disparities, here.disparities) &&
                     same(there.triangles, here.triangles));
-        EXPECT_FALSE(same(there.disparities,
-                          cut_disparity_mesh({&result.mesh, &other, 0, nullptr}, {}, 2).disparities));
+        EXPECT_FALSE(
+            same(there.disparities,
+                 surface::cut_disparity_mesh({&result.mesh, &other, 0, nullptr}, {}, 2).disparities));
     }
     const auto& [result, map] = solved.front();
     EXPECT_NE(result.map_on_device, solved.back().first.map_on_device);
@@ -197,8 +196,8 @@ TEST(CudaRepeats, SurfacesAreTheSameEveryTime) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(457, 379);
     const DisparityMap map = varied_map(density);
-    const MeshResult solved = solve_mesh(density, {}, 2, {});
-    const DisparityMeshInput input{&solved.mesh, &map, 18, nullptr};
+    const mesher::MeshResult solved = mesher::solve_mesh(density, {}, 2, {});
+    const surface::DisparityMeshInput input{&solved.mesh, &map, 18, nullptr};
     const DisparityMesh first = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
     const char* repeats = std::getenv("HEXRELIEF_REPEATS");
     for (int i = 0; i < (repeats ? std::atoi(repeats) : 5); ++i) {
@@ -211,7 +210,7 @@ TEST(CudaRepeats, SurfacesAreTheSameEveryTime) {
 
 TEST(CudaSurface, ErrorsAreThoseOfTheCpu) {
     HEXRELIEF_NEEDS_DEVICE();
-    Scene scene([](double, double) { return 5.0; });
+    surface::Scene scene([](double, double) { return 5.0; });
     scene.mesh.positions.pop_back();
     EXPECT_THROW(shared_mesher()->cut_disparity_mesh({&scene.mesh, &scene.map, 0, nullptr}, {}), Error);
 }

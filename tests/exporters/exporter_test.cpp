@@ -4,11 +4,11 @@
 #include <map>
 #include <stdexcept>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 namespace fs = std::filesystem;
@@ -52,7 +52,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
         std::string begin(begins.at(extension).size(), ' ');
         file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
         EXPECT_EQ(begin, begins.at(extension)) << extension;
-        const MeshDescription described = describe_mesh(path);
+        const inspect::MeshDescription described = inspect::describe_mesh(path);
         EXPECT_EQ("." + described.format, extension);
         EXPECT_EQ(described.vertices, 30) << extension;
     }
@@ -162,4 +162,4 @@ INSTANTIATE_TEST_SUITE_P(Exporter, EveryFormat,
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -14,7 +14,7 @@
 
 #include "exporters/exporter.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 // Returns a wavy surface of columns x rows vertices, about 2 m in front of the camera, like one
 // from the surface stage.
@@ -105,4 +105,4 @@ inline void put(const std::filesystem::path& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -10,15 +10,15 @@ using namespace hexrelief;
 
 namespace {
 
-nlohmann::json positions_of(const SurfaceMesh& mesh) {
+nlohmann::json positions_of(const hexrelief::SurfaceMesh& mesh) {
     nlohmann::json out = nlohmann::json::array();
-    for (const Vec3f& p : mesh.positions) {
+    for (const hexrelief::Vec3f& p : mesh.positions) {
         for (const float value : {p.x, p.y, p.z}) out.push_back(value);
     }
     return out;
 }
 
-nlohmann::json camera_json(const Calibration& camera) {
+nlohmann::json camera_json(const hexrelief::Calibration& camera) {
     return {
         {"focal", camera.focal_px}, {"cx", camera.cx}, {"cy", camera.cy}, {"baseline", camera.baseline_m}};
 }
@@ -29,20 +29,25 @@ class Writer {
         std::filesystem::remove_all(folder);
         std::filesystem::create_directories(folder);
     }
-    ~Writer() { put(folder_ / "expected.json", expected_.dump()); }
+    ~Writer() { hexrelief::exporters::put(folder_ / "expected.json", expected_.dump()); }
 
     // vertex_by_vertex: expected.json lists the value of every vertex.
-    void write(const std::string& name, const SurfaceMesh& mesh, const Image* texture,
-               const ExportConfig& config, bool vertex_by_vertex = true,
-               const std::vector<const SurfaceMesh*>& coarser = {}) {
-        Calibration camera = sample_camera();
+    void write(const std::string& name, const hexrelief::SurfaceMesh& mesh, const hexrelief::Image* texture,
+               const hexrelief::exporters::ExportConfig& config, bool vertex_by_vertex = true,
+               const std::vector<const hexrelief::SurfaceMesh*>& coarser = {}) {
+        hexrelief::Calibration camera = hexrelief::exporters::sample_camera();
         camera.width = 64;
         camera.height = 48;
-        const Scene scene{&mesh,      texture,
-                          kGenerator, R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})",
-                          &camera,    coarser};
-        export_scene(scene, config, folder_ / name);
-        const bool textured = texture && config.texcoords && config.texture != TextureFormat::none;
+        const hexrelief::exporters::Scene scene{
+            &mesh,
+            texture,
+            hexrelief::exporters::kGenerator,
+            R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})",
+            &camera,
+            coarser};
+        hexrelief::exporters::export_scene(scene, config, folder_ / name);
+        const bool textured =
+            texture && config.texcoords && config.texture != hexrelief::exporters::TextureFormat::none;
         auto& want = expected_[name];
         want = {{"vertices", mesh.positions.size()},
                 {"triangles", mesh.triangles.size()},
@@ -50,37 +55,43 @@ class Writer {
                 {"material", static_cast<int>(config.material)},
                 {"texcoords", texture && config.texcoords},
                 {"normals", has_normals(config, textured)},
-                {"generator", kGenerator},
+                {"generator", hexrelief::exporters::kGenerator},
                 {"extensions", extensions(config, textured)}};
         want["levels"] = nlohmann::json::array();
-        for (const SurfaceMesh* level : coarser) want["levels"].push_back(level->positions.size());
+        for (const hexrelief::SurfaceMesh* level : coarser) want["levels"].push_back(level->positions.size());
         want["camera"] = camera_json(camera);
         if (!vertex_by_vertex) return;
         want["positions"] = positions_of(mesh);
         want["camera"] = camera_json(camera);
-        const bool exact = config.compression == Compression::none;
+        const bool exact = config.compression == hexrelief::exporters::Compression::none;
         want["tolerance_px"] = exact ? 1e-6 : config.tolerance_px;
         want["tolerance_deg"] = exact ? 1e-3 : config.tolerance_deg;
-        for (const Vec3f& n : mesh.normals)
+        for (const hexrelief::Vec3f& n : mesh.normals)
             for (const float v : {n.x, n.y, n.z}) want["normal_values"].push_back(v);
-        for (const Vec2f& t : mesh.texcoords)
+        for (const hexrelief::Vec2f& t : mesh.texcoords)
             for (const float v : {t.x, t.y}) want["texcoord_values"].push_back(v);
         if (texture) want["image"] = {texture->width, texture->height};
     }
 
   private:
-    static bool has_normals(const ExportConfig& config, bool textured) {
-        if (config.normals != NormalsKind::automatic) return config.normals == NormalsKind::always;
-        return !textured || config.material == MaterialKind::lit;
+    static bool has_normals(const hexrelief::exporters::ExportConfig& config, bool textured) {
+        if (config.normals != hexrelief::exporters::NormalsKind::automatic)
+            return config.normals == hexrelief::exporters::NormalsKind::always;
+        return !textured || config.material == hexrelief::exporters::MaterialKind::lit;
     }
-    static nlohmann::json extensions(const ExportConfig& config, bool textured) {
+    static nlohmann::json extensions(const hexrelief::exporters::ExportConfig& config, bool textured) {
         nlohmann::json out = nlohmann::json::array();
-        if (config.compression == Compression::draco) out.push_back("KHR_draco_mesh_compression");
-        if (config.compression == Compression::quantized || config.compression == Compression::meshopt)
+        if (config.compression == hexrelief::exporters::Compression::draco)
+            out.push_back("KHR_draco_mesh_compression");
+        if (config.compression == hexrelief::exporters::Compression::quantized ||
+            config.compression == hexrelief::exporters::Compression::meshopt)
             out.push_back("KHR_mesh_quantization");
-        if (config.compression == Compression::meshopt) out.push_back("EXT_meshopt_compression");
-        if (textured && config.material == MaterialKind::unlit) out.push_back("KHR_materials_unlit");
-        if (textured && config.texture == TextureFormat::webp) out.push_back("EXT_texture_webp");
+        if (config.compression == hexrelief::exporters::Compression::meshopt)
+            out.push_back("EXT_meshopt_compression");
+        if (textured && config.material == hexrelief::exporters::MaterialKind::unlit)
+            out.push_back("KHR_materials_unlit");
+        if (textured && config.texture == hexrelief::exporters::TextureFormat::webp)
+            out.push_back("EXT_texture_webp");
         return out;
     }
     std::filesystem::path folder_;
@@ -88,68 +99,73 @@ class Writer {
 };
 
 void write_all(const std::filesystem::path& folder) {
-    const SurfaceMesh small = sample_mesh(24, 18), large = sample_mesh(300, 250);
-    const Image colour = sample_texture(64, 48), grey = sample_texture(64, 48, 1);
-    SurfaceMesh part = small;  // shows only a part of the picture
-    for (Vec2f& t : part.texcoords) t = {0.25f + t.x / 4, 0.5f + t.y / 3};
-    const SurfaceMesh half = sample_mesh(12, 9), quarter = sample_mesh(6, 5);
+    const hexrelief::SurfaceMesh small = hexrelief::exporters::sample_mesh(24, 18),
+                                 large = hexrelief::exporters::sample_mesh(300, 250);
+    const hexrelief::Image colour = hexrelief::exporters::sample_texture(64, 48),
+                           grey = hexrelief::exporters::sample_texture(64, 48, 1);
+    hexrelief::SurfaceMesh part = small;  // shows only a part of the picture
+    for (hexrelief::Vec2f& t : part.texcoords) t = {0.25f + t.x / 4, 0.5f + t.y / 3};
+    const hexrelief::SurfaceMesh half = hexrelief::exporters::sample_mesh(12, 9),
+                                 quarter = hexrelief::exporters::sample_mesh(6, 5);
     Writer out(folder);
-    const std::pair<const char*, Compression> compressions[] = {{"plain", Compression::none},
-                                                                {"draco", Compression::draco},
-                                                                {"quantized", Compression::quantized},
-                                                                {"meshopt", Compression::meshopt}};
+    const std::pair<const char*, hexrelief::exporters::Compression> compressions[] = {
+        {"plain", hexrelief::exporters::Compression::none},
+        {"draco", hexrelief::exporters::Compression::draco},
+        {"quantized", hexrelief::exporters::Compression::quantized},
+        {"meshopt", hexrelief::exporters::Compression::meshopt}};
     for (const auto& [name, compression] : compressions) {
         const std::string stem = name;
-        ExportConfig config;
+        hexrelief::exporters::ExportConfig config;
         config.compression = compression;
-        config.normals = NormalsKind::always;
+        config.normals = hexrelief::exporters::NormalsKind::always;
         out.write(stem + ".glb", small, &colour, config);
         out.write(stem + "-bare.glb", small, nullptr, config);
         out.write(stem + "-large.glb", large, &colour, config, false);
         out.write("split with spaces 100% " + stem + ".gltf", small, &colour, config);
         out.write("split-bare-" + stem + ".gltf", small, nullptr, config);
         out.write(stem + "-part.glb", part, &colour, config);
-        ExportConfig inside = config;
-        inside.lod_storage = LevelStorage::inside;
+        hexrelief::exporters::ExportConfig inside = config;
+        inside.lod_storage = hexrelief::exporters::LevelStorage::inside;
         out.write(stem + "-lod.glb", small, &colour, inside, true, {&half, &quarter});
         out.write("split-lod-" + stem + ".gltf", small, nullptr, inside, true, {&half, &quarter});
-        ExportConfig fine = config;
+        hexrelief::exporters::ExportConfig fine = config;
         fine.tolerance_px = 0.002;  // more than 16 bits a coordinate
         fine.tolerance_deg = 0.02;
         out.write(stem + "-fine.glb", small, &colour, fine);
-        ExportConfig coarse = config;
+        hexrelief::exporters::ExportConfig coarse = config;
         coarse.tolerance_px = 0.6;  // 8 bits suffice
         coarse.tolerance_deg = 5;
         out.write(stem + "-coarse.glb", small, &colour, coarse);
-        ExportConfig shapes = config;
-        shapes.normals = NormalsKind::never;
+        hexrelief::exporters::ExportConfig shapes = config;
+        shapes.normals = hexrelief::exporters::NormalsKind::never;
         shapes.texcoords = false;
         out.write(stem + "-positions.glb", small, &colour, shapes);
-        ExportConfig webp = config;
-        webp.texture = TextureFormat::webp;
+        hexrelief::exporters::ExportConfig webp = config;
+        webp.texture = hexrelief::exporters::TextureFormat::webp;
         webp.texture_max_px = 20;
         out.write(stem + "-webp.glb", part, &colour, webp);
-        ExportConfig automatic = config;
-        automatic.normals = NormalsKind::automatic;
-        for (const auto& [kind, material] : {std::pair{"-emissive.glb", MaterialKind::emissive},
-                                             {"-unlit.glb", MaterialKind::unlit},
-                                             {"-lit.glb", MaterialKind::lit}}) {
+        hexrelief::exporters::ExportConfig automatic = config;
+        automatic.normals = hexrelief::exporters::NormalsKind::automatic;
+        for (const auto& [kind, material] :
+             {std::pair{"-emissive.glb", hexrelief::exporters::MaterialKind::emissive},
+              {"-unlit.glb", hexrelief::exporters::MaterialKind::unlit},
+              {"-lit.glb", hexrelief::exporters::MaterialKind::lit}}) {
             automatic.material = material;
             out.write(stem + kind, small, &colour, automatic);
         }
-        ExportConfig none = config;
-        none.texture = TextureFormat::none;
-        none.normals = NormalsKind::never;
+        hexrelief::exporters::ExportConfig none = config;
+        none.texture = hexrelief::exporters::TextureFormat::none;
+        none.normals = hexrelief::exporters::NormalsKind::never;
         out.write(stem + "-no-image.glb", small, &colour, none);
     }
-    ExportConfig png;
-    png.texture = TextureFormat::png;
+    hexrelief::exporters::ExportConfig png;
+    png.texture = hexrelief::exporters::TextureFormat::png;
     out.write("plain-png.glb", small, &colour, png);
     out.write("plain-grey.glb", small, &grey, {});
-    png.compression = Compression::draco;
+    png.compression = hexrelief::exporters::Compression::draco;
     out.write("split-draco.gltf", small, &colour, png);
-    ExportConfig webp;
-    webp.texture = TextureFormat::webp;
+    hexrelief::exporters::ExportConfig webp;
+    webp.texture = hexrelief::exporters::TextureFormat::webp;
     out.write("split-webp.gltf", small, &grey, webp);
 }
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/batch/manifest.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
@@ -20,7 +20,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/describe_map.h"
 #include "pipeline/readers/depth/mask_reader.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/stereo_reader.h"
@@ -61,31 +61,33 @@ void attempt(Reader read) {
 }
 
 // A photograph of a thousand bytes may decode to 16 megapixels, which take their time, the more so here.
-constexpr ReaderLimits kLimits{1 << 21};
+constexpr readers::ReaderLimits kLimits{1 << 21};
 
 void read_raster(Bytes bytes, const std::string& name) {
     const fs::path path = file_of(bytes, "");
-    const codec::Codec* const codec = codec::find_codec(path);
+    const readers::codec::Codec* const codec = readers::codec::find_codec(path);
     const bool is_map = name == "maps";
     if (!codec) return;
-    attempt([&] { describe_raster(path, {}, kLimits); });
+    attempt([&] { readers::describe_raster(path, {}, kLimits); });
     if (is_map) {
-        attempt([&] { read_disparity_map(path, {}, kLimits); });
-        attempt([&] { read_depth_map(path, {}, kLimits); });
-        attempt([&] { read_depth_map(path, {.kind = DepthKind::affine_inverse}, kLimits); });
-        attempt([&] { read_confidence(path, {}, kLimits); });
+        attempt([&] { readers::read_disparity_map(path, {}, kLimits); });
+        attempt([&] { readers::read_depth_map(path, {}, kLimits); });
+        attempt(
+            [&] { readers::read_depth_map(path, {.kind = readers::DepthKind::affine_inverse}, kLimits); });
+        attempt([&] { readers::read_confidence(path, {}, kLimits); });
         return;
     }
-    attempt([&] { read_image(path, kLimits); });
-    attempt([&] { describe_map(path, {}, kLimits); });
-    attempt([&] { read_mask(path, {}, kLimits); });
+    attempt([&] { readers::read_image(path, kLimits); });
+    attempt([&] { readers::describe_map(path, {}, kLimits); });
+    attempt([&] { readers::read_mask(path, {}, kLimits); });
 }
 
 void read_stereo(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
-    for (const StereoLayout layout : {StereoLayout::automatic, StereoLayout::half_side_by_side})
-        attempt([&] { read_stereo_file(path, {.layout = layout}, kLimits); });
-    attempt([&] { read_exif_focal(path, 640, 480); });
+    for (const readers::StereoLayout layout :
+         {readers::StereoLayout::automatic, readers::StereoLayout::half_side_by_side})
+        attempt([&] { readers::read_stereo_file(path, {.layout = layout}, kLimits); });
+    attempt([&] { readers::read_exif_focal(path, 640, 480); });
 }
 
 template <typename Windows>
@@ -96,36 +98,37 @@ void read_corners(const Windows& file) {
 }
 
 void read_windows(Bytes bytes, const std::string&) {
-    attempt([&] { parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
-    attempt([&] { read_corners(*MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
-    attempt([&] { read_corners(*PictureWindows::open(file_of(bytes, ""), kLimits)); });
+    attempt([&] { windows::parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
+    attempt(
+        [&] { read_corners(*windows::MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
+    attempt([&] { read_corners(*windows::PictureWindows::open(file_of(bytes, ""), kLimits)); });
 }
 
 void read_calibrations(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
-    attempt([&] { read_calibration_file(path); });
-    attempt([&] { read_stereo_calibration(path, Rectify::automatic); });
+    attempt([&] { readers::read_calibration_file(path); });
+    attempt([&] { readers::read_stereo_calibration(path, readers::Rectify::automatic); });
 }
 
 void read_config(Bytes bytes, const std::string&) {
     const std::string text(bytes.begin(), bytes.end());
-    Config config;
-    attempt([&] { apply_yaml(config, text, "config", "."); });
-    attempt([&] { apply_setting(config, text); });
+    config::Config config;
+    attempt([&] { config::apply_yaml(config, text, "config", "."); });
+    attempt([&] { config::apply_setting(config, text); });
 }
 
 // As each kind of manifest, and as lines of options. What is wrong with a row is told in a line, too.
 void read_manifests(Bytes bytes, const std::string&) {
     for (const char* const ending : {".yaml", ".csv", ".jsonl", ".txt"})
         attempt([&] {
-            const ManifestOptions options{.output = "out", .config = "compact", .depfiles = true};
-            for (const BatchUnit& unit : read_manifest(file_of(bytes, ending), options))
+            const batch::ManifestOptions options{.output = "out", .config = "compact", .depfiles = true};
+            for (const batch::BatchUnit& unit : batch::read_manifest(file_of(bytes, ending), options))
                 if (unit.wrong.find('\n') != std::string::npos) throw Error(unit.kind, unit.wrong);
         });
 }
 
 void describe(Bytes bytes, const std::string& name) {
-    attempt([&] { describe_mesh(file_of(bytes, "." + name)); });
+    attempt([&] { inspect::describe_mesh(file_of(bytes, "." + name)); });
 }
 
 }  // namespace

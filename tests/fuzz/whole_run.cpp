@@ -31,7 +31,7 @@ class Draw {
 };
 
 // The work grows with these without end, in range or not: what they may be here.
-double most_of(const Field& field) {
+double most_of(const config::Field& field) {
     constexpr std::array<std::pair<const char*, double>, 4> kMost = {
         {{"mesh.t_max", 30}, {"run.threads", 4}, {"mesh.co", 200}, {"mesh.sigma_init", 20}}};
     for (const auto& [path, most] : kMost)
@@ -40,7 +40,7 @@ double most_of(const Field& field) {
 }
 
 // A number in range: the ends, and most often small ones.
-double number(const Field& field, Draw& draw) {
+double number(const config::Field& field, Draw& draw) {
     const double low = field.min, high = std::max(low, most_of(field));
     const unsigned how = draw.byte();
     if (how == 0) return low;
@@ -49,26 +49,26 @@ double number(const Field& field, Draw& draw) {
     return low + share * reach;
 }
 
-void change(Config& config, Draw& draw) {
-    const auto& fields = config_fields();
-    const Field& field = fields[draw.byte() % fields.size()];
-    FieldValue value;
+void change(config::Config& config, Draw& draw) {
+    const auto& fields = config::config_fields();
+    const config::Field& field = fields[draw.byte() % fields.size()];
+    config::FieldValue value;
     switch (field.type) {
-        case FieldType::boolean:
+        case config::FieldType::boolean:
             value = draw.byte() % 2 == 1;
             break;
-        case FieldType::choice:
+        case config::FieldType::choice:
             value = field.choices[draw.byte() % field.choices.size()];
             break;
-        case FieldType::integer:
-        case FieldType::optional_integer:
+        case config::FieldType::integer:
+        case config::FieldType::optional_integer:
             value = static_cast<long long>(std::floor(number(field, draw)));
             break;
-        case FieldType::real:
-        case FieldType::optional_real:
+        case config::FieldType::real:
+        case config::FieldType::optional_real:
             value = number(field, draw);
             break;
-        case FieldType::text:
+        case config::FieldType::text:
             return;
     }
     field.set(config, value);
@@ -98,7 +98,7 @@ std::vector<std::uint8_t> map_of(Draw& draw) {
 void run_whole(Bytes bytes, const std::string&) {
     constexpr std::array kFormats = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz"};
     Draw draw(bytes);
-    RunRequest request;
+    job::RunRequest request;
     request.config.run.threads = 1;
     const unsigned changes = draw.byte() % 8;
     const std::string format = kFormats[draw.byte() % kFormats.size()];
@@ -110,8 +110,8 @@ void run_whole(Bytes bytes, const std::string&) {
     request.outputs = {folder / ("relief" + format)};
     request.report = folder / "report.json";
     try {
-        check_rules(request.config, "config");
-        run_job(request, {}, pick_backend);
+        config::check_rules(request.config, "config");
+        job::run_job(request, {}, job::pick_backend);
     } catch (const Error& error) {
         if (std::string(error.what()).find('\n') != std::string::npos) throw;
     }

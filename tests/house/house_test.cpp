@@ -17,13 +17,6 @@ const fs::path kRoot = HEXRELIEF_SOURCE_DIR;
 const std::map<std::string, std::string> kLongFiles = {};
 constexpr std::size_t kLongestFile = 400;
 
-std::vector<SourceFile> all_sources() {
-    std::vector<SourceFile> files = source_files(kRoot, ".");
-    for (SourceFile& file : files)
-        if (file.path.starts_with("./")) file.path.erase(0, 2);
-    return files;
-}
-
 // Lines with comments and string literals blanked out, good enough for house-keeping.
 std::string code_of(const std::string& line) {
     static const std::regex text(R"("(\\.|[^"\\])*")"), comment("//.*");

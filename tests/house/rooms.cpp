@@ -138,13 +138,13 @@ const std::vector<Room>& rooms() {
         // kernels call the same steps as the mesher's loops.
         {"cuda",
          {data, "mesher/mesher.h", "mesher/common", "mesher/som/level_plan.h", "mesher/som/mesh_area.h",
-          "mesher/balance/balance.h", "mesher/surface/disparity_mesh.h", "pipeline/matching/matcher.h",
+          "mesher/balance/balance.h", "mesher/surface/cut_disparity_mesh.h", "pipeline/matching/matcher.h",
           steps}},
         {"cuda/common", {data, "mesher/common", steps}},
         {"cuda/som", {data, "cuda/common", "mesher/common", "mesher/som/level_plan.h", steps}},
         {"cuda/balance", {data, "cuda/common", "cuda/som", "mesher/common", "mesher/balance/plan.h", steps}},
         {"cuda/surface",
-         {data, "cuda/common", "cuda/som", "mesher/common", "mesher/surface/disparity_mesh.h", steps}},
+         {data, "cuda/common", "cuda/som", "mesher/common", "mesher/surface/cut_disparity_mesh.h", steps}},
         {"cuda/surface/pixels", {data, "cuda/common", "mesher/common", steps}},
         {"cuda/surface/topology", {data, "cuda/common", "cuda/surface/pixels", "mesher/common", steps}},
         {"cuda/surface/fit",
@@ -166,7 +166,7 @@ const std::vector<Room>& rooms() {
 
         {"exporters/tileset", {data, "exporters/core/file_transaction.h"}},
         {"exporters/viewer",
-         {data, "exporters/core", "exporters/images", "exporters/formats/gltf/exporter.h"}},
+         {data, "exporters/core", "exporters/images", "exporters/formats/gltf/gltf_exporter.h"}},
 
         {"samples", {data, "exporters"}},
         {"tests", {"pipeline", "mesher", "cuda", "exporters", "samples"}},
@@ -179,6 +179,13 @@ std::vector<SourceFile> source_files(const fs::path& root, const std::string& fo
         const std::string ending = path.extension().string();
         return ending == ".h" || ending == ".cpp" || ending == ".cu" || ending == ".cuh";
     });
+}
+
+std::vector<SourceFile> all_sources() {
+    std::vector<SourceFile> files = source_files(HEXRELIEF_SOURCE_DIR, ".");
+    for (SourceFile& file : files)
+        if (file.path.starts_with("./")) file.path.erase(0, 2);
+    return files;
 }
 
 std::vector<SourceFile> cmake_files(const fs::path& root) {

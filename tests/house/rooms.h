@@ -24,6 +24,8 @@ struct SourceFile {
 // All files of C++ and CUDA below `folder`, sorted; folders whose name starts with "build" or "." are left
 // out.
 std::vector<SourceFile> source_files(const std::filesystem::path& root, const std::string& folder);
+// Those of the whole project.
+std::vector<SourceFile> all_sources();
 // The same for CMakeLists.txt and *.cmake.
 std::vector<SourceFile> cmake_files(const std::filesystem::path& root);
 

@@ -33,13 +33,13 @@ class Library : public testing::Test {
     }
     // What the command line writes.
     std::string expected(const std::vector<std::string>& settings, const std::string& name = "expected.glb") {
-        RunRequest request;
+        job::RunRequest request;
         request.disparity = sample("disparity.pfm");
         request.color = sample("left.png");
-        request.config = read_config({"", settings}, {});
+        request.config = config::read_config({"", settings}, {});
         request.config.input.calibration.file = sample("calib.txt");
         request.outputs = {file(name)};
-        run_job(request, {});
+        job::run_job(request, {});
         return bytes(file(name));
     }
     template <typename Call>
@@ -71,12 +71,12 @@ TEST_F(Library, WritesTheBytesOfTheCommandLine) {
 }
 
 TEST_F(Library, MatchesAsTheCommandLineDoes) {
-    RunRequest request;
+    job::RunRequest request;
     request.left = sample("left.png");
     request.right = sample("right.png");
     request.config.input.calibration.file = sample("calib.txt");
     request.outputs = {file("pair.glb")};
-    run_job(request, {});
+    job::run_job(request, {});
     const Picture right = read_picture(sample("right.png"));
     const Disparities found = compute_disparity(left_.view(), right.view(), camera_);
     mesh(found.view(), left_.view(), camera_).save(file("found.glb"));

@@ -12,7 +12,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 
-namespace hexrelief {
+namespace hexrelief::mesher {
 namespace {
 
 struct PaperMap {
@@ -37,10 +37,10 @@ const std::vector<PaperMap> kLargeMaps = {{"aloeL", "middlebury2006/aloe-full/di
                                           {"teddyL", "middlebury2003/teddy-full/disp.pgm", 1, 25.98}};
 constexpr double kPaperMeanCost = 21.4;  // of the paper's GPU over the six small maps
 
-DensityConfig paper_density() {
-    DensityConfig config;
+stages::DensityConfig paper_density() {
+    stages::DensityConfig config;
     config.scale_percentile = 100;
-    config.background_method = BackgroundMethod::fraction;
+    config.background_method = stages::BackgroundMethod::fraction;
     config.floor = 0;
     return config;
 }
@@ -57,16 +57,16 @@ class Middlebury : public testing::Test {
     // may have inverted triangles.
     double mean_cost(const std::vector<PaperMap>& maps, const MeshConfig& config, double slack,
                      double most_cost = 100, double least_angle_deg = 0,
-                     const DensityConfig& density_config = paper_density()) const {
+                     const stages::DensityConfig& density_config = paper_density()) const {
         const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
         double sum = 0;
         for (const PaperMap& paper : maps) {
-            DisparityFileConfig file;
+            readers::DisparityFileConfig file;
             file.scale = paper.scale;
-            const DisparityMap map = read_disparity_map(folder_ / paper.file, file);
-            const DensityMap density = compute_density(map, density_config);
-            const MeshQuality quality =
-                measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
+            const DisparityMap map = readers::read_disparity_map(folder_ / paper.file, file);
+            const DensityMap density = stages::compute_density(map, density_config);
+            const quality::MeshQuality quality =
+                quality::measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
             std::printf("%-8s %%cost %6.2f (the paper's %5.2f), 1st percentile angle %5.2f deg\n", paper.name,
                         quality.percent_cost, paper.paper_cost, quality.percentile1_angle_deg);
             EXPECT_EQ(quality.inverted_triangles, 0) << paper.name;
@@ -129,4 +129,4 @@ TEST_F(Middlebury, DefaultOnLargeMaps) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::mesher

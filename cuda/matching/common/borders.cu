@@ -19,13 +19,13 @@ __global__ void __launch_bounds__(kBlock) fill_borders_kernel(const __grid_const
     begin_kernel();
     const Border& border = all.borders[blockIdx.y];
     const int row = static_cast<int>(blockIdx.x);
-    if (row >= border.height + 2 * kBorder_px) return;
+    if (row >= border.height + 2 * matching::kBorder_px) return;
     const int row_bytes = border.stride * border.pixel_bytes;
     std::uint8_t* const bytes = border.first_row + static_cast<std::size_t>(row) * row_bytes;
-    const bool crosses = row >= kBorder_px && row < border.height + kBorder_px;
+    const bool crosses = row >= matching::kBorder_px && row < border.height + matching::kBorder_px;
     // bytes of the picture within the row, which are not touched
-    const int begin = crosses ? kBorder_px * border.pixel_bytes : row_bytes;
-    const int end = crosses ? (kBorder_px + border.width) * border.pixel_bytes : row_bytes;
+    const int begin = crosses ? matching::kBorder_px * border.pixel_bytes : row_bytes;
+    const int end = crosses ? (matching::kBorder_px + border.width) * border.pixel_bytes : row_bytes;
     const std::uint32_t word = border.byte * 0x01010101u;
     const int last_whole = (end + 3) / 4 * 4;
     const auto fill_words = [&](int first, int past) {
@@ -46,7 +46,7 @@ void fill_borders(cudaStream_t stream, const std::vector<Border>& borders) {
         Borders some;
         std::copy_n(borders.begin() + static_cast<std::ptrdiff_t>(first), count, some.borders);
         int rows = 0;
-        for (const Border& border : borders) rows = std::max(rows, border.height + 2 * kBorder_px);
+        for (const Border& border : borders) rows = std::max(rows, border.height + 2 * matching::kBorder_px);
         launch("filling borders", stream,
                {dim3(static_cast<unsigned>(rows), static_cast<unsigned>(count)), kBlock}, fill_borders_kernel,
                some);

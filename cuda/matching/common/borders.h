@@ -10,10 +10,11 @@ namespace hexrelief::cuda {
 // Takes an uninitialised raster with a border of kBorder_px. Rows begin at whole words, so kernels may
 // read bytes as words.
 template <typename T>
-RasterView<T> take_bordered_raster(Arena& arena, int width, int height) {
-    const int stride = in_whole_words(width) + 2 * kBorder_px;
-    T* const values = arena.take<T>(static_cast<std::size_t>(stride) * (height + 2 * kBorder_px));
-    return {values + static_cast<std::size_t>(kBorder_px) * stride + kBorder_px, width, height, stride};
+matching::RasterView<T> take_bordered_raster(Arena& arena, int width, int height) {
+    const int stride = in_whole_words(width) + 2 * matching::kBorder_px;
+    T* const values = arena.take<T>(static_cast<std::size_t>(stride) * (height + 2 * matching::kBorder_px));
+    return {values + static_cast<std::size_t>(matching::kBorder_px) * stride + matching::kBorder_px, width,
+            height, stride};
 }
 
 // A raster's border whose bytes are all set to `byte`.
@@ -23,8 +24,9 @@ struct Border {
     std::uint8_t byte;
 
     template <typename T>
-    Border(const RasterView<T>& raster, int value)
-        : first_row(reinterpret_cast<std::uint8_t*>(raster.row(-kBorder_px) - kBorder_px)),
+    Border(const matching::RasterView<T>& raster, int value)
+        : first_row(
+              reinterpret_cast<std::uint8_t*>(raster.row(-matching::kBorder_px) - matching::kBorder_px)),
           pixel_bytes(sizeof(T)),
           width(raster.width),
           height(raster.height),

@@ -7,13 +7,13 @@
 #include "cuda/common/arena.h"
 #include "cuda/common/check.h"
 #include "cuda/common/launch.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::cuda {
 
 // Takes a raster without a border: stride == width.
 template <typename T>
-RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
+matching::RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
     return {arena.take<T>(static_cast<std::size_t>(width) * height), width, height, width};
 }
 
@@ -24,16 +24,16 @@ inline int in_whole_words(int width) {
 
 // Returns the raster as one of constants.
 template <typename T>
-RasterView<const T> reading(const RasterView<T>& raster) {
+matching::RasterView<const T> reading(const matching::RasterView<T>& raster) {
     return {raster.origin, raster.width, raster.height, raster.stride};
 }
 
 // A pixel's channels as bytes of a word, the first one lowest; grey repeated three times.
-using PackedColors = RasterView<const std::uint32_t>;
+using PackedColors = matching::RasterView<const std::uint32_t>;
 
 // A pair's pictures as PackedColors.
 struct DeviceColors {
-    RasterView<std::uint32_t> left, right;
+    matching::RasterView<std::uint32_t> left, right;
     bool in_color;  // false: the three channels are equal
 };
 

@@ -11,7 +11,7 @@ constexpr int kRows = 32;  // rows of the picture in a word of a column or diago
 
 // Finds the known pixels of lines of one kind in 32 rows. The bits of a word are neighbouring pixels of a row
 // in the picture's rows, and pixels of successive rows in columns and diagonals.
-__global__ void find_known_kernel(DisparityView map, KnownPixels known) {
+__global__ void find_known_kernel(matching::DisparityView map, KnownPixels known) {
     begin_kernel();
     const auto kind = static_cast<KnownPixels::Kind>(blockIdx.z);
     const int line = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
@@ -62,7 +62,7 @@ __device__ int distance_to_known(const KnownPixels& known, int direction, int x,
     const KnownPixels::Kind kind = dx == 0    ? KnownPixels::kColumns
                                    : dx == dy ? KnownPixels::kFalling
                                               : KnownPixels::kRising;
-    const RasterView<std::uint32_t>& lines = known.words[kind];
+    const matching::RasterView<std::uint32_t>& lines = known.words[kind];
     const std::uint32_t* const words = lines.origin + known.line_of(kind, x, y);
     return dy > 0 ? distance_behind(words, lines.height, lines.stride, y)
                   : distance_before(words, lines.stride, y);
@@ -85,7 +85,7 @@ __device__ std::int16_t filled_pixel(const FillInput& in, const KnownPixels& kno
 #pragma unroll
     for (int k = 0; k < step::kDirections; ++k) {
         const int distance = distance_to_known(known, k, x, y);
-        candidates[k] = kUnknown16;
+        candidates[k] = matching::kUnknown16;
         if (distance == 0) continue;
         const int dx = distance * step::direction_x(k), dy = distance * step::direction_y(k);
         const PixelRecord from = read_record(&in.records.at(x + dx, y + dy));
@@ -96,10 +96,10 @@ __device__ std::int16_t filled_pixel(const FillInput& in, const KnownPixels& kno
 }
 
 __global__ void __launch_bounds__(kListBlock)
-    fill_unknown_kernel(FillInput in, KnownPixels known, DisparityOut map) {
+    fill_unknown_kernel(FillInput in, KnownPixels known, matching::DisparityOut map) {
     begin_kernel();
     for_each_listed(in.holes, [&](int x, int y) {
-        if (map.at(x, y) == kUnknown16) map.at(x, y) = filled_pixel(in, known, x, y);
+        if (map.at(x, y) == matching::kUnknown16) map.at(x, y) = filled_pixel(in, known, x, y);
     });
 }
 
@@ -114,7 +114,7 @@ KnownPixels take_known_pixels(Arena& arena, int width, int height) {
     return known;
 }
 
-void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known) {
+void find_known(cudaStream_t stream, const matching::DisparityView& map, const KnownPixels& known) {
     constexpr int kBlock = 128;
     const dim3 grid(static_cast<unsigned>(
                         blocks_for(static_cast<std::size_t>(known.lines(KnownPixels::kFalling)), kBlock)),
@@ -123,7 +123,7 @@ void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels
 }
 
 void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
-                  const DisparityOut& map) {
+                  const matching::DisparityOut& map) {
     launch("filling", stream, list_blocks(map.width, map.height), fill_unknown_kernel, input, known, map);
 }
 

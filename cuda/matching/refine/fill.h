@@ -14,8 +14,9 @@ struct KnownPixels {
     enum Kind { kColumns, kFalling, kRising, kKinds };
 
     int width, height;
-    RasterView<std::uint32_t> rows;           // indexed by word and row
-    RasterView<std::uint32_t> words[kKinds];  // indexed by line and word; a word holds 32 rows of the picture
+    matching::RasterView<std::uint32_t> rows;  // indexed by word and row
+    matching::RasterView<std::uint32_t>
+        words[kKinds];  // indexed by line and word; a word holds 32 rows of the picture
 
     __host__ __device__ int lines(Kind kind) const { return kind == kColumns ? width : width + height - 1; }
     __host__ __device__ int line_of(Kind kind, int x, int y) const {
@@ -28,18 +29,18 @@ struct KnownPixels {
 KnownPixels take_known_pixels(Arena& arena, int width, int height);
 
 struct FillInput {
-    PixelList holes;       // pixels without a match
-    DisparityView right;   // trusted matches of the right view
-    PixelRecords records;  // records of the map
-    RasterView<const std::int32_t> nearest_seen;
+    PixelList holes;                // pixels without a match
+    matching::DisparityView right;  // trusted matches of the right view
+    PixelRecords records;           // records of the map
+    matching::RasterView<const std::int32_t> nearest_seen;
     PackedColors left_colors, right_colors;
     int min_px;
 };
 
 // Sets the bits of `known` from the map.
-void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known);
+void find_known(cudaStream_t stream, const matching::DisparityView& map, const KnownPixels& known);
 // Fills the holes that are unknown in the map.
 void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
-                  const DisparityOut& map);
+                  const matching::DisparityOut& map);
 
 }  // namespace hexrelief::cuda

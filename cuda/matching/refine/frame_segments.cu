@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kBlock = 512;
 
-using KnownRows = RasterView<const std::uint32_t>;
+using KnownRows = matching::RasterView<const std::uint32_t>;
 // Returns the pixel's match, as it was before the map was filled.
 __device__ std::int16_t match_of(const KnownRows& known, std::int16_t filled, int x, int y) {
-    return known.at(x / 32, y) >> x % 32 & 1u ? filled : kUnknown16;
+    return known.at(x / 32, y) >> x % 32 & 1u ? filled : matching::kUnknown16;
 }
 
 // Returns the sum over a block's threads to all of them.
@@ -33,13 +33,13 @@ __device__ int sum_of_block(int value) {
 __device__ int count_up_to(const std::int16_t* samples, int count, int most) {
     int up_to = 0;
     for (int i = static_cast<int>(threadIdx.x); i < count; i += kBlock)
-        up_to += samples[i] != kUnknown16 && samples[i] <= most;
+        up_to += samples[i] != matching::kUnknown16 && samples[i] <= most;
     return sum_of_block(up_to);
 }
 
 // Finds the least disparity of segments, one segment per block.
 __global__ void __launch_bounds__(kBlock)
-    find_least(KnownRows known, DisparityView filled, CellGrid grid, FrameArrays arrays) {
+    find_least(KnownRows known, matching::DisparityView filled, matching::CellGrid grid, FrameArrays arrays) {
     begin_kernel();
     const int first = arrays.firsts[blockIdx.x], count = arrays.firsts[blockIdx.x + 1] - first;
     const int* const cells = arrays.cells + first;
@@ -51,7 +51,7 @@ __global__ void __launch_bounds__(kBlock)
     }
     __syncthreads();
     const int unmatched = count_up_to(samples, count, INT16_MAX);
-    int least = kUnknown16;
+    int least = matching::kUnknown16;
     if (step::may_be_beyond_frame(unmatched, count - unmatched)) {
         // number of samples that are not larger than the result
         const int wanted = step::upper_quartile(unmatched) + 1;
@@ -69,7 +69,8 @@ __global__ void __launch_bounds__(kBlock)
         arrays.least[cells[i]] = static_cast<std::int16_t>(least);
 }
 
-__global__ void raise_pixels(KnownRows known, CellGrid grid, const std::int16_t* least, DisparityOut filled) {
+__global__ void raise_pixels(KnownRows known, matching::CellGrid grid, const std::int16_t* least,
+                             matching::DisparityOut filled) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     const int column = at.x / grid.cell_px, row = at.y / grid.cell_px;
@@ -80,14 +81,15 @@ __global__ void raise_pixels(KnownRows known, CellGrid grid, const std::int16_t*
 
 }  // namespace
 
-FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid) {
+FrameArrays take_frame_arrays(Arena& arena, const matching::CellGrid& grid) {
     return {arena.take<int>(grid.size()), arena.take<int>(grid.size() + 1),
             arena.take<std::int16_t>(grid.size()), arena.take<std::int16_t>(grid.size())};
 }
 
-void raise_frame_segments(Workspace& work, const FrameSegments& segments, const FrameArrays& arrays,
-                          const RasterView<const std::uint32_t>& known, const DisparityOut& filled) {
-    const CellGrid& grid = segments.grid;
+void raise_frame_segments(Workspace& work, const matching::FrameSegments& segments, const FrameArrays& arrays,
+                          const matching::RasterView<const std::uint32_t>& known,
+                          const matching::DisparityOut& filled) {
+    const matching::CellGrid& grid = segments.grid;
     if (segments.count() == 0) return;
     const cudaStream_t stream = work.stream, side = work.side.get();
     work.staging.upload(side, arrays.cells, segments.cells.data(), segments.cells.size());

@@ -11,11 +11,12 @@ struct FrameArrays {
     int *cells, *firsts;  // as in FrameSegments
     std::int16_t *samples, *least;
 };
-FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid);
+FrameArrays take_frame_arrays(Arena& arena, const matching::CellGrid& grid);
 
 // Uploads the segments beside the device's other work and raises `filled` as least_disparities() says. known:
 // bits of the pixels that were not filled, as in KnownPixels. All entries of arrays.least must be unknown.
-void raise_frame_segments(Workspace& work, const FrameSegments& segments, const FrameArrays& arrays,
-                          const RasterView<const std::uint32_t>& known, const DisparityOut& filled);
+void raise_frame_segments(Workspace& work, const matching::FrameSegments& segments, const FrameArrays& arrays,
+                          const matching::RasterView<const std::uint32_t>& known,
+                          const matching::DisparityOut& filled);
 
 }  // namespace hexrelief::cuda

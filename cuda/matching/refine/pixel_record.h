@@ -18,7 +18,7 @@ struct alignas(16) PixelRecord {
 };
 inline constexpr std::uint32_t kNoColor = 0xff000000u;
 
-using PixelRecords = RasterView<const PixelRecord>;
+using PixelRecords = matching::RasterView<const PixelRecord>;
 
 // A pixel for smoothing. All bits of the colour are set if the disparity is unknown, and in the border.
 struct alignas(16) PlaneRecord {
@@ -27,6 +27,6 @@ struct alignas(16) PlaneRecord {
     std::uint32_t color;     // see PlaneColor
     std::uint32_t unused;
 };
-using PlaneRecords = RasterView<const PlaneRecord>;
+using PlaneRecords = matching::RasterView<const PlaneRecord>;
 
 }  // namespace hexrelief::cuda

@@ -28,13 +28,13 @@ void prepare(cudaStream_t stream, const RefineArrays& arrays) {
                           {arrays.slopes.fitted, 0}});
     set(arrays.trusted.holes.count, 0, kLists * sizeof(std::uint32_t));
     set(arrays.voter_weights.origin, step::kMatchedWeight, static_cast<std::size_t>(width) * height);
-    set(arrays.frame.least, kUnknownBytes, cell_grid(width, height).size() * sizeof(std::int16_t));
+    set(arrays.frame.least, kUnknownBytes, matching::cell_grid(width, height).size() * sizeof(std::int16_t));
 }
 
 }  // namespace
 
-RefineArrays take_refine_arrays(Arena& arena, const RasterView<std::int16_t>& left,
-                                const RasterView<std::int16_t>& right, const FrameArrays& frame) {
+RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::int16_t>& left,
+                                const matching::RasterView<std::int16_t>& right, const FrameArrays& frame) {
     const int width = left.width, height = left.height;
     const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, width, height); };
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
@@ -66,7 +66,7 @@ RefineArrays take_refine_arrays(Arena& arena, const RasterView<std::int16_t>& le
     return arrays;
 }
 
-void check_views(cudaStream_t stream, const CheckArrays& arrays, const ConsistencyConfig& config,
+void check_views(cudaStream_t stream, const CheckArrays& arrays, const matching::ConsistencyConfig& config,
                  StageClock& clock) {
     filter_medians(stream, {reading(arrays.left), arrays.left_medians},
                    {reading(arrays.right), arrays.right_medians});
@@ -79,9 +79,9 @@ void check_views(cudaStream_t stream, const CheckArrays& arrays, const Consisten
 void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
     const cudaStream_t stream = work.stream;
     StageClock& clock = work.clock;
-    const ConsistencyConfig& config = input.config;
+    const matching::ConsistencyConfig& config = input.config;
     const PackedColors left = reading(input.colors.left);
-    const RasterView<std::int16_t>& checked = arrays.left;
+    const matching::RasterView<std::int16_t>& checked = arrays.left;
     work.side.begin_after(stream);
     prepare(work.side.get(), arrays);
     work.side.mark();
@@ -104,7 +104,8 @@ void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input)
                  arrays.known, arrays.left);
 }
 
-void raise_frame_segments(Workspace& work, const FrameSegments& segments, const RefineArrays& arrays) {
+void raise_frame_segments(Workspace& work, const matching::FrameSegments& segments,
+                          const RefineArrays& arrays) {
     raise_frame_segments(work, segments, arrays.frame, reading(arrays.known.rows), arrays.left);
 }
 
@@ -112,12 +113,12 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     const cudaStream_t stream = work.stream;
     StageClock& clock = work.clock;
     const DeviceColors& colors = input.colors;
-    const ConsistencyConfig& config = input.config;
+    const matching::ConsistencyConfig& config = input.config;
     const PackedColors left = reading(colors.left);
     const PixelRecords records = reading(arrays.records);
-    const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
-    const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
-    const RasterView<const std::uint32_t> discontinuous = reading(arrays.slopes.discontinuous);
+    const matching::RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
+    const matching::RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
+    const matching::RasterView<const std::uint32_t> discontinuous = reading(arrays.slopes.discontinuous);
 
     weigh_voters(stream,
                  {reading(arrays.left), arrays.trusted.holes, nearest_seen, left, reading(colors.right),
@@ -141,7 +142,7 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
                arrays.votes[1], arrays.b);
     clock.ended("votes, second round");
 
-    RasterView<std::int16_t> map = arrays.b, chosen = arrays.a;
+    matching::RasterView<std::int16_t> map = arrays.b, chosen = arrays.a;
     for (int round = 0; round < step::kSideRounds; ++round) {
         choose_sides(stream, {reading(map), left, reading(colors.right), nearest_seen, config.min_px},
                      chosen);

@@ -5,7 +5,7 @@
 #include "cuda/matching/refine/consistency.h"
 #include "cuda/matching/refine/fill.h"
 #include "cuda/matching/refine/frame_segments.h"
-#include "cuda/matching/refine/speckles.h"
+#include "cuda/matching/refine/remove_speckles.h"
 #include "cuda/matching/refine/votes.h"
 
 namespace hexrelief::cuda {
@@ -15,51 +15,52 @@ inline constexpr int kUnknownBytes = 0xff;  // the byte that makes up kUnknown16
 // Both views' winners and the matches of the left view; all with a border of kUnknown16. `checked` may be
 // the same as `left`.
 struct CheckArrays {
-    RasterView<std::int16_t> left, right;
-    RasterView<std::int16_t> left_medians, right_medians;  // uninitialised
+    matching::RasterView<std::int16_t> left, right;
+    matching::RasterView<std::int16_t> left_medians, right_medians;  // uninitialised
     SpeckleArrays speckles;
-    RasterView<std::int16_t> checked;
+    matching::RasterView<std::int16_t> checked;
 };
 // Filters and compares the views and removes speckles; sets `checked`.
-void check_views(cudaStream_t stream, const CheckArrays& arrays, const ConsistencyConfig& config,
+void check_views(cudaStream_t stream, const CheckArrays& arrays, const matching::ConsistencyConfig& config,
                  StageClock& clock);
 
 // Trusted matches of the left view at half size, in 1/16 px above min_px.
 struct DeviceHalfSizeMatches {
-    RasterView<std::int16_t> left;
+    matching::RasterView<std::int16_t> left;
     int min_px;
 };
 
 // All arrays of refining.
 struct RefineArrays {
     // The views' winners, set by the caller. The left one becomes the filled map.
-    RasterView<std::int16_t> left, right;
-    RasterView<std::int16_t> a, b;  // intermediate maps
+    matching::RasterView<std::int16_t> left, right;
+    matching::RasterView<std::int16_t> a, b;  // intermediate maps
     SlopeArrays slopes;
-    RasterView<PixelRecord> records;
-    RasterView<PlaneRecord> planes[2];  // the first one shares the memory of records
+    matching::RasterView<PixelRecord> records;
+    matching::RasterView<PlaneRecord> planes[2];  // the first one shares the memory of records
     TrustedRasters trusted;
     SpeckleArrays speckles;
     KnownPixels known;
     FrameArrays frame;
-    RasterView<std::uint8_t> voter_weights;
-    VoteArrays votes[2];              // one per round
-    RasterView<std::int16_t> result;  // without a border
+    matching::RasterView<std::uint8_t> voter_weights;
+    VoteArrays votes[2];                        // one per round
+    matching::RasterView<std::int16_t> result;  // without a border
 };
 
-RefineArrays take_refine_arrays(Arena& arena, const RasterView<std::int16_t>& left,
-                                const RasterView<std::int16_t>& right, const FrameArrays& frame);
+RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::int16_t>& left,
+                                const matching::RasterView<std::int16_t>& right, const FrameArrays& frame);
 
 struct RefineInput {
     DeviceColors colors;
     PackedColors hole_colors;  // see blur_colors()
     DeviceHalfSizeMatches half_size;
-    ConsistencyConfig config;
+    matching::ConsistencyConfig config;
 };
 
 // The steps, in this order. Afterwards `result` and trusted.matched are set.
 void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
-void raise_frame_segments(Workspace& work, const FrameSegments& segments, const RefineArrays& arrays);
+void raise_frame_segments(Workspace& work, const matching::FrameSegments& segments,
+                          const RefineArrays& arrays);
 void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
 
 }  // namespace hexrelief::cuda

@@ -17,7 +17,7 @@ struct SideDifference {
     }
 };
 
-__global__ void choose_sides_kernel(SideInput in, DisparityOut chosen) {
+__global__ void choose_sides_kernel(SideInput in, matching::DisparityOut chosen) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= in.map.width || at.y >= in.map.height) return;
@@ -35,7 +35,7 @@ __global__ void choose_sides_kernel(SideInput in, DisparityOut chosen) {
 
 }  // namespace
 
-void choose_sides(cudaStream_t stream, const SideInput& input, const DisparityOut& chosen) {
+void choose_sides(cudaStream_t stream, const SideInput& input, const matching::DisparityOut& chosen) {
     launch("choosing sides", stream, pixel_blocks(input.map.width, input.map.height), choose_sides_kernel,
            input, chosen);
 }

@@ -6,13 +6,13 @@
 namespace hexrelief::cuda {
 
 struct SideInput {
-    DisparityView map;
+    matching::DisparityView map;
     PackedColors left, right;
-    RasterView<const std::int32_t> nearest_seen;
+    matching::RasterView<const std::int32_t> nearest_seen;
     int min_px;
 };
 
 // Sets `chosen` to the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
-void choose_sides(cudaStream_t stream, const SideInput& input, const DisparityOut& chosen);
+void choose_sides(cudaStream_t stream, const SideInput& input, const matching::DisparityOut& chosen);
 
 }  // namespace hexrelief::cuda

@@ -80,7 +80,7 @@ static_assert(15 * 2 * step::kSteepest < 1 << kSlopeBits);
 
 // True if one of the block's pixels, or of those within a block's height around it, may have changed. All
 // lanes of a warp call it.
-__device__ bool may_change(const RasterView<const std::uint8_t>& changed_blocks) {
+__device__ bool may_change(const matching::RasterView<const std::uint8_t>& changed_blocks) {
     static_assert(step::kSamples + step::kSlopeRadius <= 8);
     if (!changed_blocks.origin) return true;
     const int lane = static_cast<int>(threadIdx.x), x = static_cast<int>(blockIdx.x) + lane % 3 - 1,
@@ -92,7 +92,7 @@ __device__ bool may_change(const RasterView<const std::uint8_t>& changed_blocks)
 __global__ void fit_slopes(RecordInput in, SlopeArrays out) {
     begin_kernel();
     const int2 at = pixel_of_thread();
-    const DisparityView& map = in.map;
+    const matching::DisparityView& map = in.map;
     if (at.y >= map.height || !may_change(in.changed_blocks)) return;  // a warp returns together
     const std::int16_t* const pixel = &map.at(at.x, at.y);
     const bool inside = at.x < map.width;
@@ -114,7 +114,7 @@ __global__ void fit_slopes(RecordInput in, SlopeArrays out) {
     if (threadIdx.x == 0) out.discontinuous.at(static_cast<int>(blockIdx.x), at.y) = bits;
 }
 
-__device__ bool is_known_beside_unknown(const DisparityView& map, int x, int y) {
+__device__ bool is_known_beside_unknown(const matching::DisparityView& map, int x, int y) {
     bool unknown = false;
 #pragma unroll
     for (int j = -1; j <= 1; ++j)
@@ -140,7 +140,8 @@ __device__ void write_mean(const RecordInput& in, int2 at, int disparity, std::u
 }
 
 template <typename Record>
-__global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fitted, RasterView<Record> out) {
+__global__ void average_slopes(RecordInput in, matching::RasterView<const FittedPixel> fitted,
+                               matching::RasterView<Record> out) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (!may_change(in.changed_blocks) || at.x >= in.map.width || at.y >= in.map.height) return;
@@ -166,15 +167,15 @@ __global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fit
 
 template <typename Record>
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
-                 const RasterView<Record>& records) {
+                 const matching::RasterView<Record>& records) {
     const Blocks blocks = pixel_blocks(input.map.width, input.map.height);
     launch("fitting slopes", stream, blocks, fit_slopes, input, arrays);
     launch("averaging slopes", stream, blocks, average_slopes<Record>, input, reading(arrays.fitted),
            records);
 }
 template void find_slopes(cudaStream_t, const RecordInput&, const SlopeArrays&,
-                          const RasterView<PixelRecord>&);
+                          const matching::RasterView<PixelRecord>&);
 template void find_slopes(cudaStream_t, const RecordInput&, const SlopeArrays&,
-                          const RasterView<PlaneRecord>&);
+                          const matching::RasterView<PlaneRecord>&);
 
 }  // namespace hexrelief::cuda

@@ -12,8 +12,9 @@ struct alignas(8) FittedPixel {
     std::int32_t disparity;
 };
 struct SlopeArrays {
-    RasterView<FittedPixel> fitted;           // with a border of zeros
-    RasterView<std::uint32_t> discontinuous;  // a bit for each of 32 pixels of a row; origin null: not wanted
+    matching::RasterView<FittedPixel> fitted;  // with a border of zeros
+    // A bit for each of 32 pixels of a row; origin null: not wanted.
+    matching::RasterView<std::uint32_t> discontinuous;
 };
 
 // The pixels whose records are wanted: all, or the known ones beside unknown ones, from
@@ -21,20 +22,21 @@ struct SlopeArrays {
 enum class RecordsOf { all, beside_unknown };
 
 struct RecordInput {
-    DisparityView map;
+    matching::DisparityView map;
     PackedColors colors;
-    RasterView<const std::uint8_t> voter_weights;  // of the first round; otherwise its origin is null
-    PackedColors hole_colors;                      // read only in the first round
+    matching::RasterView<const std::uint8_t>
+        voter_weights;         // of the first round; otherwise its origin is null
+    PackedColors hole_colors;  // read only in the first round
     RecordsOf which;
     // One byte per block of pixel_blocks(): nonzero if it may differ from the map for which arrays and
     // records were made; origin null: all may differ.
-    RasterView<const std::uint8_t> changed_blocks;
+    matching::RasterView<const std::uint8_t> changed_blocks;
 };
 
 // Sets records to the map with its slopes, and arrays to the fitted lines and the pixels with a
 // step::discontinuous() neighbour. Leaves borders as they are.
 template <typename Record>  // PixelRecord or PlaneRecord
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
-                 const RasterView<Record>& records);
+                 const matching::RasterView<Record>& records);
 
 }  // namespace hexrelief::cuda

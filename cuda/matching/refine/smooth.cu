@@ -60,7 +60,7 @@ __device__ void write_smoothed(const PlaneRecord&, std::int16_t disparity, std::
 // A thread handles a pixel and the one kStride px below it, whose windows of 5x5 pixels, kStride px
 // apart, share most rows.
 template <int kStride, typename Out>
-__global__ void smooth_kernel(PlaneRecords records, RasterView<Out> out) {
+__global__ void smooth_kernel(PlaneRecords records, matching::RasterView<Out> out) {
     begin_kernel();
     constexpr int kRadius = step::kSmoothRadius, kRows = 2 * kRadius + 2;
     const auto kernel = [](int i, int j) { return step::smoothing_kernel<unsigned>(i, j); };
@@ -97,15 +97,15 @@ __global__ void smooth_kernel(PlaneRecords records, RasterView<Out> out) {
 }
 
 template <int kStride, typename Out>
-void smooth(cudaStream_t stream, const PlaneRecords& records, const RasterView<Out>& out) {
+void smooth(cudaStream_t stream, const PlaneRecords& records, const matching::RasterView<Out>& out) {
     const int rows = (records.height + 2 * kStride - 1) / (2 * kStride) * kStride;
     launch("smoothing", stream, pixel_blocks(records.width, rows), smooth_kernel<kStride, Out>, records, out);
 }
 
 }  // namespace
 
-void smooth(cudaStream_t stream, const RasterView<PlaneRecord>& records,
-            const RasterView<PlaneRecord>& others, const DisparityOut& result) {
+void smooth(cudaStream_t stream, const matching::RasterView<PlaneRecord>& records,
+            const matching::RasterView<PlaneRecord>& others, const matching::DisparityOut& result) {
     static_assert(step::kSmoothLevels == 3);
     smooth<1>(stream, reading(records), others);
     smooth<2>(stream, reading(others), records);

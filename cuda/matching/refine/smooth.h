@@ -6,7 +6,7 @@
 namespace hexrelief::cuda {
 
 // Smooths at all levels. The two record rasters, with borders, are written in turn; result has no border.
-void smooth(cudaStream_t stream, const RasterView<PlaneRecord>& records,
-            const RasterView<PlaneRecord>& others, const DisparityOut& result);
+void smooth(cudaStream_t stream, const matching::RasterView<PlaneRecord>& records,
+            const matching::RasterView<PlaneRecord>& others, const matching::DisparityOut& result);
 
 }  // namespace hexrelief::cuda

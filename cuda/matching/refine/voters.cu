@@ -36,13 +36,13 @@ __device__ std::uint32_t blurred(const PackedColors& colors, int x, int y) {
     return color;
 }
 
-__global__ void blur_colors_kernel(PackedColors colors, RasterView<std::uint32_t> out) {
+__global__ void blur_colors_kernel(PackedColors colors, matching::RasterView<std::uint32_t> out) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x < colors.width && at.y < colors.height) out.at(at.x, at.y) = blurred(colors, at.x, at.y);
 }
 
-__global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weights) {
+__global__ void weigh_voters_kernel(VoterInput in, matching::RasterView<std::uint8_t> weights) {
     begin_kernel();
     for_each_listed(in.holes, [&](int x, int y) {
         const int disparity = in.map.at(x, y);
@@ -54,12 +54,14 @@ __global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weig
 
 }  // namespace
 
-void blur_colors(cudaStream_t stream, const PackedColors& colors, const RasterView<std::uint32_t>& out) {
+void blur_colors(cudaStream_t stream, const PackedColors& colors,
+                 const matching::RasterView<std::uint32_t>& out) {
     launch("blurring colours", stream, pixel_blocks(colors.width, colors.height), blur_colors_kernel, colors,
            out);
 }
 
-void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights) {
+void weigh_voters(cudaStream_t stream, const VoterInput& input,
+                  const matching::RasterView<std::uint8_t>& weights) {
     launch("weighing voters", stream, list_blocks(input.map.width, input.map.height), weigh_voters_kernel,
            input, weights);
 }

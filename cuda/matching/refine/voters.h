@@ -7,17 +7,19 @@
 namespace hexrelief::cuda {
 
 struct VoterInput {
-    DisparityView map;  // the filled map
+    matching::DisparityView map;  // the filled map
     PixelList holes;
-    RasterView<const std::int32_t> nearest_seen;
+    matching::RasterView<const std::int32_t> nearest_seen;
     PackedColors left, right;
     int min_px;
     bool in_color;  // false: the packed colours are grey
 };
 
 // Sets `out` to the mean colours of 3x3 pixels.
-void blur_colors(cudaStream_t stream, const PackedColors& colors, const RasterView<std::uint32_t>& out);
+void blur_colors(cudaStream_t stream, const PackedColors& colors,
+                 const matching::RasterView<std::uint32_t>& out);
 // Sets the weights of the holes' pixels; all others must be step::kMatchedWeight.
-void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights);
+void weigh_voters(cudaStream_t stream, const VoterInput& input,
+                  const matching::RasterView<std::uint8_t>& weights);
 
 }  // namespace hexrelief::cuda

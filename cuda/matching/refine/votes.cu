@@ -10,7 +10,7 @@ namespace {
 constexpr unsigned kAllLanes = 0xffffffffu;
 enum Kind { kHole, kNear };  // kinds of pixels that have a window
 
-using PixelBits = RasterView<const std::uint32_t>;
+using PixelBits = matching::RasterView<const std::uint32_t>;
 
 // Returns which of a warp's 32 pixels are within kNear_px of a discontinuity. All lanes call it.
 __device__ std::uint32_t near_discontinuities(const PixelBits& discontinuous, int y) {
@@ -30,7 +30,7 @@ __device__ std::uint32_t near_discontinuities(const PixelBits& discontinuous, in
 }
 
 // Lists the pixels near discontinuities, and copies those that are neither listed nor holes.
-__global__ void list_near_pixels(VoteInput in, VoteArrays out, DisparityOut voted) {
+__global__ void list_near_pixels(VoteInput in, VoteArrays out, matching::DisparityOut voted) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     const bool is_near = near_discontinuities(in.discontinuous, at.y) >> threadIdx.x & 1u;
@@ -141,7 +141,8 @@ __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
 
 // Votes on the listed pixels, one pixel at a time per warp.
 template <Kind kKind>
-__device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const DisparityOut& voted) {
+__device__ void vote_on_pixels(const VoteInput& in, const PixelList& list,
+                               const matching::DisparityOut& voted) {
     const unsigned count = *list.count, warps = gridDim.x * (kListBlock / 32),
                    // broadcast from lane 0, so that the compiler knows that it is the same in all lanes
         warp = __shfl_sync(kAllLanes, threadIdx.x / 32, 0);
@@ -166,7 +167,7 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const
 }
 
 __global__ void __launch_bounds__(kListBlock)
-    take_votes_kernel(VoteInput in, PixelList near, DisparityOut voted) {
+    take_votes_kernel(VoteInput in, PixelList near, matching::DisparityOut voted) {
     begin_kernel();
     if (in.matched.origin) vote_on_pixels<kHole>(in, in.holes, voted);
     vote_on_pixels<kNear>(in, near, voted);
@@ -180,7 +181,7 @@ VoteArrays take_vote_arrays(Arena& arena, int width, int height, const PixelList
 }
 
 void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& arrays,
-                const DisparityOut& voted) {
+                const matching::DisparityOut& voted) {
     const int width = input.map.width, height = input.map.height;
     launch("listing pixels", stream, pixel_blocks(width, height), list_near_pixels, input, arrays, voted);
     launch("taking votes", stream, list_blocks(width, height), take_votes_kernel, input, arrays.near, voted);

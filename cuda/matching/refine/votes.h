@@ -7,23 +7,23 @@
 namespace hexrelief::cuda {
 
 struct VoteInput {
-    DisparityView map;                              // without unknown pixels
-    PixelRecords records;                           // of map, with the pixels' weights as voters
-    RasterView<const std::uint32_t> discontinuous;  // see SlopeArrays
-    RasterView<const std::int32_t> nearest_seen;
-    RasterView<const std::uint8_t> matched;  // 0 = a hole; origin null: there are no holes
+    matching::DisparityView map;                              // without unknown pixels
+    PixelRecords records;                                     // of map, with the pixels' weights as voters
+    matching::RasterView<const std::uint32_t> discontinuous;  // see SlopeArrays
+    matching::RasterView<const std::int32_t> nearest_seen;
+    matching::RasterView<const std::uint8_t> matched;  // 0 = a hole; origin null: there are no holes
     PixelList holes;
     int min_px;
 };
 struct VoteArrays {
-    PixelList near;                           // pixels near discontinuities that are not holes
-    RasterView<std::uint8_t> changed_blocks;  // see RecordInput
+    PixelList near;                                     // pixels near discontinuities that are not holes
+    matching::RasterView<std::uint8_t> changed_blocks;  // see RecordInput
 };
 VoteArrays take_vote_arrays(Arena& arena, int width, int height, const PixelList& near);
 
 // Sets `voted` to the map with weighted medians for pixels near discontinuities and for holes. Sets arrays,
 // whose list must be empty before.
 void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& arrays,
-                const DisparityOut& voted);
+                const matching::DisparityOut& voted);
 
 }  // namespace hexrelief::cuda

@@ -14,7 +14,7 @@ constexpr int kThreads = 2 * kRun / kTaken;  // per pixel
 
 struct CostInput {
     PackedColors left, right;
-    RasterView<const std::uint64_t> left_census, right_census;
+    matching::RasterView<const std::uint64_t> left_census, right_census;
 };
 
 // A row of both pictures.
@@ -22,7 +22,7 @@ struct Row {
     const std::uint64_t *left_census, *right_census;
     const std::uint32_t *left, *right;
     int width;
-    DisparityRange range;
+    matching::DisparityRange range;
 };
 
 struct Pixel {
@@ -104,7 +104,8 @@ __device__ void find_costs_of_run(const Row& row, const PathPixel* pixels, int f
 #pragma unroll
                 for (int k = 0; k < kTaken / 2; ++k) {
                     const int beyond = others.first + 2 * k - row.range.count;
-                    if (beyond > -2) pairs[k] |= (beyond < 0 ? 0 : kBeyondRange) | kBeyondRange << 16;
+                    if (beyond > -2)
+                        pairs[k] |= (beyond < 0 ? 0 : matching::kBeyondRange) | matching::kBeyondRange << 16;
                 }
             *out = exchanged(
                 {__byte_perm(pairs[0], pairs[1], 0x6420), __byte_perm(pairs[2], pairs[3], 0x6420)}, near);
@@ -148,10 +149,10 @@ void find_costs_in_runs(cudaStream_t stream, const PairArrays& pair, const Devic
 }  // namespace
 
 void find_costs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume) {
-    if (is_searched_wholly(volume.range))
-        find_costs_in_runs<kLongRun>(stream, pair, volume);
+    if (matching::is_searched_wholly(volume.range))
+        find_costs_in_runs<matching::kLongRun>(stream, pair, volume);
     else
-        find_costs_in_runs<kShortRun>(stream, pair, volume);
+        find_costs_in_runs<matching::kShortRun>(stream, pair, volume);
 }
 
 }  // namespace hexrelief::cuda

@@ -7,12 +7,12 @@
 namespace hexrelief::cuda {
 
 void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& config,
-                 const RasterView<std::int16_t>& half, const DeviceViews& views) {
+                 const matching::RasterView<std::int16_t>& half, const DeviceViews& views) {
     const cudaStream_t stream = work.stream;
     Arena& arena = work.arena;
     StageClock& clock = work.clock;
     const Arena::Mark before = arena.mark();
-    const int width = pair.width, height = pair.height, rows = band_rows(width, height);
+    const int width = pair.width, height = pair.height, rows = matching::band_rows(width, height);
     DeviceVolume volume{};
     volume.width = width;
     volume.range = config.range;
@@ -26,7 +26,7 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
     volume.sums_of_columns = arena.take<std::uint16_t>(entries);
     const KeptCosts kept_costs = take_kept_costs(arena, width, rows, searched);
     volume.right_best = views.right.origin ? arena.take<RightBest>(pixels) : nullptr;
-    for (const Band& band : bands_of(width, height)) {
+    for (const matching::Band& band : matching::bands_of(width, height)) {
         volume.band = band;
         find_costs(stream, pair, volume);
         clock.ended("costs");

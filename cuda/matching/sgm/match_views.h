@@ -8,15 +8,15 @@
 namespace hexrelief::cuda {
 
 struct SearchConfig {
-    DisparityRange range;  // count: 1..kMostDisparities
+    matching::DisparityRange range;  // count: 1..kMostDisparities
     step::PathPenalties penalties;
 };
 struct DeviceViews {
-    RasterView<std::int16_t> left, right;  // right.origin null: the right view is not wanted
+    matching::RasterView<std::int16_t> left, right;  // right.origin null: the right view is not wanted
 };
 // Sets both views, in 1/16 px above range.min_px, band by band. half: see find_path_pixels(). Memory taken
 // from the arena is given back.
 void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& config,
-                 const RasterView<std::int16_t>& half, const DeviceViews& views);
+                 const matching::RasterView<std::int16_t>& half, const DeviceViews& views);
 
 }  // namespace hexrelief::cuda

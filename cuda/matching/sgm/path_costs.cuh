@@ -34,7 +34,7 @@ __device__ inline int near_part(PathPixel pixel) {
 }
 
 // Finds the pair of two parts when a window moves: parts are as long as the steps of runs.
-static_assert(kPart<kShortRun> == step::kRunAlignment);
+static_assert(kPart<matching::kShortRun> == step::kRunAlignment);
 struct PairSource {
     int far_lane, near_lane;  // lanes that hold the part for the lower half and the part for the upper half
     unsigned bytes;           // of their pairs
@@ -67,7 +67,7 @@ struct PairSource {
 // lanes of a warp call each function together.
 template <int kRun>
 struct PathCosts {
-    static constexpr bool kMoves = kRun == kShortRun;  // windows of the whole range do not move
+    static constexpr bool kMoves = kRun == matching::kShortRun;  // windows of the whole range do not move
     static constexpr int kPairs = kPart<kRun>;
     LanePairs<kRun> pairs;
     std::uint32_t least;  // the same value in both halves

@@ -7,15 +7,15 @@ namespace hexrelief::cuda {
 namespace {
 
 // A thread handles the pixels of one pixel at half size, which have the same window.
-__global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, int half_min_px,
-                                        DisparityRange range, step::PathPenalties penalties,
+__global__ void find_path_pixels_kernel(PackedColors left, matching::DisparityView half, int half_min_px,
+                                        matching::DisparityRange range, step::PathPenalties penalties,
                                         PathPixels pixels) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= step::half_size(left.width) || at.y >= step::half_size(left.height)) return;
-    const PathPixel window =
-        path_pixel(0, is_searched_wholly(range) ? kWholeWindow
-                                                : step::find_window(half, half_min_px, range, at.x, at.y));
+    const PathPixel window = path_pixel(0, matching::is_searched_wholly(range)
+                                               ? matching::kWholeWindow
+                                               : step::find_window(half, half_min_px, range, at.x, at.y));
     const int x[3] = {clamped(2 * at.x - 1, left.width), 2 * at.x, clamped(2 * at.x + 1, left.width)},
               y[3] = {clamped(2 * at.y - 1, left.height), 2 * at.y, clamped(2 * at.y + 1, left.height)};
     std::uint32_t colors[3][3];
@@ -48,12 +48,12 @@ PathPixels take_path_pixels(Arena& arena, int width, int height) {
     return {width, take(), take()};
 }
 
-void find_path_pixels(cudaStream_t stream, const PackedColors& left, const RasterView<std::int16_t>& half,
-                      const DisparityRange& range, const step::PathPenalties& penalties,
-                      const PathPixels& pixels) {
+void find_path_pixels(cudaStream_t stream, const PackedColors& left,
+                      const matching::RasterView<std::int16_t>& half, const matching::DisparityRange& range,
+                      const step::PathPenalties& penalties, const PathPixels& pixels) {
     const Blocks blocks = pixel_blocks(step::half_size(left.width), step::half_size(left.height));
     launch("finding penalties and windows", stream, blocks, find_path_pixels_kernel, left, reading(half),
-           at_half_size(range).min_px, range, penalties, pixels);
+           matching::at_half_size(range).min_px, range, penalties, pixels);
 }
 
 }  // namespace hexrelief::cuda

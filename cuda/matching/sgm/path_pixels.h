@@ -15,7 +15,7 @@ using PathPixel = std::uint32_t;
 inline constexpr int kPenaltyBits = 14, kRunBits = 9;
 inline constexpr std::uint32_t kPenalty = (1u << kPenaltyBits) - 1;
 inline constexpr int kMostDisparities = step::kRunAlignment << kRunBits;
-HEXRELIEF_HD PathPixel path_pixel(std::uint16_t penalty, const SearchWindow& window) {
+HEXRELIEF_HD PathPixel path_pixel(std::uint16_t penalty, const matching::SearchWindow& window) {
     const auto steps = [](int first) { return static_cast<std::uint32_t>(first / step::kRunAlignment); };
     return penalty | steps(window.far_run) << kPenaltyBits |
            steps(window.near_run) << (kPenaltyBits + kRunBits);
@@ -26,7 +26,7 @@ HEXRELIEF_HD int far_run(PathPixel pixel) {
 HEXRELIEF_HD int near_run(PathPixel pixel) {
     return static_cast<int>(pixel >> (kPenaltyBits + kRunBits)) * step::kRunAlignment;
 }
-HEXRELIEF_HD SearchWindow window_of(PathPixel pixel) {
+HEXRELIEF_HD matching::SearchWindow window_of(PathPixel pixel) {
     return {static_cast<std::int16_t>(far_run(pixel)), static_cast<std::int16_t>(near_run(pixel))};
 }
 
@@ -45,8 +45,8 @@ PathPixels take_path_pixels(Arena& arena, int width, int height);
 
 // Finds the words of a picture. half: the left view's winners at half size (see step::find_window()); not
 // read if the whole range is searched.
-void find_path_pixels(cudaStream_t stream, const PackedColors& left, const RasterView<std::int16_t>& half,
-                      const DisparityRange& range, const step::PathPenalties& penalties,
-                      const PathPixels& pixels);
+void find_path_pixels(cudaStream_t stream, const PackedColors& left,
+                      const matching::RasterView<std::int16_t>& half, const matching::DisparityRange& range,
+                      const step::PathPenalties& penalties, const PathPixels& pixels);
 
 }  // namespace hexrelief::cuda

@@ -233,9 +233,11 @@ void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const K
     };
     axes.row_blocks = blocks(rows);
     const dim3 grid(axes.row_blocks + blocks(width), 2);
-    const bool wholly = is_searched_wholly(volume.range);
-    const auto inwards = wholly ? walk_inwards_kernel<kLongRun> : walk_inwards_kernel<kShortRun>;
-    const auto outwards = wholly ? walk_outwards_kernel<kLongRun> : walk_outwards_kernel<kShortRun>;
+    const bool wholly = matching::is_searched_wholly(volume.range);
+    const auto inwards =
+        wholly ? walk_inwards_kernel<matching::kLongRun> : walk_inwards_kernel<matching::kShortRun>;
+    const auto outwards =
+        wholly ? walk_outwards_kernel<matching::kLongRun> : walk_outwards_kernel<matching::kShortRun>;
     launch("walking paths inwards", stream, {grid, kBlock}, inwards, axes);
     launch("walking paths outwards", stream, {grid, kBlock}, outwards, axes);
 }

@@ -61,8 +61,9 @@ __global__ void halve_kernel(PairPixels pair, int width, int height,
 __global__ void split_channels(PairPixels pair, PairArrays arrays) {
     begin_kernel();
     const int2 at = pixel_of_thread();
-    const int x = at.x - kBorder_px, y = at.y - kBorder_px, width = arrays.width, height = arrays.height;
-    if (x >= width + kBorder_px || y >= height + kBorder_px) return;
+    const int x = at.x - matching::kBorder_px, y = at.y - matching::kBorder_px, width = arrays.width,
+              height = arrays.height;
+    if (x >= width + matching::kBorder_px || y >= height + matching::kBorder_px) return;
     const std::size_t source = static_cast<std::size_t>(clamped(y, height)) * width + clamped(x, width);
     const int channels = pair.channels[blockIdx.z];
     const std::uint8_t* const pixel = pair.pixels[blockIdx.z] + source * channels;
@@ -106,7 +107,7 @@ __global__ void find_census(PairArrays arrays) {
     const int x = kAtOnce * at.x;
     if (x >= arrays.width || at.y >= arrays.height) return;
     static_assert(step::kCensusRadiusX == kAtOnce && step::kCensusBits <= 64);
-    const RasterView<std::uint8_t>& grey = arrays.grey[blockIdx.z];
+    const matching::RasterView<std::uint8_t>& grey = arrays.grey[blockIdx.z];
     const auto row = [&](int j) { return reinterpret_cast<const std::uint32_t*>(&grey.at(x, at.y + j)); };
     const std::uint32_t centre = *row(0);
     std::uint32_t words[8] = {};
@@ -161,7 +162,8 @@ void halve(cudaStream_t stream, const PairPixels& pair, int width, int height,
 
 void prepare_pair(cudaStream_t stream, const PairPixels& pair, const PairArrays& arrays) {
     const int width = arrays.width, height = arrays.height;
-    launch("splitting colours", stream, blocks_of_both(width + 2 * kBorder_px, height + 2 * kBorder_px),
+    launch("splitting colours", stream,
+           blocks_of_both(width + 2 * matching::kBorder_px, height + 2 * matching::kBorder_px),
            split_channels, pair, arrays);
     launch("the census transform", stream, blocks_of_both(blocks_for(width, kAtOnce), height), find_census,
            arrays);

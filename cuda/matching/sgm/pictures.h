@@ -13,10 +13,10 @@ struct PairPixels {
 
 struct PairArrays {
     int width, height;
-    int channels;                         // channels that count in a pixel's cost: 1 or 3
-    RasterView<std::uint32_t> colors[2];  // left, right; as PackedColors
-    RasterView<std::uint64_t> census[2];  // without a border; rows are in_whole_words()
-    RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
+    int channels;                                   // channels that count in a pixel's cost: 1 or 3
+    matching::RasterView<std::uint32_t> colors[2];  // left, right; as PackedColors
+    matching::RasterView<std::uint64_t> census[2];  // without a border; rows are in_whole_words()
+    matching::RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
 };
 
 PairArrays take_pair_arrays(Arena& arena, const DeviceColors& colors);

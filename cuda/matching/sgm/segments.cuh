@@ -57,7 +57,7 @@ struct Segment {
             if (k <= steps) pixels[k] = path.at(first + k - path.paths.against_axis);
             if (k == kSegment || k >= steps) continue;
             const std::uint8_t* const of_pixel = path.paths.costs + path.pixel(first + k) * path.kSearched;
-            if constexpr (kRun == kLongRun) {
+            if constexpr (kRun == matching::kLongRun) {
                 const uint4 words = reinterpret_cast<const uint4*>(of_pixel)[lane_of_group()];
                 costs[k][0] = words.x;
                 costs[k][1] = words.y;

@@ -24,8 +24,8 @@ inline constexpr RightBest kNoRightBest = ~RightBest{0};
 // each lane's pairs, then the others, so that the lanes together fill whole memory sectors.
 struct DeviceVolume {
     int width;
-    DisparityRange range;
-    Band band;
+    matching::DisparityRange range;
+    matching::Band band;
     PathPixels pixels;  // of the whole picture
     std::uint8_t* costs;
     std::uint16_t *sums_of_rows, *sums_of_columns;  // of the costs of the axis' paths that end there

@@ -17,10 +17,10 @@ constexpr std::uint32_t kNoMatchKey = 0xffffu << 16;
 
 // A parabola's vertex lies within half a disparity of the smallest of three sums; if a neighbour's sum is
 // smaller, the neighbour is the better match, whatever vertex results here.
-constexpr int kVertexBits = 5, kLeastVertex = -kOnePixel / 2;
+constexpr int kVertexBits = 5, kLeastVertex = -matching::kOnePixel / 2;
 static_assert(kMostDisparities << kVertexBits <= 1 << 16);
 __device__ RightBest right_best(std::uint32_t key, int winner) {
-    const int d = step::winner_disparity(key), vertex = winner - kOnePixel * d;
+    const int d = step::winner_disparity(key), vertex = winner - matching::kOnePixel * d;
     return (key & 0xffff0000u) |
            static_cast<std::uint32_t>(d << kVertexBits |
                                       (min(max(vertex, kLeastVertex), -kLeastVertex) - kLeastVertex));
@@ -28,14 +28,14 @@ __device__ RightBest right_best(std::uint32_t key, int winner) {
 __device__ std::int16_t right_winner(RightBest best) {
     const int vertex = static_cast<int>(best & ((1u << kVertexBits) - 1)) + kLeastVertex;
     return static_cast<std::int16_t>(
-        kOnePixel * static_cast<int>(best >> kVertexBits & (kMostDisparities - 1)) + vertex);
+        matching::kOnePixel * static_cast<int>(best >> kVertexBits & (kMostDisparities - 1)) + vertex);
 }
 
 // A block's part of a row, in shared memory.
 template <int kRun>
 struct BlockRow {
     int width, first_x;
-    DisparityRange range;
+    matching::DisparityRange range;
     const PathPixel* pixels;  // of the row
     std::uint16_t* sums;      // of the part's pixels and of one on each side, in the layout of DeviceVolume
     // The smallest keys of its pixels, and of the pixels of the right view that they may match; `right`
@@ -48,12 +48,12 @@ struct BlockRow {
     // the winner's: 0 in the left view, 1 in the right view, whose pixels' costs are those of the left
     // pixels that they match.
     __device__ std::int16_t winner(std::uint32_t key, int x, int along) const {
-        if (key >= kNoMatchKey) return kUnknown16;
+        if (key >= kNoMatchKey) return matching::kUnknown16;
         const int d = step::winner_disparity(key), before = x - along, behind = x + along;
         const bool inside = before >= 0 && behind < width;
         const int lower = inside ? step::entry_of(window_of(pixels[before]), d - 1, range) : -1,
                   upper = inside ? step::entry_of(window_of(pixels[behind]), d + 1, range) : -1;
-        if (lower < 0 || upper < 0) return static_cast<std::int16_t>(kOnePixel * d);
+        if (lower < 0 || upper < 0) return static_cast<std::int16_t>(matching::kOnePixel * d);
         return static_cast<std::int16_t>(
             step::refined_winner(d, sum(before, lower), step::winner_sum(key), sum(behind, upper)));
     }
@@ -109,7 +109,7 @@ struct LaneSums {
 // blocks' results are combined.
 template <int kRun>
 __global__ void __launch_bounds__(kBlock)
-    find_winners_kernel(DeviceVolume volume, RasterView<std::int16_t> left) {
+    find_winners_kernel(DeviceVolume volume, matching::RasterView<std::int16_t> left) {
     begin_kernel();
     extern __shared__ uint4 shared[];  // 16 bytes at a time
     const int y = volume.band.kept.first + static_cast<int>(blockIdx.y);
@@ -158,27 +158,29 @@ __global__ void __launch_bounds__(kBlock)
 }
 
 // Writes the band's rows of the right view.
-__global__ void take_right_winners(const RightBest* right_best, const Rows rows,
-                                   RasterView<std::int16_t> right) {
+__global__ void take_right_winners(const RightBest* right_best, const matching::Rows rows,
+                                   matching::RasterView<std::int16_t> right) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= right.width || at.y >= rows.count()) return;
     const RightBest best = right_best[static_cast<std::size_t>(at.y) * right.width + at.x];
-    right.at(at.x, rows.first + at.y) = best == kNoRightBest ? kUnknown16 : right_winner(best);
+    right.at(at.x, rows.first + at.y) = best == kNoRightBest ? matching::kUnknown16 : right_winner(best);
 }
 
 }  // namespace
 
-void find_winners(cudaStream_t stream, const DeviceVolume& volume, const RasterView<std::int16_t>& left,
-                  const RasterView<std::int16_t>& right) {
-    const Rows& kept = volume.band.kept;
+void find_winners(cudaStream_t stream, const DeviceVolume& volume,
+                  const matching::RasterView<std::int16_t>& left,
+                  const matching::RasterView<std::int16_t>& right) {
+    const matching::Rows& kept = volume.band.kept;
     const dim3 grid(static_cast<unsigned>(blocks_for(volume.width, kPixelsOfBlock)),
                     static_cast<unsigned>(kept.count()));
-    const bool wholly = is_searched_wholly(volume.range);
+    const bool wholly = matching::is_searched_wholly(volume.range);
     const std::size_t shared_bytes =
-        (wholly ? kSums<kLongRun> : kSums<kShortRun>)*sizeof(std::uint16_t) +
+        (wholly ? kSums<matching::kLongRun> : kSums<matching::kShortRun>)*sizeof(std::uint16_t) +
         (std::size_t{2} * kPixelsOfBlock + volume.range.count) * sizeof(std::uint32_t);
-    const auto kernel = wholly ? find_winners_kernel<kLongRun> : find_winners_kernel<kShortRun>;
+    const auto kernel =
+        wholly ? find_winners_kernel<matching::kLongRun> : find_winners_kernel<matching::kShortRun>;
     launch("finding the least sums", stream, {grid, kBlock, shared_bytes}, kernel, volume, left);
     if (!volume.right_best) return;
     launch("finding the right view's winners", stream, pixel_blocks(volume.width, kept.count()),

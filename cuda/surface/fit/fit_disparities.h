@@ -59,7 +59,7 @@ inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
 }
 static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
 
-// Does the same as hexrelief::fit_disparities(): writes s.cut_mesh.disparities. It reads the rest of
+// Does the same as surface::fit_disparities(): writes s.cut_mesh.disparities. It reads the rest of
 // s.cut_mesh, the pixels and their runs, the anchors and the totals.
 void fit_disparities(const Launch& launch, const SurfaceState& s, const FitArrays& a);
 

@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// Does the same as hexrelief::inset_silhouettes(): moves s.cut_mesh.points. It uses the silhouettes' arrays.
+// Does the same as surface::inset_silhouettes(): moves s.cut_mesh.points. It uses the silhouettes' arrays.
 void inset_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -116,7 +116,7 @@ __device__ void each_triangle_pixel(const CooperativeGrid& grid, const SurfaceSt
         __syncwarp();
         deal_out(runs, [&](unsigned group, unsigned i, bool is_run, unsigned) {
             const unsigned at = __shfl_sync(~0u, first, group) + i;
-            const PixelRun run = is_run ? s.labels.runs[at] : PixelRun{};
+            const surface::PixelRun run = is_run ? s.labels.runs[at] : surface::PixelRun{};
             deal_out(static_cast<unsigned>(run.end - run.first),
                      [&](unsigned from, unsigned j, bool is_one, unsigned used) {
                          const int x = __shfl_sync(~0u, run.first, from) + static_cast<int>(j),

@@ -30,7 +30,7 @@ class DeviceFans {
             },
             [&](unsigned t, bool has, const TriangleLanes& group) {
                 each_run_row(
-                    t, has, false, group, [&](unsigned, const PixelRun&) {},
+                    t, has, false, group, [&](unsigned, const surface::PixelRun&) {},
                     [&](unsigned count) { a_.runs[t] = count; });
             });
         grid.wait();
@@ -68,10 +68,10 @@ class DeviceFans {
             each_wanted_by_group(
                 grid, triangles, [&](unsigned t) { return s_.labels.kept[t] != 0; },
                 [&](unsigned t, bool has, const TriangleLanes& group) {
-                    PixelRun* const own = s_.labels.runs + (a_.run_indices[t] - behind);
+                    surface::PixelRun* const own = s_.labels.runs + (a_.run_indices[t] - behind);
                     each_run_row(
-                        t, has, is_simple(t), group, [&](unsigned i, const PixelRun& run) { own[i] = run; },
-                        [](unsigned) {});
+                        t, has, is_simple(t), group,
+                        [&](unsigned i, const surface::PixelRun& run) { own[i] = run; }, [](unsigned) {});
                 });
         grid.wait();
     }
@@ -151,29 +151,29 @@ class DeviceFans {
                                  const Put& put, const Done& done) const {
         const Vec2f* const p = labels_.corners[t];
         unsigned count = 0;
-        each_row_by_group(group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 0,
-                          [&](const GroupRow& row) {
-                              unsigned own = 0;
-                              if (row.own) {
-                                  if (simple)
-                                      own = 1;
-                                  else
-                                      each_fitted(t, row.run, [&](const PixelRun&) { ++own; });
-                              }
-                              unsigned all = 0;
-                              unsigned next = count + group.sum_before(own, all);
-                              count += all;
-                              if (own == 0) return;
-                              if (simple)
-                                  put(next, row.run);
-                              else
-                                  each_fitted(t, row.run, [&](const PixelRun& run) { put(next++, run); });
-                          });
+        each_row_by_group(
+            group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 0, [&](const GroupRow& row) {
+                unsigned own = 0;
+                if (row.own) {
+                    if (simple)
+                        own = 1;
+                    else
+                        each_fitted(t, row.run, [&](const surface::PixelRun&) { ++own; });
+                }
+                unsigned all = 0;
+                unsigned next = count + group.sum_before(own, all);
+                count += all;
+                if (own == 0) return;
+                if (simple)
+                    put(next, row.run);
+                else
+                    each_fitted(t, row.run, [&](const surface::PixelRun& run) { put(next++, run); });
+            });
         if (has && group.lane == 0) done(count);
     }
     // Calls visit(run) for those runs within a row.
     template <typename Visit>
-    __device__ void each_fitted(unsigned t, const PixelRun& row, const Visit& visit) const {
+    __device__ void each_fitted(unsigned t, const surface::PixelRun& row, const Visit& visit) const {
         const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.y)),
                             place = step::triangle_id(t, true);
         int first = row.end;  // start of the run that has not ended yet
@@ -190,11 +190,11 @@ class DeviceFans {
                 const int x = start_x + k;
                 if (fitted[k] && first == row.end) first = x;
                 if (fitted[k] || first == row.end || x >= row.end) continue;
-                visit(PixelRun{row.y, first, x});
+                visit(surface::PixelRun{row.y, first, x});
                 first = row.end;
             }
         }
-        if (first < row.end) visit(PixelRun{row.y, first, row.end});
+        if (first < row.end) visit(surface::PixelRun{row.y, first, row.end});
     }
 
     const SurfaceState& s_;

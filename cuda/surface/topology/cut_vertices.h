@@ -41,7 +41,7 @@ inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// Does the same as TriangleLabeler::collect_pixels() and hexrelief::cut_vertices(): fills s.cut_mesh except
+// Does the same as TriangleLabeler::collect_pixels() and surface::cut_vertices(): fills s.cut_mesh except
 // for its disparities, the runs of s.labels (there is memory for run_capacity() of them), and the totals. To
 // be called after join_cuts().
 void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,

@@ -67,10 +67,10 @@ class DeviceVotes {
     // columns that only one of them covers, then those at both ends of the row.
     struct RowPairs {
         const step::PixelView& view;
-        PixelRun upper, lower;
+        surface::PixelRun upper, lower;
         int first, first_end, second, second_end;  // columns that only one of the rows covers
 
-        __device__ RowPairs(const step::PixelView& v, const PixelRun& u, const PixelRun& l)
+        __device__ RowPairs(const step::PixelView& v, const surface::PixelRun& u, const surface::PixelRun& l)
             : view(v), upper(u), lower(l) {
             const bool meet = max(u.first, l.first) < min(u.end, l.end);
             first = meet ? min(u.first, l.first) : u.first;

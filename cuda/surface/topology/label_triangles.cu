@@ -46,7 +46,7 @@ class DeviceLabels {
                               const Triangle v = s_.lattice.triangles[t];
                               const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
                                                     s_.lattice.points[v[2]]};
-                              const TriangleRows rows = rows_of(corners);
+                              const surface::TriangleRows rows = rows_of(corners);
                               unsigned segments = 0;
                               if (finding)
                                   segments = find_pixels(t, has, is_new, corners, rows, group);
@@ -89,11 +89,11 @@ class DeviceLabels {
         Vec2f p, q, r;
     };
     __device__ TriangleList list(unsigned which) const { return {a_.lists[which], s_.sizes.most_triangles}; }
-    __device__ TriangleRows rows_of(const Corners& c) const {
+    __device__ surface::TriangleRows rows_of(const Corners& c) const {
         return {view_.width, view_.height, c.p, c.q, c.r};
     }
     // True if a triangle has more rows than the smallest group has lanes.
-    __device__ static bool is_tall(const TriangleRows& rows) {
+    __device__ static bool is_tall(const surface::TriangleRows& rows) {
         return rows.end() - rows.first() > static_cast<int>(kLeastGroup);
     }
     // Removes a triangle from the pixels that it loses. Most triangles at silhouettes move by so little that
@@ -102,17 +102,18 @@ class DeviceLabels {
     __device__ bool leave(unsigned t, bool has, const TriangleLanes& group, bool& is_large) const {
         const Vec2f* const old = a_.corners[t];
         const Triangle v = s_.lattice.triangles[t];
-        const TriangleRows was = rows_of({old[0], old[1], old[2]}),
-                           is = rows_of(
-                               {s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]});
+        const surface::TriangleRows was = rows_of({old[0], old[1], old[2]}),
+                                    is = rows_of({s_.lattice.points[v[0]], s_.lattice.points[v[1]],
+                                                  s_.lattice.points[v[2]]});
         is_large = is_tall(is);
         bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & LabelArrays::kAny) &&
                     was.first() == is.first() && was.end() == is.end();
         HEXRELIEF_ROLLED
         for (int y = was.first() + static_cast<int>(group.lane); has && y < was.end();
              y += static_cast<int>(group.size)) {
-            const PixelRun old_run = was.run(y);
-            const PixelRun run = y >= is.first() && y < is.end() ? is.run(y) : PixelRun{y, 0, 0};
+            const surface::PixelRun old_run = was.run(y);
+            const surface::PixelRun run =
+                y >= is.first() && y < is.end() ? is.run(y) : surface::PixelRun{y, 0, 0};
             same &= old_run == run;
             std::uint32_t* const triangle_ids = a_.triangle_ids + view_.index(0, y);
             // the pixels before the new run, and those after it
@@ -142,14 +143,14 @@ class DeviceLabels {
     // Finds the triangle's pixels, and its label unless they may have several components. Returns the number
     // of segments of its rows in that case, else 0.
     __device__ unsigned find_pixels(unsigned t, bool has, bool is_new, const Corners& c,
-                                    const TriangleRows& rows, const TriangleLanes& group) const {
+                                    const surface::TriangleRows& rows, const TriangleLanes& group) const {
         unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
         bool apart = false;  // true if rows have no column in common
         // Discontinuities at any pixel; between its pixels; pixels of speckles.
         bool any = false, inner = false, untrusted = false;
         each_row_by_group(group, rows, has, 0, [&](const GroupRow& row) {
-            const PixelRun& run = row.run;
+            const surface::PixelRun& run = row.run;
             const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, run.y)),
                                 begin = group.from(start + run.first,
                                                    row.all ? __ffs(static_cast<int>(row.all)) - 1 : 0);
@@ -212,7 +213,7 @@ class DeviceLabels {
         return {a_.pool.segments + at, a_.pool.areas + at};
     }
     // Labels a triangle of several components.
-    __device__ void choose_label(unsigned t, unsigned segments, const TriangleRows& rows,
+    __device__ void choose_label(unsigned t, unsigned segments, const surface::TriangleRows& rows,
                                  const TriangleLanes& group) const {
         const ComponentArrays arrays = arrays_for(segments, group);
         const bool has = segments > 0 && arrays.segments;

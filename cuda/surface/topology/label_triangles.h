@@ -52,7 +52,7 @@ struct LabelArrays {
     };  // no discontinuity; no speckle; has pixels
 };
 
-inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, PixelRun* runs, Arena& arena) {
+inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, surface::PixelRun* runs, Arena& arena) {
     LabelArrays a{};
     a.counts = arena.take<LabelArrays::Counts>(1);
     a.words = arena.take<uint4>(std::size_t{flag_words_per_row(sizes.width)} * sizes.height);
@@ -63,7 +63,8 @@ inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, PixelRun* runs, 
     a.row_counts = arena.take<std::uint32_t>(sizes.most_triangles);
     for (unsigned*& list : a.lists) list = arena.take<unsigned>(sizes.most_triangles);
     // Uses the memory of the runs, which are written once all labels are known.
-    static_assert(sizeof(RowSegment) == sizeof(PixelRun) && alignof(RowSegment) == alignof(PixelRun));
+    static_assert(sizeof(RowSegment) == sizeof(surface::PixelRun) &&
+                  alignof(RowSegment) == alignof(surface::PixelRun));
     a.pool = {reinterpret_cast<RowSegment*>(runs), arena.take<unsigned>(run_capacity(sizes))};
     return a;
 }

@@ -47,7 +47,7 @@ inline SnapArrays take_snap_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// Does the same as hexrelief::snap_to_silhouettes(): moves s.lattice.points and fills
+// Does the same as surface::snap_to_silhouettes(): moves s.lattice.points and fills
 // s.lattice.on_silhouette. It reads the pixels with their discontinuities.
 void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const SnapArrays& a);
 

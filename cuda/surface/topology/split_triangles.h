@@ -39,11 +39,11 @@ inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const Silhouette
     return a;
 }
 
-// Does the same as hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the
+// Does the same as surface::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the
 // rest of s.lattice and s.counts.
 void split_at_silhouettes(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
-// Does the same as hexrelief::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
+// Does the same as surface::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
 void split_straddling(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
 }  // namespace hexrelief::cuda

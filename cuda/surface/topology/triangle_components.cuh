@@ -30,7 +30,7 @@ class GroupComponents {
         : view_(view), words_(words), group_(group), arrays_(arrays) {}
 
     // Finds the components, and the largest of them, the first of equal ones.
-    __device__ void find(const TriangleRows& rows, bool has) {
+    __device__ void find(const surface::TriangleRows& rows, bool has) {
         unsigned upper_first = 0;  // first segment of the last row with pixels
         each_row_by_group(group_, rows, has, 0, [&](const GroupRow& row) {
             const unsigned own =
@@ -92,7 +92,7 @@ class GroupComponents {
         return static_cast<std::uint32_t>(view_.index(x, y));
     }
     // Writes a row's segments.
-    __device__ void put(const PixelRun& run, unsigned number) const {
+    __device__ void put(const surface::PixelRun& run, unsigned number) const {
         std::uint32_t first = index(run.first, run.y);
         const auto put_one = [&](std::uint32_t end) {
             arrays_.segments[number] = {first, end, number};
@@ -129,12 +129,13 @@ class GroupComponents {
     // Calls visit(i, j) for connected segments of two rows that have no other row with pixels between them;
     // the segments are numbered from `above` and `below` on.
     template <typename Visit>
-    __device__ void each_link(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below,
-                              bool is_free_bridge, const Visit& visit) const {
+    __device__ void each_link(const surface::PixelRun& upper, unsigned above, const surface::PixelRun& lower,
+                              unsigned below, bool is_free_bridge, const Visit& visit) const {
         const bool next = upper.y + 1 == lower.y;
         const unsigned upper_discontinuities = words_.from(upper.first, upper.y).right,
                        lower_discontinuities = words_.from(lower.first, lower.y).right;
-        const auto number = [&](unsigned first, const PixelRun& run, unsigned discontinuities, int x) {
+        const auto number = [&](unsigned first, const surface::PixelRun& run, unsigned discontinuities,
+                                int x) {
             const int before = x - run.first;
             return first + (before <= 32 ? __popc(discontinuities & bits_between(0, before))
                                          : words_.discontinuities_right(run.y, run.first, x));
@@ -181,7 +182,7 @@ class GroupComponents {
     // True if the row does not touch the upper one and no discontinuity lies between them. The group checks
     // one path after the other.
     __device__ bool is_free_bridge(const GroupRow& row) const {
-        const bool has_gap = row.own && row.has_upper && !touch(row.upper, row.run);
+        const bool has_gap = row.own && row.has_upper && !surface::touch(row.upper, row.run);
         const step::Bridge bridge = step::bridge_between(row.upper, row.run);
         bool free = has_gap;
         HEXRELIEF_ROLLED

@@ -1,10 +1,10 @@
 // Adds the left camera as a glTF camera.
 #include <cmath>
 
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/bounds.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 int add_camera(GltfParts& parts, const Calibration& camera, const SurfaceMesh& mesh) {
     using tinygltf::Value;
@@ -28,4 +28,4 @@ int add_camera(GltfParts& parts, const Calibration& camera, const SurfaceMesh& m
     return static_cast<int>(parts.model.nodes.size()) - 1;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

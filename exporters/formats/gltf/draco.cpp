@@ -1,7 +1,7 @@
 // Adds meshes by KHR_draco_mesh_compression.
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr const char* kExtension = "KHR_draco_mesh_compression";
@@ -37,4 +37,4 @@ GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Cal
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -6,10 +6,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/background.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr const char* kUnlitExtension = "KHR_materials_unlit";
@@ -232,4 +232,4 @@ GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const Gl
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -8,7 +8,7 @@
 #include "exporters/core/scene.h"
 #include "exporters/images/texture.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 struct GltfDocument {
     std::string json;
@@ -25,4 +25,4 @@ struct GltfNames {
 
 GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const GltfNames& names);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

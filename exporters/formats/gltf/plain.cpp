@@ -1,8 +1,8 @@
 // Adds meshes as floats and plain indices, which every glTF reader knows.
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/bounds.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 
 GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     const SurfaceMesh& mesh = textured.mesh;
@@ -38,4 +38,4 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "exporters/compression/quantized_streams.h"
-#include "exporters/formats/gltf/parts.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
@@ -120,4 +120,4 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
     return out;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -13,7 +13,7 @@
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "pipeline/data/counting_sort.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Returns for each vertex its corners as 3 * triangle + corner, ascending.
@@ -211,4 +211,4 @@ std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const Triangle
     return Fitter(surfaces, labels, cut, farthest_px, pool).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

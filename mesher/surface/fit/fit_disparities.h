@@ -8,11 +8,11 @@
 #include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Returns the disparities of the vertices, px, above 0. labels: labels of the lattice that `cut` comes from,
 // with `fitted`. farthest_px: smallest disparity of the whole map, if the map is a part of it; 0 = none.
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
                                    const CutTriangles& cut, float farthest_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

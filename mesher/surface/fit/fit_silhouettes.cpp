@@ -8,7 +8,7 @@
 #include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/topology/triangle_shape_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
@@ -250,4 +250,4 @@ void SilhouetteFitter::hold_corners(const std::vector<Vec2f>& points, const Tria
         if (held >> k & 1u) std::atomic_ref(held_[index_[n[k]]]).store(1, std::memory_order_relaxed);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

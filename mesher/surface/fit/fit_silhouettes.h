@@ -11,7 +11,7 @@
 #include "mesher/surface/topology/label_triangles.h"
 #include "pipeline/data/counting_sort.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // May be used again after the lattice has been split further: vertices must keep their numbers and positions.
 class SilhouetteFitter {
@@ -79,4 +79,4 @@ class SilhouetteFitter {
     std::vector<std::uint8_t> held_;  // per silhouette vertex: held back by a triangle
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -6,7 +6,7 @@
 #include "mesher/surface/topology/triangle_shape_step.h"
 #include "pipeline/data/counting_sort.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // The positions of a triangle's corners.
@@ -61,4 +61,4 @@ void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, d
     points = std::move(moved);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -6,7 +6,7 @@
 #include "mesher/surface/topology/cut_vertices.h"
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Moves the copies of a vertex at a high depth discontinuity apart, by `by_px` each, into their own surfaces,
 // unless that uncovered a pixel that is not next to a high step. (At a step down to the background there is
@@ -14,4 +14,4 @@ namespace hexrelief {
 void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
                        const LatticeFans& fans, CutTriangles& cut, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

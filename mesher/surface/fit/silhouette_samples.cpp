@@ -6,7 +6,7 @@
 #include "mesher/common/simd.h"
 #include "mesher/surface/pixels/eight_flags.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Writes share, residual, weight and across of all samples, one array after the other.
@@ -77,4 +77,4 @@ step::SilhouetteResiduals SilhouetteSampler::residuals(const step::SilhouetteEdg
     return sums;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -7,7 +7,7 @@
 #include "mesher/common/block_allocator.h"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Samples as a structure of arrays, so that loops over them vectorise: x, y, near_x and near_y of all
 // samples, one array after the other, padded to a multiple of kSamplesAtOnce with samples of weight 0.
@@ -36,4 +36,4 @@ class SilhouetteSampler {
     std::vector<std::uint32_t> weighing_;         // indices of its samples with a weight
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -5,7 +5,7 @@
 
 #include "mesher/surface/pixels/eight_flags.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
     WayDiscontinuities discontinuities{};
@@ -61,4 +61,4 @@ step::Crack CrackQuery::nearest_crack(const Vec2f& p, float reach_px) const {
     return first == none ? step::Crack{-1, -1, 0} : order.crack(first);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -7,7 +7,7 @@
 #include "mesher/surface/pixels/edge_crossings_step.h"
 #include "pipeline/data/geometry.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // The first discontinuity on a path and, unless only the first is wanted, the last.
 struct WayDiscontinuities {
@@ -41,4 +41,4 @@ struct CrackQuery {
     step::Crack nearest_crack(const Vec2f& p, float reach_px) const;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

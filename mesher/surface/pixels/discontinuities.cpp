@@ -9,7 +9,7 @@
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/surface/pixels/speckles.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Runs body(first, last) on strips of rows; short strips, because one half of an image may hold
@@ -220,4 +220,4 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
     return s;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -14,7 +14,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 struct PixelSurfaces {
     int width = 0;
@@ -46,4 +46,4 @@ struct PixelSurfaces {
 PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -9,7 +9,7 @@
 
 #include "mesher/surface/pixels/crack_edges_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 static_assert(std::endian::native == std::endian::little, "the first pixel's flags are the lowest byte");
 
@@ -43,4 +43,4 @@ void each_crack(const step::PixelView& map, int y, int first, int end, const Vis
         }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -4,7 +4,7 @@
 
 #include "pipeline/data/union_find.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // A run of connected pixels of a row.
@@ -177,4 +177,4 @@ std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& s, int least_px, Threa
     return pixels;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

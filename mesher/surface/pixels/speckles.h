@@ -7,7 +7,7 @@
 #include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/discontinuities.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Fills the holes, regions of fewer than cell_px pixels without foreground, with the smallest disparity
 // around them, ring by ring from their border inwards. Clears the flags of their pixels and returns these.
@@ -16,4 +16,4 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& surfaces, double cell_px,
 // disparity around them in the same way. A map that is a single speckle keeps its disparities.
 std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& surfaces, int least_px, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

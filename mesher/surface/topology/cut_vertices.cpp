@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Numbers the fans on all threads, each on its share of the triangles. A fan is identified by its first
@@ -154,4 +154,4 @@ CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& lab
     return VertexCutter(lattice, labels, pool).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -12,7 +12,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // The lattice's triangles on the foreground. Each vertex belongs to a single fan of triangles.
 struct CutTriangles {
@@ -30,4 +30,4 @@ LatticeFans fans_of(const SplitLattice& lattice, const TriangleLabels& labels);
 // Gives each vertex fan a vertex of its own: a copy of its source vertex.
 CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

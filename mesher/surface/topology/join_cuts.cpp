@@ -5,7 +5,7 @@
 
 #include "mesher/surface/topology/label_triangles.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // The edge from corner k of triangle t to the next corner.
@@ -69,4 +69,4 @@ void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
         }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -11,7 +11,7 @@
 #include "mesher/surface/topology/rasterize.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
@@ -371,4 +371,4 @@ std::span<const PixelRun> TriangleLabeler::fitted_rows(std::uint32_t t, ThreadWo
     return {runs, work.buffer.size()};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -16,7 +16,7 @@
 #include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/triangle_components.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // All arrays are indexed by triangle.
 struct TriangleLabels {
@@ -100,4 +100,4 @@ class TriangleLabeler {
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -45,7 +45,7 @@ HEXRELIEF_HD double outlier_error(float disparity, double mean, double nearest) 
 }
 
 // True if two runs have a column in common and `lower` is in the next row.
-HEXRELIEF_HD bool lie_above(const PixelRun& upper, const PixelRun& lower) {
+HEXRELIEF_HD bool lie_above(const surface::PixelRun& upper, const surface::PixelRun& lower) {
     return upper.y + 1 == lower.y && upper.first < lower.end && lower.first < upper.end;
 }
 
@@ -56,7 +56,7 @@ struct Diagonal {
 };
 
 // Returns diagonal k, 0 <= k < 4, of two runs.
-HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& lower) {
+HEXRELIEF_HD Diagonal diagonal_at(int k, const surface::PixelRun& upper, const surface::PixelRun& lower) {
     return k == 0   ? Diagonal{upper.end - 1, upper.end}
            : k == 1 ? Diagonal{upper.first, upper.first - 1}
            : k == 2 ? Diagonal{lower.first - 1, lower.first}
@@ -67,7 +67,8 @@ HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& 
 // around their corner meets no discontinuity. (The other way leads through the triangle's own pixels,
 // which connects them anyway.)
 template <typename View>
-HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& upper, const PixelRun& lower) {
+HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const surface::PixelRun& upper,
+                                   const surface::PixelRun& lower) {
     const Diagonal pair = diagonal_at(k, upper, lower);
     const bool across_first = k < 2;  // then down
     const int down = across_first ? pair.lower_x : pair.upper_x;
@@ -80,8 +81,8 @@ HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& uppe
 
 // Calls link(i, j) for each two pixels of the runs that are connected diagonally; `lower` is in the next row.
 template <typename Link>
-HEXRELIEF_HD void each_diagonal(const PixelView& view, const PixelRun& upper, const PixelRun& lower,
-                                const Link& link) {
+HEXRELIEF_HD void each_diagonal(const PixelView& view, const surface::PixelRun& upper,
+                                const surface::PixelRun& lower, const Link& link) {
     HEXRELIEF_UNROLL
     for (int k = 0; k < 4; ++k) {
         if (!is_free_diagonal(view, k, upper, lower)) continue;
@@ -96,7 +97,7 @@ struct Bridge {
     int upper_x, lower_x;
 };
 
-HEXRELIEF_HD Bridge bridge_between(const PixelRun& upper, const PixelRun& lower) {
+HEXRELIEF_HD Bridge bridge_between(const surface::PixelRun& upper, const surface::PixelRun& lower) {
     if (lower.end <= upper.first) return {upper.first, lower.end - 1};
     // a column of both runs, unless the lower one lies to the right
     const int x = max_of(upper.first, lower.first);

@@ -4,7 +4,7 @@
 
 #include "mesher/common/simd.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 constexpr int kRows = 8;  // rows found at a time
@@ -87,4 +87,4 @@ std::span<const PixelRun> find_runs(int width, int height, const Vec2f& a, const
     return {buffer.data(), count};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -6,7 +6,7 @@
 #include "mesher/common/host_device.h"
 #include "pipeline/data/geometry.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 struct PixelRun {
     int y = 0, first = 0, end = 0;  // pixels first .. end - 1 of row y
@@ -125,4 +125,4 @@ HEXRELIEF_HD void each_run(int width, int height, const Vec2f& a, const Vec2f& b
     for (int y = rows.first(); y < rows.end(); ++y) visit(rows.run(y));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -8,7 +8,7 @@
 #include "mesher/surface/pixels/edge_crossings_step.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 constexpr float kNotListed = -1;  // share of a vertex that is not a candidate
@@ -252,4 +252,4 @@ std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, con
     return VertexSnapper(surfaces, part, mesh, pool).run();
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -9,7 +9,7 @@
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // For each lattice edge that crosses a silhouette moves the nearer of its two vertices onto the silhouette,
 // by up to kSnapReach of the edge, nearest first, unless a triangle would become thin or inverted. Border
@@ -18,4 +18,4 @@ namespace hexrelief {
 std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, const step::LatticePart& part,
                                               HexMesh2D& mesh, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

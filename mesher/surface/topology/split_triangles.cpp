@@ -8,7 +8,7 @@
 #include "mesher/surface/pixels/edge_crossings_step.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 // Splits triangles on all threads. The parts of a triangle and their neighbours follow from its own cut and
@@ -256,4 +256,4 @@ void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -12,7 +12,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 struct SplitLattice {
     std::vector<Vec2f> points;      // the lattice's vertices, then those put on edges
@@ -34,4 +34,4 @@ SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D
 void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_t> straddling,
                       SplitLattice& lattice, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -4,7 +4,7 @@
 
 #include "mesher/surface/pixels/crack_query.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 TriangleComponents::Largest TriangleComponents::find(std::span<const PixelRun> rows) {
     segments_.clear();
@@ -84,4 +84,4 @@ void TriangleComponents::join(std::size_t i, std::size_t j) {
     components_.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

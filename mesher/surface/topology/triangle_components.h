@@ -9,7 +9,7 @@
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "pipeline/data/union_find.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // Is reused for many triangles, because allocating for each triangle would take longer than the search.
 class TriangleComponents {
@@ -47,4 +47,4 @@ class TriangleComponents {
     UnionFind components_;  // sets of indices of segments
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

@@ -8,14 +8,14 @@
 #include <ostream>
 
 #include "pipeline/batch/batch.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/match/match_scenes.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -53,17 +53,18 @@ double children_cpu_seconds() {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-Throughput measure_workers(const match::ScenePair& scene, const Config& config, int jobs, int workers) {
+Throughput measure_workers(const match::ScenePair& scene, const config::Config& config, int jobs,
+                           int workers) {
     const ScratchFolder folder;
-    std::vector<BatchUnit> units;
+    std::vector<batch::BatchUnit> units;
     for (int i = 0; i < jobs; ++i) {
         const std::string name = std::to_string(i);
         units.push_back({name, name, {(folder.path() / name).string()}, ""});
     }
-    BatchSettings settings;
+    batch::BatchSettings settings;
     settings.workers = settings.threads = workers;
     settings.rules.parse = [&](const std::vector<std::string>& words) {
-        RunRequest request;
+        job::RunRequest request;
         request.left = scene.left;
         request.right = scene.right;
         request.config = config;
@@ -72,10 +73,10 @@ Throughput measure_workers(const match::ScenePair& scene, const Config& config, 
         return request;
     };
     const double begun = now_seconds(), cpu_begun = children_cpu_seconds();
-    const BatchResult result = run_units(units, settings, {});
+    const batch::BatchResult result = batch::run_units(units, settings, {});
     const Throughput taken{now_seconds() - begun, children_cpu_seconds() - cpu_begun};
-    for (const UnitResult& unit : result.units)
-        if (unit.outcome != UnitOutcome::done) throw Error(ErrorKind::input, unit.message);
+    for (const batch::UnitResult& unit : result.units)
+        if (unit.outcome != batch::UnitOutcome::done) throw Error(ErrorKind::input, unit.message);
     return taken;
 }
 
@@ -93,10 +94,10 @@ Json throughput_json(const Throughput& taken, int jobs) {
 
 void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
     if (options.jobs < 1) throw Error(ErrorKind::usage, "--jobs: must be at least 1");
-    Config config;
-    for (const std::string& setting : options.settings) apply_setting(config, setting);
-    if (!options.json.empty()) check_writable_file(options.json);
-    const int workers = options.workers > 0 ? options.workers : effective_threads(options.threads);
+    config::Config config;
+    for (const std::string& setting : options.settings) config::apply_setting(config, setting);
+    if (!options.json.empty()) files::check_writable_file(options.json);
+    const int workers = options.workers > 0 ? options.workers : job::effective_threads(options.threads);
     Json json = {{"schema", 1},          {"version", HEXRELIEF_VERSION}, {"workers", workers},
                  {"jobs", options.jobs}, {"settings", options.settings}, {"rows", Json::array()}};
     out << format("From files to files, one thread each: one after the other, then %d at a time.\n", workers)
@@ -125,4 +126,4 @@ void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -3,9 +3,9 @@
 
 #include <iosfwd>
 
-#include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/bench_batch.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Runs each scene options.jobs times, each time to a GLB and a report of its own: first one after the other
 // on one thread, then options.workers at a time on one thread each; both are done twice, and the better one
@@ -13,4 +13,4 @@ namespace hexrelief {
 // measured. Throws what run_bench_batch() throws. Call it before any thread is started.
 void run_bench_batch_files(const BatchOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -18,7 +18,7 @@
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using namespace match;
@@ -26,35 +26,37 @@ using Json = nlohmann::ordered_json;
 
 struct Method {
     std::string name, backend;
-    DisparityMethod which;
-    std::function<DisparityMap(const StereoPair&, const DisparityConfig&, int threads)> match;
+    stages::DisparityMethod which;
+    std::function<DisparityMap(const StereoPair&, const stages::DisparityConfig&, int threads)> match;
 };
 
 // Returns StereoSGBM's own result: the disparities that both views agree on, neither filled nor refined.
-DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    RawViews views = match_views_sgbm(pair, with_range(pair, config, threads), threads);
-    check_left_right(views.left, views.right, 1);
-    remove_speckles(views.left, config.speckle_window_px, config.speckle_range_px);
+DisparityMap match_by_opencv(const StereoPair& pair, const stages::DisparityConfig& config, int threads) {
+    stages::RawViews views =
+        stages::match_views_sgbm(pair, stages::with_range(pair, config, threads), threads);
+    stages::check_left_right(views.left, views.right, 1);
+    stages::remove_speckles(views.left, config.speckle_window_px, config.speckle_range_px);
     DisparityMap map{views.left.width, views.left.height, {}, {}};
     for (const std::int16_t d : views.left.values) {
-        map.values.push_back(d == kUnmatched ? kUnknownDisparity : static_cast<float>(d) / kRawScale);
-        map.origins.push_back(d == kUnmatched ? PixelOrigin::unknown : PixelOrigin::matched);
+        map.values.push_back(d == stages::kUnmatched ? kUnknownDisparity
+                                                     : static_cast<float>(d) / stages::kRawScale);
+        map.origins.push_back(d == stages::kUnmatched ? PixelOrigin::unknown : PixelOrigin::matched);
     }
     return map;
 }
 
-std::vector<Method> all_methods(const std::vector<Backend>& backends) {
-    const auto on = [](const Backend& backend) {
-        return
-            [match = backend.match_pair](const StereoPair& pair, const DisparityConfig& config, int threads) {
-                return compute_disparity(pair, config, match, threads);
-            };
+std::vector<Method> all_methods(const std::vector<job::Backend>& backends) {
+    const auto on = [](const job::Backend& backend) {
+        return [match = backend.match_pair](const StereoPair& pair, const stages::DisparityConfig& config,
+                                            int threads) {
+            return stages::compute_disparity(pair, config, match, threads);
+        };
     };
     std::vector<Method> methods;
-    for (const Backend& backend : backends)
-        methods.push_back({"sgm", backend.name, DisparityMethod::sgm, on(backend)});
-    methods.push_back({"sgbm", "cpu", DisparityMethod::sgbm, on(backends.front())});
-    methods.push_back({"opencv", "cpu", DisparityMethod::sgbm, match_by_opencv});
+    for (const job::Backend& backend : backends)
+        methods.push_back({"sgm", backend.name, stages::DisparityMethod::sgm, on(backend)});
+    methods.push_back({"sgbm", "cpu", stages::DisparityMethod::sgbm, on(backends.front())});
+    methods.push_back({"opencv", "cpu", stages::DisparityMethod::sgbm, match_by_opencv});
     return methods;
 }
 
@@ -80,13 +82,14 @@ struct LoadedScene {
     DisparityMap truth, right_truth;
 };
 
-LoadedScene load(const ScenePair& scene, const Disturbance& disturbance) {
-    DisparityFileConfig file;
+LoadedScene load(const match::ScenePair& scene, const match::Disturbance& disturbance) {
+    readers::DisparityFileConfig file;
     file.scale = scene.scale;
-    LoadedScene loaded{
-        {read_image(scene.left), read_image(scene.right)}, read_disparity_map(scene.truth, file), {}};
-    if (!scene.right_truth.empty()) loaded.right_truth = read_disparity_map(scene.right_truth, file);
-    disturb(loaded.pair, disturbance);
+    LoadedScene loaded{{readers::read_image(scene.left), readers::read_image(scene.right)},
+                       readers::read_disparity_map(scene.truth, file),
+                       {}};
+    if (!scene.right_truth.empty()) loaded.right_truth = readers::read_disparity_map(scene.right_truth, file);
+    match::disturb(loaded.pair, disturbance);
     return loaded;
 }
 
@@ -96,35 +99,35 @@ double percent_filled(const DisparityMap& map) {
            double(map.origins.size());
 }
 
-Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& method, DisparityConfig config,
-            const MatchOptions& options, int threads) {
+match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, const Method& method,
+                   stages::DisparityConfig config, const MatchOptions& options, int threads) {
     config.method = method.which;
-    Row row{
+    match::Row row{
         scene.name, scene.size, method.name, method.backend, loaded.pair.left.width, loaded.pair.left.height};
-    row.disparities = with_range(loaded.pair, config, threads).num_disparities_px;
+    row.disparities = stages::with_range(loaded.pair, config, threads).num_disparities_px;
     DisparityMap map;
     for (int run = 0; run < options.runs; ++run) {
         const double begun = now_seconds();
         map = method.match(loaded.pair, config, threads);
         row.disparity.runs.push_back(now_seconds() - begun);
     }
-    EvaluationConfig how;
+    evaluation::EvaluationConfig how;
     how.discontinuity_px = scene.discontinuity_px;
     if (!scene.right_truth.empty()) how.right_truth = &loaded.right_truth;
-    row.evaluation = evaluate_disparity(map, loaded.truth, how);
+    row.evaluation = evaluation::evaluate_disparity(map, loaded.truth, how);
     row.filled_percent = percent_filled(map);
     return row;
 }
 
 // Writes the lines above the rows, and returns the JSON without its rows.
-Json begin(const MatchOptions& options, const std::vector<Backend>& backends, int threads,
+Json begin(const MatchOptions& options, const std::vector<job::Backend>& backends, int threads,
            const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const Backend& backend : backends) {
+    for (const job::Backend& backend : backends) {
         out << backend.name << ": " << backend.device
             << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
         json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
@@ -136,13 +139,14 @@ Json begin(const MatchOptions& options, const std::vector<Backend>& backends, in
     json["left_out"] = left_out;
     json["rows"] = Json::array();
     json["means"] = Json::array();
-    if (const Disturbance& d = options.disturbance; d.noise_percent != 0 || d.gamma != 1 || d.gain != 1)
+    if (const match::Disturbance& d = options.disturbance;
+        d.noise_percent != 0 || d.gamma != 1 || d.gain != 1)
         out << format("Noise of %g %% on both images, gamma %g and gain %g on the right one.\n",
                       d.noise_percent, d.gamma, d.gain);
     for (const std::string& name : left_out) out << "left out: " << name << '\n';
     out << "Seconds of the whole disparity stage, median of " << options.runs
         << ". edge: near true discontinuities, on the wrong side or unknown.\n"
-        << headings() << std::flush;
+        << match::headings() << std::flush;
     return json;
 }
 
@@ -150,41 +154,41 @@ Json begin(const MatchOptions& options, const std::vector<Backend>& backends, in
 
 void run_bench_match(const MatchOptions& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
-    Config config;
-    for (const std::string& setting : options.settings) apply_setting(config, setting);
+    config::Config config;
+    for (const std::string& setting : options.settings) config::apply_setting(config, setting);
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
-    check_disturbance(options.disturbance);
-    const int threads = effective_threads(options.threads);
-    const std::vector<Backend> backends = usable_backends(threads);
+    match::check_disturbance(options.disturbance);
+    const int threads = job::effective_threads(options.threads);
+    const std::vector<job::Backend> backends = usable_backends(threads);
     const std::vector<Method> methods = chosen(all_methods(backends), options.methods, "--methods");
     std::vector<std::string> left_out;
-    const std::vector<ScenePair> found = find_scenes(options.data, left_out);
+    const std::vector<match::ScenePair> found = match::find_scenes(options.data, left_out);
     if (found.empty())
         throw Error(ErrorKind::input, "--data " + options.data.string() +
                                           ": no folder below it holds left.*, right.* and disp.*");
-    const std::vector<ScenePair> scenes = chosen(found, options.scenes, "--scenes");
-    if (!options.json.empty()) check_writable_file(options.json);
+    const std::vector<match::ScenePair> scenes = chosen(found, options.scenes, "--scenes");
+    if (!options.json.empty()) files::check_writable_file(options.json);
 
     Json json = begin(options, backends, threads, left_out, out);
-    std::vector<Row> rows;
-    for (const ScenePair& scene : scenes) {
+    std::vector<match::Row> rows;
+    for (const match::ScenePair& scene : scenes) {
         const LoadedScene loaded = load(scene, options.disturbance);
         for (const Method& method : methods) {
             // The first call on a device also creates its context, which belongs to no scene.
             if (rows.size() < methods.size() && method.backend != "cpu")
                 method.match(loaded.pair, config.disparity, threads);
             rows.push_back(measure(scene, loaded, method, config.disparity, options, threads));
-            out << row_text(rows.back()) << std::flush;
-            json["rows"].push_back(row_json(rows.back()));
+            out << match::row_text(rows.back()) << std::flush;
+            json["rows"].push_back(match::row_json(rows.back()));
         }
     }
     out << '\n';
-    for (const Average& average : averages(rows)) {
-        out << average_text(average);
-        json["means"].push_back(average_json(average));
+    for (const match::Average& average : match::averages(rows)) {
+        out << match::average_text(average);
+        json["means"].push_back(match::average_json(average));
     }
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -10,7 +10,7 @@
 
 #include "pipeline/bench/match/match_scenes.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct MatchOptions {
     std::filesystem::path data;         // a folder of scenes, at any depth: match_scenes.h
@@ -30,4 +30,4 @@ struct MatchOptions {
 // JSON file cannot be written.
 void run_bench_match(const MatchOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

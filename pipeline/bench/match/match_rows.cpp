@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 using Json = nlohmann::ordered_json;
 
-nlohmann::ordered_json evaluation_json(const DisparityEvaluation& e) {
+nlohmann::ordered_json evaluation_json(const evaluation::DisparityEvaluation& e) {
     Json json;
     json["bad_0.5_percent"] = e.bad_percent[0];
     json["bad_1_percent"] = e.bad_percent[1];
@@ -34,7 +34,7 @@ namespace {
 
 // Returns a row as the mean of itself, because both have the same columns.
 Average of_row(const Row& row) {
-    const DisparityEvaluation& e = row.evaluation;
+    const evaluation::DisparityEvaluation& e = row.evaluation;
     return {row.size,
             row.method,
             row.backend,
@@ -136,4 +136,4 @@ nlohmann::ordered_json average_json(const Average& a) {
 }
 
 }  // namespace match
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/bench/rows.h"
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/evaluation/evaluate.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 // Returns the JSON that `hexrelief evaluate --json` prints.
-nlohmann::ordered_json evaluation_json(const DisparityEvaluation& evaluation);
+nlohmann::ordered_json evaluation_json(const evaluation::DisparityEvaluation& evaluation);
 
 namespace match {
 
@@ -20,7 +20,7 @@ struct Row {
     int width = 0, height = 0;
     int disparities = 0;   // of the range that was searched
     Times disparity = {};  // of the whole stage, the choice of the range included
-    DisparityEvaluation evaluation = {};
+    evaluation::DisparityEvaluation evaluation = {};
     double filled_percent = 0;  // share of all pixels that are known without a match
 };
 
@@ -47,4 +47,4 @@ nlohmann::ordered_json row_json(const Row& row);
 nlohmann::ordered_json average_json(const Average& average);
 
 }  // namespace match
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -8,7 +8,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief::match {
+namespace hexrelief::bench::match {
 namespace {
 
 constexpr double kFullSizeDiscontinuity_px = 2;
@@ -119,4 +119,4 @@ void disturb(StereoPair& pair, const Disturbance& disturbance) {
     add_noise(pair.right, deviation, 2);
 }
 
-}  // namespace hexrelief::match
+}  // namespace hexrelief::bench::match

@@ -7,7 +7,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::match {
+namespace hexrelief::bench::match {
 
 namespace fs = std::filesystem;
 
@@ -39,4 +39,4 @@ void check_disturbance(const Disturbance& disturbance);
 // Throws what check_disturbance() throws.
 void disturb(StereoPair& pair, const Disturbance& disturbance);
 
-}  // namespace hexrelief::match
+}  // namespace hexrelief::bench::match

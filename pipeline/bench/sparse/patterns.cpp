@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-namespace hexrelief::sparse {
+namespace hexrelief::bench::sparse {
 namespace {
 
 // Returns 0 .. 99, a hash of the pixel (Wellons' lowbias32).
@@ -45,4 +45,4 @@ DisparityMap thinned(const DisparityMap& map, const std::string& pattern) {
     return thin;
 }
 
-}  // namespace hexrelief::sparse
+}  // namespace hexrelief::bench::sparse

@@ -6,7 +6,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::sparse {
+namespace hexrelief::bench::sparse {
 
 // Returns the patterns' names. random-20, random-5: that many percent of the pixels. rows-20, rows-5:
 // every 5th or 20th row. laser: scan lines 8 rows apart that wave by 2 rows and jitter by 1 row, with 60
@@ -17,4 +17,4 @@ const std::vector<std::string>& patterns();
 // is not one of patterns().
 DisparityMap thinned(const DisparityMap& map, const std::string& pattern);
 
-}  // namespace hexrelief::sparse
+}  // namespace hexrelief::bench::sparse

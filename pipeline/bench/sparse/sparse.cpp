@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "pipeline/bench/bench_rows.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/match/match_scenes.h"
 #include "pipeline/bench/rd_meshes.h"
-#include "pipeline/bench/rows.h"
 #include "pipeline/bench/sparse/patterns.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
@@ -23,7 +23,7 @@
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using match::ScenePair;
@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 struct Row {
     std::string scene, pattern;
     double known_share = 0, seconds = 0;
-    SurfaceQuality quality = {};
+    stages::SurfaceQuality quality = {};
     double ratio = 1;                           // to the whole map's error
     double wrong_share = 0, unknown_share = 0;  // of the true map's pixels: more than 1 px off; not filled
 };
@@ -43,15 +43,15 @@ struct TrueScene {
     DisparityMap truth;
     Image left;  // may be empty
     double quantum_px;
-    const Config& config;
+    const config::Config& config;
     int threads;
-    float background_px = compute_density(truth, config.density).background_px;
+    float background_px = stages::compute_density(truth, config.density).background_px;
 
-    SurfaceQuality measure(const DisparityMap& map) const {
-        const bool smooths = config.disparity.dequantize != Dequantization::none && quantum_px > 0;
-        const DisparityMap meshed = smooths ? dequantize(map, quantum_px, threads) : map;
-        return measure_surface_quality(rd::preset_mesh(meshed, config, threads), truth, background_px,
-                                       threads);
+    stages::SurfaceQuality measure(const DisparityMap& map) const {
+        const bool smooths = config.disparity.dequantize != stages::Dequantization::none && quantum_px > 0;
+        const DisparityMap meshed = smooths ? dequantize::dequantize(map, quantum_px, threads) : map;
+        return stages::measure_surface_quality(rd::preset_mesh(meshed, config, threads), truth, background_px,
+                                               threads);
     }
 };
 
@@ -60,11 +60,11 @@ double known_share(const DisparityMap& map) {
     return static_cast<double>(known) / static_cast<double>(map.values.size());
 }
 
-Row measure(const TrueScene& scene, const std::string& pattern, const SurfaceQuality& whole) {
+Row measure(const TrueScene& scene, const std::string& pattern, const stages::SurfaceQuality& whole) {
     const DisparityMap thin = sparse::thinned(scene.truth, pattern);
     Row row{scene.name, pattern, known_share(thin)};
     const double begun = now_seconds();
-    const DisparityMap dense = densify(thin, scene.left, scene.threads);
+    const DisparityMap dense = densify::densify(thin, scene.left, scene.threads);
     row.seconds = now_seconds() - begun;
     row.quality = scene.measure(dense);
     row.ratio = row.quality.duo_rmse_near_px / whole.duo_rmse_near_px;
@@ -121,12 +121,12 @@ std::string mean_text(const std::vector<Row>& rows, const std::string& pattern) 
                   std::exp(logarithms / count), worst);
 }
 
-TrueScene load(const ScenePair& found, const Config& config, bool without_picture, int threads) {
-    DisparityFileConfig file;
+TrueScene load(const ScenePair& found, const config::Config& config, bool without_picture, int threads) {
+    readers::DisparityFileConfig file;
     file.scale = found.scale;
-    DisparityMap truth = read_disparity_map(found.truth, file);
-    const double quantum_px = find_quantum_px(truth);
-    return {found.name, std::move(truth), without_picture ? Image{} : read_image(found.left),
+    DisparityMap truth = readers::read_disparity_map(found.truth, file);
+    const double quantum_px = dequantize::find_quantum_px(truth);
+    return {found.name, std::move(truth), without_picture ? Image{} : readers::read_image(found.left),
             quantum_px, config,           threads};
 }
 
@@ -148,12 +148,12 @@ std::vector<ScenePair> chosen_scenes(const SparseOptions& options, std::ostream&
 
 void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     check_names(options.patterns, sparse::patterns(), "--patterns");
-    const Config config = read_config({options.preset, options.settings});
+    const config::Config config = config::read_config({options.preset, options.settings});
     for (const std::string& warning : config.warnings)
         if (options.warns) options.warns(warning);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
     const std::vector<ScenePair> scenes = chosen_scenes(options, out);
-    if (!options.json.empty()) check_writable_file(options.json);
+    if (!options.json.empty()) files::check_writable_file(options.json);
 
     Json json;
     json["schema"] = 1;
@@ -172,7 +172,7 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     for (const ScenePair& found : scenes) {
         const TrueScene scene = load(found, config, options.without_picture, threads);
         add({scene.name, "whole", known_share(scene.truth), 0, scene.measure(scene.truth)});
-        const SurfaceQuality whole = rows.back().quality;
+        const stages::SurfaceQuality whole = rows.back().quality;
         for (const std::string& pattern : sparse::patterns())
             if (wanted(options.patterns, pattern)) add(measure(scene, pattern, whole));
     }
@@ -180,4 +180,4 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     write_json(options.json, json);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

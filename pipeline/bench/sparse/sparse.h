@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::bench {
 
 struct SparseOptions {
     std::filesystem::path data;         // a folder of scenes, at any depth: bench/match/match_scenes.h
@@ -28,4 +28,4 @@ struct SparseOptions {
 // file cannot be written.
 void run_bench_sparse(const SparseOptions& options, std::ostream& out);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

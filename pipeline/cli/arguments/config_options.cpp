@@ -2,11 +2,11 @@
 
 #include "pipeline/config/presets.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
-void add_config_options(Command& command, ConfigOptions& options, const std::string& group) {
+void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group) {
     std::string names;
-    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
+    for (const config::Preset& preset : config::presets()) names += (names.empty() ? "" : ", ") + preset.name;
     command.add_option("--config", &options.file,
                        "YAML file, see 'hexrelief config show', or a preset: " + names,
                        {.group = group, .value = "F.yaml"});
@@ -15,4 +15,4 @@ void add_config_options(Command& command, ConfigOptions& options, const std::str
                        {.group = group, .value = "key.path=value", .repeated = true});
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 #include "pipeline/config/options.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
-void add_config_options(Command& command, ConfigOptions& options, const std::string& group);
+void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -5,7 +5,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 Shard parse_shard(const std::string& text) {
     Shard shard;
@@ -33,4 +33,4 @@ std::uint64_t parse_memory(const std::string& text) {
     return static_cast<std::uint64_t>(bytes);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

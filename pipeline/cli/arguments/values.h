@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // K/N: every N-th item from item K on.
 struct Shard {
@@ -18,4 +18,4 @@ Shard parse_shard(const std::string& text);
 // Of --memory: "8G", "512M", or bytes; 0 for an empty text. Throws Error(usage).
 std::uint64_t parse_memory(const std::string& text);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

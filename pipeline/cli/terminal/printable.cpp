@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 constexpr std::size_t kLongest = 2000, kKeptAtTheEnd = 800;
@@ -80,4 +80,4 @@ void print_warning(const std::string& warning) {
     std::fprintf(stderr, "hexrelief: warning: %s\n", printable(warning).c_str());
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

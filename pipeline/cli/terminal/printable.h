@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // Control characters, marks that change the direction of writing and bytes that are no UTF-8 become "\x1b"
 // and the like, so that a file's name cannot move the cursor, recolour or imitate other output; a line feed
@@ -14,4 +14,4 @@ std::string printable(const std::string& text, bool lines = false);
 // "hexrelief: warning: ..." on standard error.
 void print_warning(const std::string& warning);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -1,4 +1,4 @@
-#include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 
 #include <algorithm>
 #include <charconv>
@@ -14,7 +14,7 @@
 #include "pipeline/windows/map_writer.h"
 #include "pipeline/windows/terrain.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MakeMapOptions {
@@ -37,14 +37,14 @@ std::pair<int, int> parse_map_size(const std::string& text) {
 
 int make_map(const MakeMapOptions& options) {
     const auto [width, height] = parse_map_size(options.size);
-    check_writable_file(options.output);
-    install_interrupt_handling();
-    OutputSet outputs;
+    files::check_writable_file(options.output);
+    files::install_interrupt_handling();
+    files::OutputSet outputs;
     outputs.place(options.output);
-    MapWriter writer(outputs.files(), options.output, width, height);
+    windows::MapWriter writer(outputs.files(), options.output, width, height);
     const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
-                  options.threads > 0 ? options.threads : all);
+    windows::write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
+                           options.threads > 0 ? options.threads : all);
     writer.finish();
     outputs.commit();
     std::printf("%s: %dx%d px\n", printable(options.output.string()).c_str(), width, height);
@@ -72,4 +72,4 @@ void add_make_map_command(Command& group) {
     command.set_action([options] { return make_map(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

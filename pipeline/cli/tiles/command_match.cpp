@@ -3,49 +3,50 @@
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
 #include "pipeline/cli/tiles/stage_teller.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MatchOptions {
     std::filesystem::path left, right, output;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::string calibration, backend;
-    int tile_px = MatchRequest().tile_px, threads = 0;
+    int tile_px = tiles::MatchRequest().tile_px, threads = 0;
     bool quiet = false, verbose = false;
 };
 
-Config config_of(const MatchOptions& options) {
-    Config config = read_config(options.config);
+config::Config config_of(const MatchOptions& options) {
+    config::Config config = config::read_config(options.config);
     const auto apply = [&](const std::string& option, const char* path, const std::string& value) {
-        if (!value.empty()) apply_option(config, option, path, value);
+        if (!value.empty()) config::apply_option(config, option, path, value);
     };
     apply("--calib", "input.calibration.file", options.calibration);
     apply("--backend", "run.backend", options.backend);
     if (options.threads > 0) apply("--threads", "run.threads", std::to_string(options.threads));
-    finish_config(config);
+    config::finish_config(config);
     return config;
 }
 
 int match_tiles(const MatchOptions& options) {
-    const MatchRequest request{.left = options.left,
-                               .right = options.right,
-                               .map = options.output,
-                               .tile_px = options.tile_px,
-                               .config = config_of(options)};
-    check_writable_file(options.output);
-    const int threads = effective_threads(request.config.run.threads);
-    const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
-    install_interrupt_handling();
+    const tiles::MatchRequest request{.left = options.left,
+                                      .right = options.right,
+                                      .map = options.output,
+                                      .tile_px = options.tile_px,
+                                      .config = config_of(options)};
+    files::check_writable_file(options.output);
+    const int threads = job::effective_threads(request.config.run.threads);
+    const job::Backend backend =
+        job::pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    files::install_interrupt_handling();
 
     const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
-    const TiledMatch match = match_in_tiles(request, backend, threads, log);
+    job::RunLog log(teller.observer());
+    const tiles::TiledMatch match = tiles::match_in_tiles(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (!options.quiet)
         std::printf("%s: %dx%d px in %d tiles, %.1f %% matched, %.1f %% known; %.1f s\n",
@@ -84,4 +85,4 @@ void add_match_command(Command& group) {
     command.set_action([options] { return match_tiles(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

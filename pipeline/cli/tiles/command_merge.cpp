@@ -2,13 +2,13 @@
 #include <memory>
 
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
 #include "pipeline/cli/tiles/stage_teller.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/tiles/merge_tiles.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct MergeOptions {
@@ -18,13 +18,13 @@ struct MergeOptions {
 };
 
 int merge(const MergeOptions& options) {
-    const TilePlan plan = read_plan(options.folder);
-    check_writable_file(options.output);
-    const int threads = effective_threads(options.threads);
-    install_interrupt_handling();
+    const tiles::TilePlan plan = tiles::read_plan(options.folder);
+    files::check_writable_file(options.output);
+    const int threads = job::effective_threads(options.threads);
+    files::install_interrupt_handling();
     const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
-    const MergedTiles merged = merge_tiles(plan, options.output, threads, log);
+    job::RunLog log(teller.observer());
+    const tiles::MergedTiles merged = tiles::merge_tiles(plan, options.output, threads, log);
     if (!options.quiet)
         std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",
                     printable(options.output.string()).c_str(), merged.tiles, merged.empty, merged.levels,
@@ -57,4 +57,4 @@ void add_merge_command(Command& group) {
     command.set_action([options] { return merge(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

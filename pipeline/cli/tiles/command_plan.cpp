@@ -4,58 +4,59 @@
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
 #include "pipeline/cli/tiles/stage_teller.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/tiles/make_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 struct PlanOptions {
     std::filesystem::path map, color, folder;
-    ConfigOptions config;
+    config::ConfigOptions config;
     std::string raw, calibration, unknown, backend;
     std::optional<double> scale, offset_px;
     int tile_vertices = 512, threads = 0;
     bool quiet = false, verbose = false;
 };
 
-Config config_of(const PlanOptions& options) {
-    Config config = read_config(options.config);
+config::Config config_of(const PlanOptions& options) {
+    config::Config config = config::read_config(options.config);
     const auto apply = [&](const std::string& option, const char* path, const std::string& value) {
-        if (!value.empty()) apply_option(config, option, path, value);
+        if (!value.empty()) config::apply_option(config, option, path, value);
     };
     apply("--calib", "input.calibration.file", options.calibration);
     apply("--unknown", "input.disparity.unknown", options.unknown);
     apply("--backend", "run.backend", options.backend);
-    if (options.scale) apply("--disparity-scale", "input.disparity.scale", shortest(*options.scale));
+    if (options.scale) apply("--disparity-scale", "input.disparity.scale", config::shortest(*options.scale));
     if (options.offset_px)
-        apply("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
+        apply("--disparity-offset", "input.disparity.offset_px", config::shortest(*options.offset_px));
     if (options.threads > 0) apply("--threads", "run.threads", std::to_string(options.threads));
-    finish_config(config);
+    config::finish_config(config);
     return config;
 }
 
 int plan_tiles(const PlanOptions& options) {
-    PlanRequest request{options.map, options.color,         options.folder,
-                        {},          options.tile_vertices, config_of(options)};
-    if (!options.raw.empty()) request.raw = parse_raw_map_layout(options.raw);
-    check_writable_folder(options.folder);
-    check_overwrites(
-        {plan_file(options.folder), plan_config_file(options.folder)},
+    tiles::PlanRequest request{options.map, options.color,         options.folder,
+                               {},          options.tile_vertices, config_of(options)};
+    if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
+    files::check_writable_folder(options.folder);
+    files::check_overwrites(
+        {tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
         {options.map, options.color, options.config.file, request.config.input.calibration.file});
-    const int threads = effective_threads(request.config.run.threads);
-    const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
-    install_interrupt_handling();
+    const int threads = job::effective_threads(request.config.run.threads);
+    const job::Backend backend =
+        job::pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    files::install_interrupt_handling();
 
     const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
-    const TilePlan plan = make_plan(request, backend, threads, log);
+    job::RunLog log(teller.observer());
+    const tiles::TilePlan plan = tiles::make_plan(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (options.quiet) return 0;
-    const LatticeTiling tiling = plan.tiling();
+    const mesh_tiles::LatticeTiling tiling = plan.tiling();
     std::printf("%s: %d x %d tiles, a lattice of %d x %d vertices; %.1f s\n",
                 printable(options.folder.string()).c_str(), tiling.across(), tiling.down(), plan.columns,
                 plan.rows, log.seconds());
@@ -75,7 +76,7 @@ void add_plan_command(Command& group) {
     command.add_option(
         "--tile-vertices", &options->tile_vertices,
         "vertices along a tile's side, rounded to a multiple of 6",
-        {.value = "N", .shows_default = true, .range = {{LatticeTiling::kLeastTile, 1000000}}});
+        {.value = "N", .shows_default = true, .range = {{mesh_tiles::LatticeTiling::kLeastTile, 1000000}}});
     command.add_option("--color", &options->color, "the left image, of the map's size, for the texture",
                        {.value = "L"});
     command.add_option("--raw", &options->raw, "the map is samples alone: as 32768x32768,float32",
@@ -106,4 +107,4 @@ void add_plan_command(Command& group) {
     command.set_action([options] { return plan_tiles(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -7,13 +7,13 @@
 #include <cstdlib>
 #include <memory>
 
+#include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/memory.h"
-#include "pipeline/batch/progress.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
@@ -21,7 +21,7 @@
 #include "pipeline/tiles/solve_tiles.h"
 #include "pipeline/tiles/tile_output.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,10 +33,10 @@ struct SolveOptions {
     bool force = false, print_commands = false, quiet = false;
 };
 
-std::vector<TileNumber> wanted_tiles(const TilePlan& plan, const SolveOptions& options) {
-    const std::vector<TileNumber> all = tiles_of_level(plan, plan.finest_level());
+std::vector<tiles::TileNumber> wanted_tiles(const tiles::TilePlan& plan, const SolveOptions& options) {
+    const std::vector<tiles::TileNumber> all = tiles::tiles_of_level(plan, plan.finest_level());
     if (!options.tile.empty()) {
-        TileNumber tile{plan.finest_level(), 0, 0};
+        tiles::TileNumber tile{plan.finest_level(), 0, 0};
         int end = 0;
         // NOLINTNEXTLINE(cert-err34-c): eight digits are no overflow
         if (std::sscanf(options.tile.c_str(), "%8d,%8d%n", &tile.j, &tile.i, &end) != 2 ||
@@ -48,20 +48,20 @@ std::vector<TileNumber> wanted_tiles(const TilePlan& plan, const SolveOptions& o
         return {tile};
     }
     const Shard shard = parse_shard(options.shard);
-    std::vector<TileNumber> tiles;
+    std::vector<tiles::TileNumber> tiles;
     for (std::size_t k = shard.number - 1; k < all.size(); k += shard.of) tiles.push_back(all[k]);
     return tiles;
 }
 
-int print_commands(const SolveOptions& options, const std::vector<TileNumber>& tiles) {
-    for (const TileNumber& tile : tiles) {
+int print_commands(const SolveOptions& options, const std::vector<tiles::TileNumber>& tiles) {
+    for (const tiles::TileNumber& tile : tiles) {
         std::vector<std::string> words = {"hexrelief", "tiles",
                                           "solve",     fs::absolute(options.folder).string(),
                                           "--tile",    std::to_string(tile.j) + "," + std::to_string(tile.i)};
         if (!options.backend.empty()) words.insert(words.end(), {"--backend", options.backend});
         if (options.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options.threads)});
         if (options.force) words.emplace_back("--force");
-        std::printf("%s\n", shell_line(words).c_str());
+        std::printf("%s\n", batch::shell_line(words).c_str());
     }
     return 0;
 }
@@ -69,20 +69,20 @@ int print_commands(const SolveOptions& options, const std::vector<TileNumber>& t
 // Tells how far the tiles are.
 class TileTeller {
   public:
-    TileTeller(const TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)
+    TileTeller(const tiles::TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)
         : plan_(plan), is_quiet_(is_quiet), has_bar_(!is_quiet && isatty(STDERR_FILENO)) {
         counts_.units = tiles;
         counts_.up_to_date = up_to_date;
     }
-    void tile_ended(const TileNumber& tile, const std::string& failure, int exit_code) {
-        counts_.add(failure.empty() ? UnitOutcome::done : UnitOutcome::failed);
+    void tile_ended(const tiles::TileNumber& tile, const std::string& failure, int exit_code) {
+        counts_.add(failure.empty() ? batch::UnitOutcome::done : batch::UnitOutcome::failed);
         if (!failure.empty()) {
             clear();
-            std::fprintf(stderr, "hexrelief: tile %s: %s\n", tile_name(plan_, tile).c_str(),
+            std::fprintf(stderr, "hexrelief: tile %s: %s\n", tiles::tile_name(plan_, tile).c_str(),
                          printable(failure).c_str());
             if (exit_code_ == 0) exit_code_ = exit_code;
         }
-        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", progress_bar(counts_, seconds()).c_str());
+        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", batch::progress_bar(counts_, seconds()).c_str());
     }
     int all_ended() {
         clear();
@@ -97,44 +97,44 @@ class TileTeller {
     void clear() const {
         if (has_bar_) std::fputs("\r\x1b[K", stderr);
     }
-    const TilePlan& plan_;
+    const tiles::TilePlan& plan_;
     bool is_quiet_, has_bar_;
-    BatchCounts counts_;
+    batch::BatchCounts counts_;
     int exit_code_ = 0;
     double begun_ = now_seconds();
 };
 
-BackendChoice backend_of(const SolveOptions& options, const Config& planned) {
-    Config config = planned;
-    if (!options.backend.empty()) apply_option(config, "--backend", "run.backend", options.backend);
+config::BackendChoice backend_of(const SolveOptions& options, const config::Config& planned) {
+    config::Config config = planned;
+    if (!options.backend.empty()) config::apply_option(config, "--backend", "run.backend", options.backend);
     return config.run.backend;
 }
 
 // memory: in bytes, for all tiles together; 0 = of what is free.
-int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const SolveOptions& options,
-               int threads, std::uint64_t memory) {
-    std::vector<TileNumber> missing;
-    for (const TileNumber& tile : tiles)
-        if (options.force || !is_solved(plan, tile)) missing.push_back(tile);
+int solve_here(const tiles::TilePlan& plan, const std::vector<tiles::TileNumber>& tiles,
+               const SolveOptions& options, int threads, std::uint64_t memory) {
+    std::vector<tiles::TileNumber> missing;
+    for (const tiles::TileNumber& tile : tiles)
+        if (options.force || !tiles::is_solved(plan, tile)) missing.push_back(tile);
     TileTeller teller(plan, tiles.size(), tiles.size() - missing.size(), options.quiet);
     if (missing.empty()) return teller.all_ended();
-    const Backend backend =
-        pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
-    install_interrupt_handling();
-    const SolveSettings settings{threads, options.jobs, memory};
-    solve_tiles(plan, missing, backend, settings,
-                {[&](const TileNumber& tile, const std::string& failure, int exit_code) {
-                    teller.tile_ended(tile, failure, exit_code);
-                }});
+    const job::Backend backend =
+        job::pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
+    files::install_interrupt_handling();
+    const tiles::SolveSettings settings{threads, options.jobs, memory};
+    tiles::solve_tiles(plan, missing, backend, settings,
+                       {[&](const tiles::TileNumber& tile, const std::string& failure, int exit_code) {
+                           teller.tile_ended(tile, failure, exit_code);
+                       }});
     if (backend.give_back) backend.give_back();
     return teller.all_ended();
 }
 
 // A process for each device, with every n-th tile, and its share of threads and memory.
-int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
-             const std::vector<TileNumber>& tiles, const SolveOptions& options, int threads,
+int solve_on(const std::vector<std::string>& devices, const tiles::TilePlan& plan,
+             const std::vector<tiles::TileNumber>& tiles, const SolveOptions& options, int threads,
              std::uint64_t memory) {
-    if (memory == 0) memory = memory_to_use();
+    if (memory == 0) memory = batch::memory_to_use();
     const int share = std::max(1, threads / static_cast<int>(devices.size()));
     std::vector<pid_t> children;
     for (std::size_t k = 0; k < devices.size(); ++k) {
@@ -145,13 +145,13 @@ int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
             continue;
         }
         setenv("CUDA_VISIBLE_DEVICES", devices[k].c_str(), 1);
-        std::vector<TileNumber> own;
+        std::vector<tiles::TileNumber> own;
         for (std::size_t t = k; t < tiles.size(); t += devices.size()) own.push_back(tiles[t]);
         int code = 1;
         try {
             code = solve_here(plan, own, options, share, memory / devices.size());
         } catch (...) {
-            const UnitResult failed = result_of_exception();
+            const batch::UnitResult failed = batch::result_of_exception();
             std::fprintf(stderr, "hexrelief: %s\n", printable(failed.message).c_str());
             code = failed.exit_code;
         }
@@ -169,12 +169,12 @@ int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
 }
 
 int solve(const SolveOptions& options) {
-    const TilePlan plan = read_plan(options.folder);
-    const std::vector<TileNumber> tiles = wanted_tiles(plan, options);
+    const tiles::TilePlan plan = tiles::read_plan(options.folder);
+    const std::vector<tiles::TileNumber> tiles = wanted_tiles(plan, options);
     if (options.print_commands) return print_commands(options, tiles);
-    const int threads = effective_threads(options.threads);
+    const int threads = job::effective_threads(options.threads);
     const std::uint64_t memory = parse_memory(options.memory);
-    const std::vector<std::string> devices = devices_of(options.gpus);
+    const std::vector<std::string> devices = batch::devices_of(options.gpus);
     return devices.size() > 1 ? solve_on(devices, plan, tiles, options, threads, memory)
                               : solve_here(plan, tiles, options, threads, memory);
 }
@@ -218,4 +218,4 @@ void add_solve_command(Command& group) {
     command.set_action([options] { return solve(*options); });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -1,8 +1,8 @@
 #include "pipeline/cli/tiles/command_tiles.h"
 
-#include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/tiles_commands.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_tiles_command(Command& program) {
     Command group =
@@ -20,4 +20,4 @@ void add_tiles_command(Command& program) {
     add_merge_command(group);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

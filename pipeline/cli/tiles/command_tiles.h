@@ -1,10 +1,10 @@
 // The commands for maps that do not fit into memory.
 #pragma once
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 void add_tiles_command(Command& program);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -6,10 +6,10 @@
 #include <cstdio>
 
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/cli/terminal/progress_line.h"
 #include "pipeline/job/run_log.h"
 
-namespace hexrelief {
+namespace hexrelief::cli {
 
 // On stderr: verbose, a line a stage with its time; otherwise the progress on a terminal; with warnings.
 // Quiet: nothing.
@@ -35,11 +35,11 @@ class StageTeller {
     StageTeller(const StageTeller&) = delete;
     StageTeller& operator=(const StageTeller&) = delete;
 
-    const RunObserver& observer() const { return observer_; }
+    const job::RunObserver& observer() const { return observer_; }
 
   private:
     ProgressLine progress_;
-    RunObserver observer_;
+    job::RunObserver observer_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::cli

@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/stages/depth.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 std::string number(double value) {
@@ -36,24 +36,24 @@ std::string extent_text(const DepthMap& map) {
 
 }  // namespace
 
-DepthInput take_depths(DepthFile file, const DepthFileConfig& config, bool is_focal_known,
+DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& config, bool is_focal_known,
                        Calibration& camera) {
     DepthMap& map = file.map;
     DepthInput input;
-    if (config.ray) project_on_axis(map, camera);
-    keep_between(map, config.near_m, config.far_m);
+    if (config.ray) stages::project_on_axis(map, camera);
+    stages::keep_between(map, config.near_m, config.far_m);
     input.decisions.push_back("depth: " + file.believed + "; " + extent_text(map));
     camera.metric = map.metric && is_focal_known;
     if (!(camera.baseline_m > 0) || !map.metric) {
-        camera.baseline_m = baseline_for(map, camera.focal_px);
+        camera.baseline_m = stages::baseline_for(map, camera.focal_px);
         camera.doffs_px = 0;
         input.is_baseline_chosen = true;
         input.decisions.push_back("depth: taken as disparities of a baseline of " +
                                   number(camera.baseline_m) + (map.metric ? " m" : " (relative)") +
                                   ", chosen by the nearest distance");
     }
-    input.map = disparities_of(map, camera);
+    input.map = stages::disparities_of(map, camera);
     return input;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

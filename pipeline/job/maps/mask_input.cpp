@@ -4,21 +4,21 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 
-void hide(std::vector<float>& values, const PixelMask& mask) {
+void hide(std::vector<float>& values, const readers::PixelMask& mask) {
     for (std::size_t i = 0; i < mask.kept.size(); ++i)
         if (!mask.kept[i]) values[i] = kUnknownDisparity;
 }
 
-void hide(DisparityMap& map, const PixelMask& mask) {
+void hide(DisparityMap& map, const readers::PixelMask& mask) {
     hide(map.values, mask);
     for (std::size_t i = 0; i < map.origins.size(); ++i)
         if (!DisparityMap::known(map.values[i])) map.origins[i] = PixelOrigin::unknown;
 }
 
-PixelMask opaque_part(const Image& image) {
-    PixelMask mask{image.width, image.height, image.alpha};
+readers::PixelMask opaque_part(const Image& image) {
+    readers::PixelMask mask{image.width, image.height, image.alpha};
     for (std::uint8_t& kept : mask.kept) kept = kept >= kOpaque;
     if (!mask.empty() && std::ranges::find(mask.kept, 1) == mask.kept.end())
         throw Error(
@@ -28,10 +28,10 @@ PixelMask opaque_part(const Image& image) {
     return mask;
 }
 
-PixelMask both(PixelMask a, const PixelMask& b) {
+readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b) {
     if (a.empty()) return b;
     for (std::size_t i = 0; i < b.kept.size(); ++i) a.kept[i] &= b.kept[i];
     return a;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::job

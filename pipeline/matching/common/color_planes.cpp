@@ -4,9 +4,9 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 // Fills the border of a plane's row by repeating the pixels at its ends.
@@ -78,4 +78,4 @@ ColorView view_of(const ColorPlanes& colors) {
     return view;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

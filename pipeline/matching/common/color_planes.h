@@ -6,9 +6,9 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // The planes of a picture: one channel if it is grey, three if it has colours. The border
 // repeats the picture's edge.
@@ -41,4 +41,4 @@ PairColors split_colors(const StereoPair& pair, ThreadPool& pool);
 ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool);
 ColorView view_of(const ColorPlanes& colors);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

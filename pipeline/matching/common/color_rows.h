@@ -8,7 +8,7 @@
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/common/color_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Sets out[x] to the largest difference of a channel between pixel (x0 + x, y) and the pixel
 // (dx, dy) px away.
@@ -28,4 +28,4 @@ HEXRELIEF_INLINED void color_steps(const ColorView& colors, int x0, int y, int d
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -1,9 +1,9 @@
 #include "pipeline/matching/common/half_size.h"
 
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/common/rows.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 Image at_half_size(const Image& image, ThreadPool& pool) {
     Image half{step::half_size(image.width), step::half_size(image.height), image.channels, {}};
@@ -23,4 +23,4 @@ Image at_half_size(const Image& image, ThreadPool& pool) {
     return half;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

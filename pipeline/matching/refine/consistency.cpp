@@ -4,11 +4,11 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/data/union_find.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/median_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 HEXRELIEF_SMALL_VECTORS void median_row(DisparityView map, int y, std::int16_t* __restrict out) {
@@ -76,4 +76,4 @@ TrustedMatches find_trusted_matches(const ViewDisparities& unfiltered, const Con
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -1,11 +1,10 @@
 // Selects the trusted matches among both views' winners.
 #pragma once
 
-#include "pipeline/matching/common/raster.h"
+#include "mesher/common/thread_pool.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
-namespace hexrelief {
-
-class ThreadPool;
+namespace hexrelief::matching {
 
 struct ConsistencyConfig {
     int min_px = 0;            // least disparity of the range
@@ -38,4 +37,4 @@ Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool);
 TrustedMatches find_trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
                                     ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

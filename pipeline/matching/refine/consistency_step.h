@@ -4,40 +4,41 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/consistency.h"
 
 namespace hexrelief::step {
 
 // Returns the column of the right picture that a pixel of the left one matches.
 HEXRELIEF_HD int matching_column(int x, int min_px, int disparity) {
-    return x - min_px - ((disparity + kOnePixel / 2) >> 4);
+    return x - min_px - ((disparity + matching::kOnePixel / 2) >> 4);
 }
 
 // Returns the column of the left picture that a pixel of the right one matches.
 HEXRELIEF_HD int matching_left_column(int x, int min_px, int disparity) {
-    return x + min_px + ((disparity + kOnePixel / 2) >> 4);
+    return x + min_px + ((disparity + matching::kOnePixel / 2) >> 4);
 }
 
 // True if the match of a left pixel lies beyond the right picture's left edge, or less than half a px right
 // of its first pixel: the right picture says nothing about such a pixel.
 HEXRELIEF_HD bool beyond_left_edge(int x, int min_px, int disparity) {
-    return kOnePixel * (x - min_px) - disparity < kOnePixel / 2;
+    return matching::kOnePixel * (x - min_px) - disparity < matching::kOnePixel / 2;
 }
 
 // Returns the disparity of a pixel if `other`, the row of the other view, agrees
 // at `column`; else kUnknown16.
 HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* other, int column, int width,
                                  int limit) {
-    if (disparity < 0 || column < 0 || column >= width) return kUnknown16;
+    if (disparity < 0 || column < 0 || column >= width) return matching::kUnknown16;
     const int difference = other[column] - disparity;
-    return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity : kUnknown16;
+    return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity
+                                                                             : matching::kUnknown16;
 }
 
 // Returns the left view's disparity at a pixel if the right view's row agrees at its match, or if there is
 // no check; else kUnknown16.
 HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16_t* right_row, int x,
-                                        int width, const ConsistencyConfig& config) {
+                                        int width, const matching::ConsistencyConfig& config) {
     if (config.left_right_limit < 0) return disparity;
     return agreed(disparity, right_row, matching_column(x, config.min_px, disparity), width,
                   config.left_right_limit);
@@ -46,7 +47,7 @@ HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16
 // Returns the size up to which the patch of a pixel with this disparity is a speckle. False matches far
 // beyond the scene form larger patches than others, and correct matches are rare there.
 inline constexpr int kFarSpeckles = 4;
-HEXRELIEF_HD int largest_speckle(const ConsistencyConfig& config, std::int16_t disparity) {
+HEXRELIEF_HD int largest_speckle(const matching::ConsistencyConfig& config, std::int16_t disparity) {
     return disparity < config.least ? kFarSpeckles * config.speckle_pixels : config.speckle_pixels;
 }
 
@@ -67,11 +68,11 @@ HEXRELIEF_HD std::int32_t nearest_seen(const std::int16_t* right_at) {
 // True if a surface of this disparity would hide from the right camera the surface that
 // it certainly sees there.
 HEXRELIEF_HD bool hides(std::int32_t nearest, int disparity) {
-    return nearest < disparity - kOnePixel;
+    return nearest < disparity - matching::kOnePixel;
 }
 // True if the surface that the right camera certainly sees there is in front of a surface of this disparity.
 HEXRELIEF_HD bool is_hidden(std::int32_t nearest, int disparity) {
-    return nearest != kAnything && nearest > disparity + kOnePixel;
+    return nearest != kAnything && nearest > disparity + matching::kOnePixel;
 }
 
 // A pixel of the left picture, and the row of nearest_seen of the right one.

@@ -4,11 +4,11 @@
 #include <array>
 #include <vector>
 
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/fill_step.h"
 #include "pipeline/matching/refine/match_colors.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr std::int32_t kNoMatch = -1;
@@ -104,4 +104,4 @@ Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool) {
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

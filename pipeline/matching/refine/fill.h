@@ -6,7 +6,7 @@
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/refine/slopes.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct FillInput {
     const TrustedMatches& matches;
@@ -19,4 +19,4 @@ struct FillInput {
 // eight directions stay unknown.
 Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -62,9 +62,9 @@ HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirect
         if (candidates[k] < 0) continue;
         const bool outside = beyond_left_edge(site.x, site.min_px, candidates[k]);
         if (outside) insert_sorted(values, count, candidates[k]);
-        if (k == kEast && !outside) return kUnknown16;
+        if (k == kEast && !outside) return matching::kUnknown16;
     }
-    return count > 0 ? values[count / 2] : kUnknown16;
+    return count > 0 ? values[count / 2] : matching::kUnknown16;
 }
 
 // Returns the candidate whose match has the pixel's colours, if they are clearly more similar than those of
@@ -111,9 +111,9 @@ HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDir
         if (inside && hides(site.nearest_seen[column], d)) continue;
         insert_sorted(values, count, d);
         matched = matched || agreed(static_cast<std::int16_t>(d), site.right, column, site.width,
-                                    kOnePixel) != kUnknown16;
+                                    matching::kOnePixel) != matching::kUnknown16;
     }
-    if (count == 0) return farthest < INT16_MAX ? static_cast<std::int16_t>(farthest) : kUnknown16;
+    if (count == 0) return farthest < INT16_MAX ? static_cast<std::int16_t>(farthest) : matching::kUnknown16;
     if (matched) return static_cast<std::int16_t>(values[count / 2]);
     const int column = matching_column(site.x, site.min_px, values[0]);
     if (column >= 0 && column < site.width && is_hidden(site.nearest_seen[column], values[0]))

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::step {
 
@@ -26,12 +26,12 @@ HEXRELIEF_HD int upper_quartile(int unmatched) {
 // Returns the value that a cell takes from its middle pixel: the filled disparity if that
 // pixel was not matched.
 HEXRELIEF_HD std::int16_t unmatched(std::int16_t match, std::int16_t filled) {
-    return match == kUnknown16 ? filled : kUnknown16;
+    return match == matching::kUnknown16 ? filled : matching::kUnknown16;
 }
 
 // Returns the pixel's new disparity: an unmatched pixel has at least `least`, the value of its cell.
 HEXRELIEF_HD std::int16_t raised(std::int16_t match, std::int16_t filled, std::int16_t least) {
-    return match == kUnknown16 && filled < least ? least : filled;
+    return match == matching::kUnknown16 && filled < least ? least : filled;
 }
 
 }  // namespace hexrelief::step

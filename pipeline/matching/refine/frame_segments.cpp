@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr int kCells = 150;
@@ -189,4 +189,4 @@ std::vector<std::int16_t> least_disparities(const FrameSegments& segments,
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -8,7 +8,7 @@
 
 #include "pipeline/data/image.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // A grid of square cells, some 150 along the longer side. Pixels beyond the last whole cell belong to none. A
 // narrow picture has no cells.
@@ -43,4 +43,4 @@ FrameSegments find_frame_segments(const Image& left, int most_px);
 std::vector<std::int16_t> least_disparities(const FrameSegments& segments,
                                             const std::vector<std::int16_t>& filled);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

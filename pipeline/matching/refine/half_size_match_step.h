@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/consistency_step.h"
 
 namespace hexrelief::step {
@@ -16,18 +16,18 @@ inline constexpr int kSameSurface = 24;  // 1/16 px: matches that differ by more
 // half size is unknown, if the match is outside of the right picture, or if the right pixel has a match on
 // another surface. half: trusted matches at half size, in 1/16 px above half_min_px. right: trusted matches
 // of the right view's row y, at full size.
-HEXRELIEF_HD std::int16_t half_size_match(DisparityView half, int half_min_px, const std::int16_t* right,
-                                          int width, int min_px, int x, int y) {
+HEXRELIEF_HD std::int16_t half_size_match(matching::DisparityView half, int half_min_px,
+                                          const std::int16_t* right, int width, int min_px, int x, int y) {
     const std::int16_t* at = &half.at(x / 2, y / 2);
     for (int j = -1; j <= 1; ++j)
         for (int i = -1; i <= 1; ++i)
-            if (at[j * half.stride + i] < 0) return kUnknown16;
-    const int disparity = 2 * *at + kOnePixel * (2 * half_min_px - min_px);
+            if (at[j * half.stride + i] < 0) return matching::kUnknown16;
+    const int disparity = 2 * *at + matching::kOnePixel * (2 * half_min_px - min_px);
     const int column = matching_column(x, min_px, disparity);
-    if (disparity < 0 || column < 0 || column >= width) return kUnknown16;
+    if (disparity < 0 || column < 0 || column >= width) return matching::kUnknown16;
     const int difference = right[column] - disparity;
     const bool same = difference <= kSameSurface && difference >= -kSameSurface;
-    return right[column] < 0 || same ? static_cast<std::int16_t>(disparity) : kUnknown16;
+    return right[column] < 0 || same ? static_cast<std::int16_t>(disparity) : matching::kUnknown16;
 }
 
 }  // namespace hexrelief::step

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/half_size_match_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 void add_half_size_matches(const HalfSizeMatches& half, int min_px, TrustedMatches& matches,
                            ThreadPool& pool) {
@@ -19,4 +19,4 @@ void add_half_size_matches(const HalfSizeMatches& half, int min_px, TrustedMatch
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -3,7 +3,7 @@
 
 #include "pipeline/matching/refine/consistency.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct HalfSizeMatches {
     Disparities16 left;  // trusted, in 1/16 px (of half size) above min_px
@@ -14,4 +14,4 @@ struct HalfSizeMatches {
 void add_half_size_matches(const HalfSizeMatches& half, int min_px, TrustedMatches& matches,
                            ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

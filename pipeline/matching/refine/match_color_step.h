@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/common/raster.h"
 
 namespace hexrelief::step {
 
@@ -20,19 +20,20 @@ struct RightPosition {
 
 // True if the right picture contains the match of the left pixel in column x.
 HEXRELIEF_HD bool is_in_right(int x, int width, int min_px, int disparity) {
-    const int position = kOnePixel * (x - min_px) - disparity;
-    return position >= 0 && position <= kOnePixel * (width - 1);
+    const int position = matching::kOnePixel * (x - min_px) - disparity;
+    return position >= 0 && position <= matching::kOnePixel * (width - 1);
 }
 // Returns the position of the match; only if is_in_right().
 HEXRELIEF_HD RightPosition position_in_right(int x, int min_px, int disparity) {
-    const int position = kOnePixel * (x - min_px) - disparity;
-    return {position / kOnePixel, position % kOnePixel};
+    const int position = matching::kOnePixel * (x - min_px) - disparity;
+    return {position / matching::kOnePixel, position % matching::kOnePixel};
 }
 
 // Returns a channel's difference between the left pixel and the interpolated value of two columns
 // of the right picture.
 HEXRELIEF_HD int match_difference(std::uint8_t left, std::uint8_t right, std::uint8_t next, int sixteenths) {
-    const int between = (right * (kOnePixel - sixteenths) + next * sixteenths + kOnePixel / 2) >> 4;
+    const int between =
+        (right * (matching::kOnePixel - sixteenths) + next * sixteenths + matching::kOnePixel / 2) >> 4;
     const int difference = distance(left, static_cast<std::uint8_t>(between));
     return difference < kMatchColorCut ? difference : kMatchColorCut;
 }

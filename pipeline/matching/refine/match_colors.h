@@ -4,7 +4,7 @@
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/match_color_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Returns the sum over three channels; for grey, three times the one. (x, y) and the column may
 // lie in the border.
@@ -28,4 +28,4 @@ inline int window_difference(const ColorView& left, const ColorView& right, int 
     return sum;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

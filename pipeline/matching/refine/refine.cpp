@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 #include "pipeline/matching/refine/match_colors.h"
@@ -14,7 +14,7 @@
 #include "pipeline/matching/refine/voter_step.h"
 #include "pipeline/matching/refine/votes.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 struct VoterInput {
@@ -107,4 +107,4 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     return {smoothed(median_filtered(map, pool), left, pool), std::move(matched)};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

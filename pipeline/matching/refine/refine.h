@@ -7,7 +7,7 @@
 #include "pipeline/matching/refine/frame_segments.h"
 #include "pipeline/matching/refine/half_size_matches.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct RefinedMap {
     Disparities16 disparities;        // unknown only if neither the pixel nor any in eight directions matched
@@ -28,4 +28,4 @@ struct RefineInput {
 // Returns the left view's map.
 RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

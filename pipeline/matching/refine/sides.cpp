@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "mesher/common/simd.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/match_colors.h"
 #include "pipeline/matching/refine/side_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 struct SideViews {
@@ -52,4 +52,4 @@ Disparities16 choose_sides(const SideInput& input, ThreadPool& pool) {
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

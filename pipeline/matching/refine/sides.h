@@ -4,7 +4,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 struct SideInput {
     const Disparities16& map;
@@ -16,4 +16,4 @@ struct SideInput {
 // Returns the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
 Disparities16 choose_sides(const SideInput& input, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "mesher/common/simd.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/slope_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 struct LineSumsBlock {
@@ -91,4 +91,4 @@ Slopes find_slopes(const Disparities16& map, ThreadPool& pool) {
     return means;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

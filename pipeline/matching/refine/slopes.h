@@ -1,11 +1,10 @@
 // The slopes of the surfaces of a disparity map.
 #pragma once
 
-#include "pipeline/matching/common/raster.h"
+#include "mesher/common/thread_pool.h"
+#include "pipeline/matching/common/bordered_raster.h"
 
-namespace hexrelief {
-
-class ThreadPool;
+namespace hexrelief::matching {
 
 struct Slopes {
     Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; undefined at unknown pixels
@@ -15,4 +14,4 @@ struct Slopes {
 // over the pixels around it.
 Slopes find_slopes(const Disparities16& map, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

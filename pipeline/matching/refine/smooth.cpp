@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "pipeline/matching/common/color_rows.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/slopes.h"
 #include "pipeline/matching/refine/smooth_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 struct SmoothViews {
@@ -68,4 +68,4 @@ Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, Thre
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

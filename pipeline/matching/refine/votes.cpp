@@ -4,10 +4,10 @@
 #include <cstdlib>
 
 #include "pipeline/matching/common/color_rows.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/vote_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 constexpr int kLanes = 32;  // number of adjacent pixels whose medians are computed at once
@@ -182,4 +182,4 @@ Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windo
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -5,7 +5,7 @@
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/slopes.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // The window that a pixel's median is taken over.
 enum class VoteWindow : std::uint8_t { none, near, hole };
@@ -27,4 +27,4 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
 // what the right camera sees are not counted.
 Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windows, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -4,7 +4,7 @@
 
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 int band_rows(int width, int height) {
     const std::size_t row_bytes = kEntry_bytes * static_cast<std::size_t>(width) * kWholeRange;
@@ -26,4 +26,4 @@ std::vector<Band> bands_of(int width, int height) {
     return bands;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,7 +6,7 @@
 
 #include "mesher/common/host_device.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // A picture whose volume, counted with kWholeRange disparities per pixel, exceeds this number of
 // bytes is matched in bands of rows. Each band has kBandMargin more rows above and below, in which
@@ -29,4 +29,4 @@ int band_rows(int width, int height);
 // Returns the bands, top to bottom. CPU and CUDA use the same bands, so their results are identical.
 std::vector<Band> bands_of(int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -5,7 +5,7 @@
 #include "mesher/common/simd.h"
 #include "pipeline/matching/sgm/cost_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 using Byte = std::uint8_t;
@@ -167,4 +167,4 @@ void CostRows::compute(int y, Byte* costs) {
              costs);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,7 +6,7 @@
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Computes the costs of one row at a time. Holds scratch memory, so each thread needs its own object.
 class CostRows {
@@ -25,4 +25,4 @@ class CostRows {
     std::vector<std::uint8_t> left_census_, right_census_, mirrored_census_, mirrored_colors_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 template <typename T>
 class LargeArray {
@@ -42,4 +42,4 @@ class LargeArray {
     std::unique_ptr<T, Free> values_;
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

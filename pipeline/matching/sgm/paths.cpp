@@ -10,7 +10,7 @@
 #include "pipeline/matching/sgm/costs.h"
 #include "pipeline/matching/sgm/window_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 using Cost = std::uint16_t;
@@ -282,4 +282,4 @@ void descend(const MatchingInput& input, const PathRow& above, PathRow& last, Ma
     last.y = volume.first_row + volume.rows - 1;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

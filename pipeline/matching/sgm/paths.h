@@ -8,7 +8,7 @@
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // The input of matching: two pictures of one size with equal numbers of channels.
 struct MatchingInput {
@@ -49,4 +49,4 @@ void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below,
 void descend(const MatchingInput& input, const PathRow& above, PathRow& last, MatchingVolume& volume,
              ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,7 +6,7 @@
 #include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 // Returns the number of rows of a block: as many as fit into block_bytes; or, if more, so many
@@ -65,4 +65,4 @@ ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, c
     return views;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

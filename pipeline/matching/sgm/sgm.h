@@ -8,7 +8,7 @@
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/winners.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Bytes of the volume that the CPU holds at once; smaller than a cache shared by the cores.
 inline constexpr std::size_t kBlock_bytes = std::size_t{32} << 20;
@@ -19,4 +19,4 @@ ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, c
                             WindowView windows, const step::PathPenalties& penalties, ThreadPool& pool,
                             std::size_t block_bytes = kBlock_bytes);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -5,10 +5,10 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/large_array.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // The disparities searched: left(x, y) = right(x - d, y) for min_px <= d < min_px + count.
 struct DisparityRange {
@@ -70,4 +70,4 @@ struct MatchingVolume {
     std::uint16_t* sums_at(int x, int y) { return sums.data() + at(x, y); }
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

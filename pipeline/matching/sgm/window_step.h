@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/volume.h"
 
 namespace hexrelief::step {
@@ -16,7 +16,7 @@ inline constexpr int kWindowMargin_px = 6;  // margin beside these disparities, 
 
 // Returns the start of the run in whose middle half this disparity lies.
 HEXRELIEF_HD int run_around(int disparity) {
-    return (disparity - kShortRun / 2 + kRunAlignment / 2) & -kRunAlignment;
+    return (disparity - matching::kShortRun / 2 + kRunAlignment / 2) & -kRunAlignment;
 }
 
 // Returns the window of the pixels that (x, y) at half size covers; not for a range that is searched
@@ -24,8 +24,8 @@ HEXRELIEF_HD int run_around(int disparity) {
 // of the picture. If the neighbours' disparities are close together, the two runs are adjacent around their
 // middle. Else two surfaces meet there: one run is around the pixel's own disparity, the other around the
 // neighbours' most different one.
-HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const DisparityRange& range, int x,
-                                      int y) {
+HEXRELIEF_HD matching::SearchWindow find_window(matching::DisparityView half, int half_min_px,
+                                                const matching::DisparityRange& range, int x, int y) {
     const std::int16_t* const at = &half.at(x, y);
     int farthest = at[0], nearest = at[0];
     for (int j = -kHalfSizeReach_px; j <= kHalfSizeReach_px; ++j)
@@ -36,14 +36,14 @@ HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const
             nearest = disparity > nearest ? disparity : nearest;
         }
     const int offset_px = 2 * half_min_px - range.min_px;
-    const auto at_full_size = [&](int disparity) { return 2 * disparity / kOnePixel + offset_px; };
+    const auto at_full_size = [&](int disparity) { return 2 * disparity / matching::kOnePixel + offset_px; };
     const int own = at_full_size(at[0]);
     farthest = at_full_size(farthest);
     nearest = at_full_size(nearest);
     int far_run, near_run;
-    if (nearest - farthest <= 2 * kShortRun - 2 * kWindowMargin_px) {
-        far_run = ((farthest + nearest) / 2 - kShortRun + kRunAlignment / 2) & -kRunAlignment;
-        near_run = far_run + kShortRun;
+    if (nearest - farthest <= 2 * matching::kShortRun - 2 * kWindowMargin_px) {
+        far_run = ((farthest + nearest) / 2 - matching::kShortRun + kRunAlignment / 2) & -kRunAlignment;
+        near_run = far_run + matching::kShortRun;
     } else {
         const int own_run = run_around(own),
                   other_run = run_around(own - farthest > nearest - own ? farthest : nearest);
@@ -53,15 +53,17 @@ HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const
     const auto between = [](int value, int least, int most) {
         return value < least ? least : value > most ? most : value;
     };
-    const int last = (range.count + kRunAlignment - 1) / kRunAlignment * kRunAlignment - 2 * kShortRun;
+    const int last =
+        (range.count + kRunAlignment - 1) / kRunAlignment * kRunAlignment - 2 * matching::kShortRun;
     far_run = between(far_run, 0, last);
-    near_run = between(near_run, far_run + kShortRun, last + kShortRun);
+    near_run = between(near_run, far_run + matching::kShortRun, last + matching::kShortRun);
     return {static_cast<std::int16_t>(far_run), static_cast<std::int16_t>(near_run)};
 }
 
 // Returns the index of a disparity among the pixel's entries, or -1 if it is not searched.
-HEXRELIEF_HD int entry_of(const SearchWindow& window, int disparity, const DisparityRange& range) {
-    const int run = run_length(range);
+HEXRELIEF_HD int entry_of(const matching::SearchWindow& window, int disparity,
+                          const matching::DisparityRange& range) {
+    const int run = matching::run_length(range);
     if (disparity < 0 || disparity >= range.count) return -1;
     const int in_far = disparity - window.far_run, in_near = disparity - window.near_run;
     if (in_far >= 0 && in_far < run) return in_far;

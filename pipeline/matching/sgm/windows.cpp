@@ -1,10 +1,10 @@
 #include "pipeline/matching/sgm/windows.h"
 
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/sgm/window_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
                            ThreadPool& pool) {
@@ -24,4 +24,4 @@ SearchWindows find_windows(int width, int height, const DisparityRange& range, D
     return windows;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -4,11 +4,11 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Returns the windows, from the left view's winners at half size (see step::find_window()). If the range is
 // searched completely, all windows are kWholeWindow and `half` is not read.
 SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
                            ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

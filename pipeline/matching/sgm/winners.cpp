@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "mesher/common/simd.h"
-#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/sgm/window_step.h"
 #include "pipeline/matching/sgm/winner_step.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 // Returns the best key of a pixel's run, whose first disparity is `first` and of which `searched` entries are
@@ -79,4 +79,4 @@ void find_winners(const MatchingInput& input, const MatchingVolume& volume, int 
     });
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "mesher/common/thread_pool.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/volume.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 
 // Sets rows first .. end - 1 of both views from the volume, which must contain them. The right view's
 // costs are the left view's at the matching pixels: left(x, d) = right(x - d, d). A right pixel that no
@@ -14,4 +14,4 @@ namespace hexrelief {
 void find_winners(const MatchingInput& input, const MatchingVolume& volume, int first, int end,
                   ViewDisparities& views, ThreadPool& pool);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

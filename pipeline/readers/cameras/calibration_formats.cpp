@@ -5,10 +5,10 @@
 
 #include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/readers/text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 namespace {
 
@@ -102,4 +102,4 @@ Calibration from_pinhole(CalibrationText& source, std::string_view key, const Pi
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -10,7 +10,7 @@
 
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // The text of a calibration file, and what its format says about it besides the numbers.
 struct CalibrationText {
@@ -72,4 +72,4 @@ Pinhole from_matrix(const CalibrationText& source, std::string_view key, const s
 Calibration from_pinhole(CalibrationText& source, std::string_view key, const Pinhole& camera,
                          double pixel_centre = kPixelCentre);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -4,10 +4,10 @@
 
 #include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_formats.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/readers/text.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 // Refuses a focal length or baseline not above 0 and numbers that are not finite: later stages
@@ -55,4 +55,4 @@ Calibration read_calibration(const std::filesystem::path& path) {
     return read_calibration_file(path).calibration;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

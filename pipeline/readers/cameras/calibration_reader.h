@@ -7,7 +7,7 @@
 
 #include "pipeline/data/calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct CalibrationFile {
     Calibration calibration;
@@ -50,4 +50,4 @@ CalibrationFile read_calibration_file(const std::filesystem::path& path);
 // Returns only the calibration of read_calibration_file().
 Calibration read_calibration(const std::filesystem::path& path);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

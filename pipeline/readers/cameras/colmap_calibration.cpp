@@ -2,9 +2,9 @@
 #include <algorithm>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 using Words = std::vector<std::string_view>;
@@ -61,4 +61,4 @@ std::optional<Calibration> parse_colmap(CalibrationText& source) {
                         0);
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -9,7 +9,7 @@
 
 #include "pipeline/readers/source.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 constexpr std::size_t kHead_bytes = 1u << 18;  // APP1 comes first and has at most 64 KiB
@@ -77,4 +77,4 @@ std::optional<ExifFocal> read_exif_focal(const std::filesystem::path& path, int 
     return focal;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

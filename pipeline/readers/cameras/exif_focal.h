@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct ExifFocal {
     double focal_px = 0;   // above 0, for the picture at the given size
@@ -18,4 +18,4 @@ struct ExifFocal {
 // has damaged EXIF data. Throws Error(input) if the file cannot be opened.
 std::optional<ExifFocal> read_exif_focal(const std::filesystem::path& path, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -3,9 +3,9 @@
 #include <map>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 using Entries = std::map<std::string, std::string, std::less<>>;
@@ -85,4 +85,4 @@ std::optional<Calibration> parse_kitti(CalibrationText& source) {
                "are not both there; a KITTI calibration needs a left and a right one");
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -1,9 +1,9 @@
 // Parses a matrix K of nine numbers, by numpy.savetxt or by hand; in FoundationStereo's
 // file the baseline follows.
 #include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // Returns the words of the text without comments and brackets.
@@ -40,4 +40,4 @@ std::optional<Calibration> parse_matrix(CalibrationText& source) {
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -3,9 +3,9 @@
 #include <map>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 using Entries = std::map<std::string, std::string, std::less<>>;
@@ -102,4 +102,4 @@ std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

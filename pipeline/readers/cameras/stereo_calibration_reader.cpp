@@ -7,9 +7,9 @@
 #include <tuple>
 
 #include "pipeline/readers/cameras/yaml_values.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 using codec::CalibrationText;
@@ -42,7 +42,8 @@ bool has_pair_keys(std::string_view text) {
 }
 
 std::string require_key(const CalibrationText& source, std::string key, const char* name, const char* what) {
-    if (key.empty()) refuse_key(source, name, std::string("is missing; rectifying a pair needs ") + what);
+    if (key.empty())
+        codec::refuse_key(source, name, std::string("is missing; rectifying a pair needs ") + what);
     return key;
 }
 
@@ -54,16 +55,16 @@ StereoCalibration::Camera read_camera(const CalibrationText& source, const YAML:
     const std::vector<double> matrix = codec::read_numbers(source, key, root[key], 3, 3);
     const codec::Pinhole pinhole = codec::from_matrix(source, key, matrix);
     if (!(pinhole.fx > 0) || !(pinhole.fy > 0))
-        refuse_key(source, key, "has a focal length that is not above 0");
+        codec::refuse_key(source, key, "has a focal length that is not above 0");
     read.matrix = {pinhole.fx, 0, pinhole.cx, 0, pinhole.fy, pinhole.cy, 0, 0, 1};
     const std::string d = require_key(source, key_of(root, kDistortions, camera), d_name,
                                       "D1 and D2 (zeros where the lenses do not distort)");
     const YAML::Node data = root[d].IsMap() ? root[d]["data"] : root[d];
-    if (!data.IsDefined() || !data.IsSequence()) refuse_key(source, d, "must hold a list of numbers");
+    if (!data.IsDefined() || !data.IsSequence()) codec::refuse_key(source, d, "must hold a list of numbers");
     for (const YAML::Node& item : data) read.distortion.push_back(codec::number_of(source, d, item));
     constexpr std::size_t counts[] = {0, 4, 5, 8, 12, 14};
     if (std::find(std::begin(counts), std::end(counts), read.distortion.size()) == std::end(counts))
-        refuse_key(
+        codec::refuse_key(
             source, d,
             "has " + std::to_string(read.distortion.size()) + " numbers; OpenCV has 4, 5, 8, 12 or 14");
     return read;
@@ -74,11 +75,12 @@ void check_rotation(const CalibrationText& source, const std::array<double, 9>& 
         for (int j = 0; j < 3; ++j) {
             double product = 0;
             for (int k = 0; k < 3; ++k) product += r[3 * i + k] * r[3 * j + k];
-            if (!(std::abs(product - (i == j)) < 0.001)) refuse_key(source, "R", "is no rotation matrix");
+            if (!(std::abs(product - (i == j)) < 0.001))
+                codec::refuse_key(source, "R", "is no rotation matrix");
         }
     const double determinant = r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
                                r[2] * (r[3] * r[7] - r[4] * r[6]);
-    if (determinant < 0) refuse_key(source, "R", "is no rotation matrix: it mirrors");
+    if (determinant < 0) codec::refuse_key(source, "R", "is no rotation matrix: it mirrors");
 }
 
 bool is_fisheye(CalibrationText& source, const YAML::Node& root, const StereoCalibration& calibration) {
@@ -88,7 +90,8 @@ bool is_fisheye(CalibrationText& source, const YAML::Node& root, const StereoCal
         std::string name = root[key].Scalar();
         for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
         if (name != "fisheye" && name != "equidistant" && name != "kannala_brandt") return false;
-        if (!four) refuse_key(source, "D1 or D2", "is not of 4 numbers, as the fisheye model has them");
+        if (!four)
+            codec::refuse_key(source, "D1 or D2", "is not of 4 numbers, as the fisheye model has them");
         return true;
     }
     if (four)
@@ -105,7 +108,7 @@ StereoCalibration read_tree(CalibrationText& source, const YAML::Node& root) {
     calibration.right = read_camera(source, root, 1);
     for (const char* key : {"R", "T"})
         if (!root[key].IsDefined())
-            refuse_key(
+            codec::refuse_key(
                 source, key,
                 "is missing; rectifying a pair needs R and T between the cameras, which OpenCV's sample "
                 "writes into extrinsics.yml: copy them into this file");
@@ -113,7 +116,8 @@ StereoCalibration read_tree(CalibrationText& source, const YAML::Node& root) {
     std::copy(r.begin(), r.end(), calibration.rotation.begin());
     check_rotation(source, calibration.rotation);
     const YAML::Node t = root["T"].IsMap() ? root["T"]["data"] : root["T"];
-    if (!t.IsDefined() || !t.IsSequence() || t.size() != 3) refuse_key(source, "T", "must hold 3 numbers");
+    if (!t.IsDefined() || !t.IsSequence() || t.size() != 3)
+        codec::refuse_key(source, "T", "must hold 3 numbers");
     for (int i = 0; i < 3; ++i) calibration.translation[i] = codec::number_of(source, "T", t[i]);
     calibration.is_fisheye = is_fisheye(source, root, calibration);
     std::tie(calibration.width, calibration.height) = codec::size_of(source, root);
@@ -128,7 +132,7 @@ std::optional<StereoCalibrationFile> read_stereo_calibration(const std::filesyst
     CalibrationText source = codec::load_calibration_text(path);
     if (!has_pair_keys(source.text)) {
         if (rectify == Rectify::automatic) return std::nullopt;
-        refuse_key(source, "K1, D1, K2, D2, R and T", "must be there to rectify the pair");
+        codec::refuse_key(source, "K1, D1, K2, D2, R and T", "must be there to rectify the pair");
     }
     std::optional<StereoCalibrationFile> file;
     codec::with_yaml_tree(source, [&](const YAML::Node& root) {
@@ -141,4 +145,4 @@ std::optional<StereoCalibrationFile> read_stereo_calibration(const std::filesyst
     return file;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -8,7 +8,7 @@
 
 #include "pipeline/data/stereo_calibration.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // Whether a pair is rectified by the calibration of its cameras. automatic: yes, unless the file describes
 // rectified pictures (Q, or P1 and P2).
@@ -28,4 +28,4 @@ struct StereoCalibrationFile {
 std::optional<StereoCalibrationFile> read_stereo_calibration(const std::filesystem::path& path,
                                                              Rectify rectify);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

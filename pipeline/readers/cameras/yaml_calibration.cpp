@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "pipeline/readers/cameras/yaml_values.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 Projection read_projection(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
@@ -142,4 +142,4 @@ std::optional<Calibration> parse_yaml(CalibrationText& source) {
     return calibration;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

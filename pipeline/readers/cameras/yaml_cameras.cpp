@@ -5,7 +5,7 @@
 
 #include "pipeline/readers/cameras/yaml_values.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 double number_of(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
     if (!node.IsScalar()) refuse_key(source, key, "must be a number");
@@ -147,4 +147,4 @@ std::optional<Calibration> parse_camera_tree(CalibrationText& source, const YAML
     return from_pinhole(source, key, camera);
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

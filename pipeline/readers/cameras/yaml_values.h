@@ -11,7 +11,7 @@
 
 #include "pipeline/readers/cameras/calibration_formats.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // Calls `read` with the text as a tree. Refuses text that is not YAML, naming the line.
 void with_yaml_tree(const CalibrationText& source, const std::function<void(const YAML::Node&)>& read);
@@ -34,4 +34,4 @@ std::pair<int, int> size_of(const CalibrationText& source, const YAML::Node& roo
 // nullopt if the tree, which must be a map, has none of their keys.
 std::optional<Calibration> parse_camera_tree(CalibrationText& source, const YAML::Node& root);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

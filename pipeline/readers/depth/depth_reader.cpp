@@ -10,9 +10,9 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -226,4 +226,4 @@ DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& pa
     return file;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "pipeline/data/depth_map.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 enum class DepthKind { depth, inverse_depth, affine_inverse };
 
@@ -52,4 +52,4 @@ DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfi
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
                     const DepthFileConfig& config);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

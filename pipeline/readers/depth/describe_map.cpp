@@ -11,7 +11,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 std::string number(double value) {
@@ -83,4 +83,4 @@ MapDescription describe_map(const std::filesystem::path& path, const std::string
     return map;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

@@ -6,7 +6,7 @@
 
 #include "pipeline/readers/limits.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 struct MapDescription {
     // Over the stored samples that are finite, above 0 and not the format's own value for "unknown".
@@ -23,4 +23,4 @@ struct MapDescription {
 MapDescription describe_map(const std::filesystem::path& path, const std::string& key,
                             const ReaderLimits& limits = {});
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

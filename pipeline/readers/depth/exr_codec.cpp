@@ -11,9 +11,9 @@
 #include <cstring>
 #include <memory>
 
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 // The largest half float; renderers write it for pixels where no surface is hit.
@@ -241,11 +241,11 @@ Raster decode_exr(const SourceFile& source) {
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec
 
 #else
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 [[noreturn]] void refuse_unbuilt(const SourceFile& source) {
@@ -265,6 +265,6 @@ Raster decode_exr(const SourceFile& source) {
     refuse_unbuilt(source);
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec
 
 #endif

@@ -7,9 +7,9 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/depth/heic_module.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 struct Heic {
@@ -131,4 +131,4 @@ Raster decode_heic(const SourceFile& source) {
     return {heic.request.width, heic.request.height, 3, 255, kNoData, std::move(heic.bytes)};
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 using Bytes = std::span<const std::uint8_t>;
@@ -131,4 +131,4 @@ void check_derivations(const SourceFile& source) {
     Derivations(source).check();
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -15,7 +15,7 @@
 
 namespace {
 
-using hexrelief::codec::HeicRequest;
+using hexrelief::readers::codec::HeicRequest;
 
 template <auto release>
 struct Releaser {

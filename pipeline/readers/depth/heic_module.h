@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // The arguments and results of the library's function, in plain C types.
 struct HeicRequest {
@@ -32,4 +32,4 @@ using HeicFunction = int (*)(HeicRequest*);  // returns 0 if it succeeds
 inline constexpr const char* kHeicFunctionName = "hexrelief_read_heic";
 inline constexpr const char* kHeicLibraryName = "hexrelief-heif.so";
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -5,7 +5,7 @@
 
 #include "pipeline/readers/codecs.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 namespace {
 
 constexpr std::uint8_t kHalf = 128;
@@ -92,4 +92,4 @@ PixelMask resampled(const PixelMask& mask, int width, int height) {
     return result;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

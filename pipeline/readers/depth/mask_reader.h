@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/raster.h"
 
-namespace hexrelief {
+namespace hexrelief::readers {
 
 // A mask: row-major, top row first.
 struct PixelMask {
@@ -52,4 +52,4 @@ PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path
 // Returns the mask at another size: each pixel takes the value under its centre.
 PixelMask resampled(const PixelMask& mask, int width, int height);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::readers

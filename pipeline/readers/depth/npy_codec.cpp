@@ -13,9 +13,9 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/zip_archive.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::size_t kMagicBytes = 8;
@@ -335,4 +335,4 @@ Raster decode_npz(const SourceFile& source) {
     return decode_npy(chosen_array(source));
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::uint32_t kEndMark = 0x06054b50, kDirectoryMark = 0x02014b50, kMemberMark = 0x04034b50;
@@ -123,4 +123,4 @@ std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& mem
     return bytes;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -7,7 +7,7 @@
 
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 struct ZipMember {
     std::string name;
@@ -28,4 +28,4 @@ std::vector<ZipMember> list_members(const SourceFile& archive);
 std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& member,
                                  std::uint64_t most_bytes);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

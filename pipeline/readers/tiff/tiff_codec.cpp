@@ -6,7 +6,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/tiff/tiff_file.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 TiffSource source_of(const SourceFile& file) {
@@ -100,4 +100,4 @@ Raster decode_tiff(const SourceFile& file) {
     return raster;
 }
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <type_traits>
 
-#include "pipeline/readers/text.h"
+#include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 namespace {
 
 TiffSource& source_of(thandle_t handle) {
@@ -302,4 +302,4 @@ Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, co
     }
     return raster;
 }
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

@@ -6,10 +6,10 @@
 #include <functional>
 #include <memory>
 
-#include "pipeline/readers/raster.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/source.h"
 
-namespace hexrelief::codec {
+namespace hexrelief::readers::codec {
 
 // The input of libtiff, and its first error message. May only be used by one thread at a time.
 struct TiffSource {
@@ -61,4 +61,4 @@ double nodata_of(TIFF* tiff);
 // Error(input) for samples that check_samples() refuses and for damaged files.
 Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, const PixelWindow& window);
 
-}  // namespace hexrelief::codec
+}  // namespace hexrelief::readers::codec

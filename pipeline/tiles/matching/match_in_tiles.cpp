@@ -15,34 +15,34 @@
 #include "pipeline/tiles/matching/whole_range.h"
 #include "pipeline/windows/map_writer.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 void check_request(const MatchRequest& request) {
     const auto refuse = [](const std::string& message) { throw Error(ErrorKind::usage, message); };
-    if (request.config.disparity.method != DisparityMethod::sgm)
+    if (request.config.disparity.method != stages::DisparityMethod::sgm)
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
-    const CalibrationConfig& calibration = request.config.input.calibration;
-    check_overwrites({request.map}, {request.left, request.right, calibration.file});
-    if (calibration.file.empty() && calibration.rectify == Rectify::always)
+    const config::CalibrationConfig& calibration = request.config.input.calibration;
+    files::check_overwrites({request.map}, {request.left, request.right, calibration.file});
+    if (calibration.file.empty() && calibration.rectify == readers::Rectify::always)
         refuse("input.calibration.rectify: must not be always; tiles are matched in rectified pairs");
-    if (!calibration.file.empty() && read_stereo_calibration(calibration.file, calibration.rectify))
+    if (!calibration.file.empty() && readers::read_stereo_calibration(calibration.file, calibration.rectify))
         throw Error(ErrorKind::input, calibration.file +
                                           ": tells of a pair that is to be rectified; tiles are matched in "
                                           "pairs that are rectified already");
 }
 
 // Returns the calibration for the pair's pictures.
-Calibration camera_of(const MatchRequest& request, const PictureWindows& left) {
-    const ViewSize size{left.width(), left.height()};
-    return resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
+Calibration camera_of(const MatchRequest& request, const windows::PictureWindows& left) {
+    const job::ViewSize size{left.width(), left.height()};
+    return job::resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
         .calibration;
 }
 
 class TiledMatcher {
   public:
     TiledMatcher(const MatchRequest& request, const PairWindows& pair, const WholePair& whole,
-                 const Backend& backend, int threads)
+                 const job::Backend& backend, int threads)
         : request_(request), pair_(pair), whole_(whole), backend_(backend), threads_(threads) {
         for (int y = 0; y < height(); y += request.tile_px)
             for (int x = 0; x < width(); x += request.tile_px)
@@ -52,20 +52,20 @@ class TiledMatcher {
 
     // Matches all tiles, row by row; `take` receives the pixel rows of each row of tiles.
     template <typename Take>
-    TiledMatch match(const RunLog& log, const Take& take) {
+    TiledMatch match(const job::RunLog& log, const Take& take) {
         std::vector<float> rows;
         std::future<StereoPair> next = read(0);
         for (std::size_t k = 0; k < tiles_.size(); ++k) {
             log.progress(static_cast<double>(k) / static_cast<double>(tiles_.size()));
-            const MapRect& tile = tiles_[k];
+            const mesh_tiles::MapRect& tile = tiles_[k];
             const StereoPair pair = next.get();
             if (k + 1 < tiles_.size()) next = read(k + 1);
             rows.resize(static_cast<std::size_t>(width()) * tile.height);
             put_tile(tile, pair, rows);
             if (tile.x + tile.width == width()) take(rows.data(), tile.height);
         }
-        check_detail(is_left_blank_, is_right_blank_);
-        check_matches(matched_ > 0);
+        job::check_detail(is_left_blank_, is_right_blank_);
+        job::check_matches(matched_ > 0);
         const double pixels = static_cast<double>(width()) * height();
         return {width(), height(), static_cast<int>(tiles_.size()), static_cast<double>(matched_) / pixels,
                 static_cast<double>(known_) / pixels};
@@ -74,27 +74,27 @@ class TiledMatcher {
   private:
     int width() const { return pair_.left.width(); }
     int height() const { return pair_.left.height(); }
-    MapRect window(const MapRect& tile) const {
+    mesh_tiles::MapRect window(const mesh_tiles::MapRect& tile) const {
         return window_of_tile(tile, {width(), height()}, whole_.config, request_.collar_px);
     }
     // Reads the pair of tile k, at the same time as the work on the tile before.
     std::future<StereoPair> read(std::size_t k) const {
         return start_work(threads_, [this, k] {
-            const MapRect w = window(tiles_[k]);
+            const mesh_tiles::MapRect w = window(tiles_[k]);
             auto right = start_work(threads_, [&] { return pair_.right.read(w.x, w.y, w.width, w.height); });
             Image left = pair_.left.read(w.x, w.y, w.width, w.height);
             return StereoPair{std::move(left), right.get()};
         });
     }
 
-    void put_tile(const MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
-        is_left_blank_ = is_left_blank_ && is_blank(pair.left);
-        is_right_blank_ = is_right_blank_ && is_blank(pair.right);
-        const DisparityMap map = match_in_range(corrected(pair, whole_.correction, threads_), whole_.config,
-                                                backend_.match_pair, threads_);
+    void put_tile(const mesh_tiles::MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
+        is_left_blank_ = is_left_blank_ && checks::is_blank(pair.left);
+        is_right_blank_ = is_right_blank_ && checks::is_blank(pair.right);
+        const DisparityMap map = stages::match_in_range(stages::corrected(pair, whole_.correction, threads_),
+                                                        whole_.config, backend_.match_pair, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
-        const MapRect around = window(tile);
+        const mesh_tiles::MapRect around = window(tile);
         for (int y = 0; y < tile.height; ++y) {
             const std::size_t from = static_cast<std::size_t>(tile.y - around.y + y) * map.width +
                                      static_cast<std::size_t>(tile.x - around.x);
@@ -112,24 +112,25 @@ class TiledMatcher {
     const MatchRequest& request_;
     const PairWindows& pair_;
     const WholePair& whole_;
-    const Backend& backend_;
+    const job::Backend& backend_;
     int threads_;
-    std::vector<MapRect> tiles_;
+    std::vector<mesh_tiles::MapRect> tiles_;
     long long matched_ = 0, known_ = 0;
     bool is_left_blank_ = true, is_right_blank_ = true;
 };
 
 }  // namespace
 
-TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log) {
+TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backend, int threads,
+                          job::RunLog& log) {
     check_request(request);
-    const ReaderLimits& limits = request.config.limits.reading;
-    const auto left = PictureWindows::open(request.left, limits);
-    const auto right = PictureWindows::open(request.right, limits);
+    const readers::ReaderLimits& limits = request.config.limits.reading;
+    const auto left = windows::PictureWindows::open(request.left, limits);
+    const auto right = windows::PictureWindows::open(request.right, limits);
     const PairWindows pair{*left, *right};
-    OutputSet outputs;
+    files::OutputSet outputs;
     outputs.place(request.map);
-    MapWriter writer(outputs.files(), request.map, left->width(), left->height());
+    windows::MapWriter writer(outputs.files(), request.map, left->width(), left->height());
     const WholePair whole = log.stage("range", [&] {
         return look_at_whole(pair, camera_of(request, *left), request.config.disparity, threads, log);
     });
@@ -142,4 +143,4 @@ TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, i
     return match;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

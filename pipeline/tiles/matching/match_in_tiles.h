@@ -7,14 +7,14 @@
 #include "pipeline/job/run_log.h"
 #include "pipeline/tiles/matching/tile_window.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct MatchRequest {
     std::filesystem::path left, right;  // a rectified pair, in formats of PictureWindows
     std::filesystem::path map;          // .tif, .tiff or .pfm, as for MapWriter
     int tile_px = 2048;                 // a tile's side, at least 16
     int collar_px = kCollar_px;
-    Config config = {};  // checked and complete
+    config::Config config = {};  // checked and complete
 };
 
 struct TiledMatch {
@@ -32,6 +32,7 @@ struct TiledMatch {
 // Throws Error(usage) for settings that tiles do not support and as MapWriter does; Error(input) as
 // PictureWindows and compute_disparity() do, if nothing matches, and if the calibration says that the pair is
 // not rectified; Error(output) as MapWriter does.
-TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log);
+TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backend, int threads,
+                          job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -5,7 +5,7 @@
 
 #include "pipeline/stages/sgbm.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // Windows are aligned to this. Pictures with the largest range are halved five times, so all windows share
@@ -20,10 +20,10 @@ int aligned_above(int px, int most) {
 
 }  // namespace
 
-MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const DisparityConfig& ranged,
-                       int collar_px) {
+mesh_tiles::MapRect window_of_tile(const mesh_tiles::MapRect& tile, const PairSize& whole,
+                                   const stages::DisparityConfig& ranged, int collar_px) {
     const int least_px = ranged.min_disparity_px, count = ranged.num_disparities_px;
-    const int reach_left = std::max(0, least_px + round_up_range(count)),
+    const int reach_left = std::max(0, least_px + stages::round_up_range(count)),
               reach_right = std::max(0, -least_px);
     int left = aligned_below(std::max(0, tile.x - collar_px - reach_left));
     int right = aligned_above(tile.x + tile.width + collar_px + reach_right, whole.width);
@@ -36,4 +36,4 @@ MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const Dispari
     return {left, top, right - left, bottom - top};
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

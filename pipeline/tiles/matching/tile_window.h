@@ -4,7 +4,7 @@
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 // Width of the margin of pixels around a tile that are matched with it and then dropped: EXPERIMENTS.md says
 // by how much pixels farther away can change the tile's disparities.
@@ -18,7 +18,7 @@ struct PairSize {
 // the right picture that its disparities reach. It begins at multiples of 32 px, so that the pair at half
 // size has the same pixels in all windows, and is as wide as the range if the pair is. ranged: a
 // configuration with a range.
-MapRect window_of_tile(const MapRect& tile, const PairSize& whole, const DisparityConfig& ranged,
-                       int collar_px = kCollar_px);
+mesh_tiles::MapRect window_of_tile(const mesh_tiles::MapRect& tile, const PairSize& whole,
+                                   const stages::DisparityConfig& ranged, int collar_px = kCollar_px);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

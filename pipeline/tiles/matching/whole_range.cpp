@@ -8,7 +8,7 @@
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/tiles/shrunk_picture.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 namespace {
 
 // Most pixels of the shrunk pair; the range is found in far fewer.
@@ -25,18 +25,18 @@ int shrunk_by(int width, int height) {
 }
 
 StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
-    const MapRect whole{0, 0, pair.left.width(), pair.left.height()};
+    const mesh_tiles::MapRect whole{0, 0, pair.left.width(), pair.left.height()};
     auto right = start_work(threads, [&] { return shrunk_picture(pair.right, whole, by); });
     Image left = shrunk_picture(pair.left, whole, by);
     return {std::move(left), right.get()};
 }
 
 // Converts the shrunk pair's range to a number of disparities at full size.
-int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const DisparityConfig& config,
-                             int width) {
+int num_disparities_of_whole(const stages::DisparityConfig& shrunk, int by,
+                             const stages::DisparityConfig& config, int width) {
     const long long end = 1LL * by * (shrunk.min_disparity_px + shrunk.num_disparities_px);
-    const int widest =
-        std::min(width, round_up_range(kLargestRange_px - std::max(0, config.min_disparity_px)) - 16);
+    const int widest = std::min(
+        width, stages::round_up_range(stages::kLargestRange_px - std::max(0, config.min_disparity_px)) - 16);
     return static_cast<int>(
         std::clamp<long long>(end - config.min_disparity_px, 1, std::max(kLeastColumns, widest)));
 }
@@ -44,47 +44,47 @@ int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const Dispar
 }  // namespace
 
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const DisparityConfig& config, int threads, RunLog& log) {
+                        const stages::DisparityConfig& config, int threads, job::RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
-    const auto sizes_of = [](const PictureWindows& picture) {
+    const auto sizes_of = [](const windows::PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
     };
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
-    check_matchable(sizes, config);
-    RangeOrigin origin = RangeOrigin::given;
+    stages::check_matchable(sizes, config);
+    checks::RangeOrigin origin = checks::RangeOrigin::given;
     WholePair whole{config, {}};
-    DisparityConfig& ranged = whole.config;
+    stages::DisparityConfig& ranged = whole.config;
     std::string how;
     const int by = shrunk_by(width, height);
     const bool is_narrow = width < kLeastColumns * by;  // and very high
-    RangedPair small;
+    stages::RangedPair small;
     if (!is_narrow) {
-        DisparityConfig shrunk = config;
+        stages::DisparityConfig shrunk = config;
         shrunk.min_disparity_px =
             static_cast<int>(std::floor(static_cast<double>(config.min_disparity_px) / by));
         shrunk.num_disparities_px = 0;
-        small = find_range(shrunk_pair(pair, by, threads), shrunk, threads);
-        const PixelRect middle = middle_of(width, height);
-        const auto read = [&](const PictureWindows& picture) {
+        small = stages::find_range(shrunk_pair(pair, by, threads), shrunk, threads);
+        const PixelRect middle = stages::middle_of(width, height);
+        const auto read = [&](const windows::PictureWindows& picture) {
             return picture.read(middle.x, middle.y, middle.width, middle.height);
         };
-        whole.correction = find_correction(small.coarse, read(pair.left), read(pair.right));
+        whole.correction = stages::find_correction(small.coarse, read(pair.left), read(pair.right));
         if (std::isnan(ranged.farthest_px)) ranged.farthest_px = by * small.config.farthest_px;
     }
-    if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
-        origin = RangeOrigin::ndisp;
+    if (const int by_calibration = job::num_disparities_by(calibration, config, width); by_calibration > 0) {
+        origin = checks::RangeOrigin::ndisp;
         ranged.num_disparities_px = by_calibration;
     } else if (config.num_disparities_px == 0) {
-        origin = RangeOrigin::chosen;
+        origin = checks::RangeOrigin::chosen;
         ranged.num_disparities_px =
             is_narrow ? width : num_disparities_of_whole(small.config, by, config, width);
         if (by > 1 && !is_narrow) how = " at 1/" + std::to_string(by) + " of its size";
     }
-    check_matchable(sizes, ranged);
-    DisparityConfig rounded = ranged;
-    rounded.num_disparities_px = round_up_range(ranged.num_disparities_px);
-    log.decide(range_text(rounded, origin) + how);
+    stages::check_matchable(sizes, ranged);
+    stages::DisparityConfig rounded = ranged;
+    rounded.num_disparities_px = stages::round_up_range(ranged.num_disparities_px);
+    log.decide(job::range_text(rounded, origin) + how);
     return whole;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

@@ -7,15 +7,15 @@
 #include "pipeline/stages/disparity.h"
 #include "pipeline/windows/picture_windows.h"
 
-namespace hexrelief {
+namespace hexrelief::tiles {
 
 struct PairWindows {
-    const PictureWindows &left, &right;
+    const windows::PictureWindows &left, &right;
 };
 
 struct WholePair {
-    DisparityConfig config;  // with the range
-    PairCorrection correction;
+    stages::DisparityConfig config;  // with the range
+    stages::PairCorrection correction;
 };
 
 // Finds the settings. The range is the configuration's own, else the calibration's, else the one found in the
@@ -23,6 +23,6 @@ struct WholePair {
 // noise in the middle of the full-size pictures. For pairs that are not shrunk the range is that of
 // choose_range(). Writes the range to the log. Throws what check_matchable() throws.
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const DisparityConfig& config, int threads, RunLog& log);
+                        const stages::DisparityConfig& config, int threads, job::RunLog& log);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tiles

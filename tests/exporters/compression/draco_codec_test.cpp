@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 std::unique_ptr<draco::Mesh> decode(const std::string& bytes) {
@@ -235,4 +235,4 @@ TEST(Draco, DecoderProgramReadsDrc) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -9,7 +9,7 @@
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Returns a mesh of noisy vertices near and far, and far from the axis: x, y in -1 .. 1 m, depths of
@@ -185,7 +185,8 @@ double worst_decoded_px(const SurfaceMesh& mesh, const Calibration& camera, Grid
     ExportConfig config;
     config.tolerance_px = tolerance_px;
     const DracoPlan plan = plan_draco(untextured_mesh(scene, config), &camera, config, shape);
-    const DracoGeometry back = decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes, "mesh");
+    const inspect::DracoGeometry back =
+        inspect::decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes, "mesh");
     EXPECT_EQ(back.positions.size(), mesh.positions.size());
     const auto& [shift, scale] = plan.transform;
     double worst = 0;
@@ -261,4 +262,4 @@ TEST(DracoPlan, CoarserTolerancesTakeFewerBytes) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -13,7 +13,7 @@
 
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 // Keeps the encoded bytes, the only part that these tests examine.
@@ -320,4 +320,4 @@ TEST(GltfDocument, BytesThatAreNoUtf8DoNotBreakTheJson) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

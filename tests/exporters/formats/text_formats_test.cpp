@@ -4,7 +4,7 @@
 
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 struct ObjFile {
@@ -195,4 +195,4 @@ TEST(PlyFile, WithoutNormals) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -4,7 +4,7 @@
 
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 struct StoredFile {
@@ -107,4 +107,4 @@ TEST(Usdz, MaterialsAndTextures) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

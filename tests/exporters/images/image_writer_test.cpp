@@ -12,7 +12,7 @@
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 Image decode_png(const std::vector<std::uint8_t>& bytes, int channels) {
@@ -139,4 +139,4 @@ TEST(ImageWriter, PfmIsBottomRowFirstLittleEndian) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::exporters {
 namespace {
 
 SurfaceMesh part_of_the_picture() {
@@ -133,4 +133,4 @@ TEST(Webp, RefusesWhatTheFormatCannotHold) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::exporters

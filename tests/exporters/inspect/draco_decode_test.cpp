@@ -8,14 +8,14 @@
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::inspect {
 namespace {
 
 TEST(DracoDecode, GivesBackPositionsAndTriangles) {
-    const SurfaceMesh mesh = sample_mesh(12, 9);
-    DracoQuantisation config;
+    const SurfaceMesh mesh = exporters::sample_mesh(12, 9);
+    exporters::DracoQuantisation config;
     config.position_bits = 16;
-    const DracoGeometry back = decode_draco(encode_draco(mesh, config).bytes, "sample");
+    const DracoGeometry back = decode_draco(exporters::encode_draco(mesh, config).bytes, "sample");
     ASSERT_EQ(back.positions.size(), mesh.positions.size());
     ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
     const auto area_sum = [](const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles) {
@@ -31,7 +31,7 @@ TEST(DracoDecode, GivesBackPositionsAndTriangles) {
 }
 
 TEST(DracoDecode, SaysWhatCannotBeRead) {
-    const std::vector<std::uint8_t> whole = encode_draco(sample_mesh(6, 5), {}).bytes;
+    const std::vector<std::uint8_t> whole = exporters::encode_draco(exporters::sample_mesh(6, 5), {}).bytes;
     const auto refused = [](const std::vector<std::uint8_t>& bytes) {
         try {
             decode_draco(bytes, "some name");
@@ -47,4 +47,4 @@ TEST(DracoDecode, SaysWhatCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::inspect

@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "exporters/inspect/draco_decode.h"
 #include "tests/exporters/sample_scene.h"
 #include "tests/exporters/tileset/tile_scenes.h"
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 namespace {
 
 using Place = std::array<double, 3>;
@@ -19,7 +19,7 @@ using Bytes = std::vector<std::uint8_t>;
 class GlbPositions {
   public:
     explicit GlbPositions(const std::filesystem::path& path) {
-        const std::string file = contents(path);
+        const std::string file = exporters::contents(path);
         std::uint32_t size = 0;
         std::memcpy(&size, file.data() + 12, sizeof size);
         json_ = nlohmann::json::parse(file.substr(20, size));
@@ -33,7 +33,7 @@ class GlbPositions {
         if (primitive.contains("extensions")) {
             const auto& draco = primitive["extensions"]["KHR_draco_mesh_compression"];
             const auto decoded =
-                decode_draco(bytes_of(json_["bufferViews"][draco["bufferView"].get<int>()]), "");
+                inspect::decode_draco(bytes_of(json_["bufferViews"][draco["bufferView"].get<int>()]), "");
             for (const Vec3f& p : decoded.positions) places.push_back({p.x, p.y, p.z});
         } else {
             places = stored(accessor);
@@ -97,7 +97,7 @@ class GlbPositions {
 
 struct GridCase {
     const char* name;
-    Compression compression;
+    exporters::Compression compression;
     double step_m;
     Cell far;
     int columns;  // of one tile, 640 steps each
@@ -111,25 +111,25 @@ class ExactGrid : public ::testing::TestWithParam<GridCase> {};
 
 TEST_P(ExactGrid, EveryPositionIsItsCell) {
     const auto& [name, compression, step_m, far, columns] = GetParam();
-    TemporaryFolder folder;
-    const Image texture = sample_texture(16, 16);
-    ExportConfig config;
+    exporters::TemporaryFolder folder;
+    const Image texture = exporters::sample_texture(16, 16);
+    exporters::ExportConfig config;
     config.compression = compression;
     std::array<std::set<Place>, 2> found;
     for (int side = 0; side < 2; ++side) {
         const GridTile tile = grid_tile({side * columns, 0}, {(side + 1) * columns, 4}, 1, step_m, far);
-        Scene scene{&tile.mesh, &texture, kGenerator, ""};
+        exporters::Scene scene{&tile.mesh, &texture, exporters::kGenerator, ""};
         scene.grid_step_m = step_m;
         scene.origin_m = tile.origin_m;
         const std::filesystem::path path = folder / (std::to_string(side) + ".glb");
-        export_scene(scene, config, path);
+        exporters::export_scene(scene, config, path);
         const std::vector<Place> places = GlbPositions(path).read();
         found[side].insert(places.begin(), places.end());
         std::set<Place> given;
         for (const Vec3f& p : tile.mesh.positions)
             given.insert({tile.origin_m[0] + p.x, tile.origin_m[1] + p.y, tile.origin_m[2] + p.z});
         EXPECT_EQ(found[side], given);
-        const MeshDescription description = describe_mesh(path);
+        const inspect::MeshDescription description = inspect::describe_mesh(path);
         EXPECT_EQ(description.vertices, static_cast<long long>(tile.mesh.positions.size()));
         EXPECT_EQ(description.min.x, static_cast<float>(tile.low_m[0]));
         EXPECT_EQ(description.max.z, static_cast<float>(tile.high_m[2]));
@@ -143,10 +143,10 @@ TEST_P(ExactGrid, EveryPositionIsItsCell) {
 std::vector<GridCase> grid_cases() {
     const Cell far = {10'240'000'000, -10'239'999'123, 3'000'000'001};  // about 1e7 m
     std::vector<GridCase> cases;
-    for (const auto& [name, compression] : {std::pair{"none", Compression::none},
-                                            {"quantized", Compression::quantized},
-                                            {"meshopt", Compression::meshopt},
-                                            {"draco", Compression::draco}}) {
+    for (const auto& [name, compression] : {std::pair{"none", exporters::Compression::none},
+                                            {"quantized", exporters::Compression::quantized},
+                                            {"meshopt", exporters::Compression::meshopt},
+                                            {"draco", exporters::Compression::draco}}) {
         cases.push_back({name, compression, 0x1p-10, {0, 0, -4'000'000}, 20});
         cases.push_back({name, compression, 0x1p-10, far, 20});
         cases.push_back({name, compression, 0x1p-10, far, 200});                // more than 16 bits
@@ -160,18 +160,18 @@ INSTANTIATE_TEST_SUITE_P(Compressions, ExactGrid, ::testing::ValuesIn(grid_cases
 
 // A .drc keeps positions relative to the mesh's own origin, with the same precision.
 TEST(ExactGridInDrc, EveryPositionIsItsCell) {
-    TemporaryFolder folder;
+    exporters::TemporaryFolder folder;
     const GridTile tile = grid_tile({0, 0}, {20, 4}, 1, 0x1p-30, {0, 0, -4'000'000});
-    Scene scene{&tile.mesh, nullptr, kGenerator, ""};
+    exporters::Scene scene{&tile.mesh, nullptr, exporters::kGenerator, ""};
     scene.grid_step_m = 0x1p-30;
-    export_scene(scene, {}, folder / "tile.drc");
-    const std::string file = contents(folder / "tile.drc");
+    exporters::export_scene(scene, {}, folder / "tile.drc");
+    const std::string file = exporters::contents(folder / "tile.drc");
     std::set<Place> found, given;
-    for (const Vec3f& p : decode_draco({file.begin(), file.end()}, "tile.drc").positions)
+    for (const Vec3f& p : inspect::decode_draco({file.begin(), file.end()}, "tile.drc").positions)
         found.insert({p.x, p.y, p.z});
     for (const Vec3f& p : tile.mesh.positions) given.insert({p.x, p.y, p.z});
     EXPECT_EQ(found, given);
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

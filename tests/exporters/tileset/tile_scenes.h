@@ -8,7 +8,7 @@
 
 #include "exporters/core/scene.h"
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 
 // A vertex in space, in integer steps.
 using Cell = std::array<std::int64_t, 3>;
@@ -62,4 +62,4 @@ inline GridTile grid_tile(std::array<int, 2> first, std::array<int, 2> last, int
     return tile;
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

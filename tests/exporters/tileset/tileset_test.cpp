@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-namespace hexrelief {
+namespace hexrelief::tileset {
 namespace {
 
 using nlohmann::json;
@@ -200,4 +200,4 @@ TEST(Tileset, ImplicitFormSaysTheSame) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::tileset

@@ -12,8 +12,10 @@
 #include "mesher/quality/quality.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::balance {
 namespace {
+
+using namespace testing_mesher;
 
 MeshConfig balanced(bool enabled = true) {
     MeshConfig config;
@@ -43,8 +45,8 @@ double disc(double u, double v) {
 
 TEST(Balance, WeightsOfBumpsBecomeEqual) {
     const DensityMap density = map_of(240, 200, disc);
-    const MeshQuality before = measure_quality(solve(density, balanced(false)), density, 1);
-    const MeshQuality after = measure_quality(solve(density, balanced()), density, 1);
+    const quality::MeshQuality before = quality::measure_quality(solve(density, balanced(false)), density, 1);
+    const quality::MeshQuality after = quality::measure_quality(solve(density, balanced()), density, 1);
     EXPECT_GT(before.percent_cost, 10);
     EXPECT_LT(after.percent_cost, 8);
     EXPECT_EQ(after.inverted_triangles, 0);
@@ -55,7 +57,7 @@ TEST(Balance, FlatAndNoisyDensitiesStayRegular) {
     for (const DensityMap& density : {flat_density(240, 180), map_of(240, 180, [](double u, double v) {
                                           return 1 + 0.5 * std::sin(190 * u) * std::sin(230 * v);
                                       })}) {
-        const MeshQuality quality = measure_quality(solve(density, balanced()), density, 1);
+        const quality::MeshQuality quality = quality::measure_quality(solve(density, balanced()), density, 1);
         EXPECT_LT(quality.percent_cost, 0.5);
         EXPECT_GT(quality.min_angle_deg, 30);
     }
@@ -97,7 +99,7 @@ TEST(Balance, NoDensityFoldsATriangle) {
                 const std::string what = each.name + ", " + describe(each.density, config);
                 const HexMesh2D mesh = solve(each.density, config);
                 expect_inside(mesh, each.density, what);
-                EXPECT_EQ(measure_quality(mesh, each.density, 1).inverted_triangles, 0) << what;
+                EXPECT_EQ(quality::measure_quality(mesh, each.density, 1).inverted_triangles, 0) << what;
             }
 }
 
@@ -106,7 +108,7 @@ TEST(Balance, SmallestAndThinnestLattices) {
         const DensityMap density = ramp_density(width, height);
         const HexMesh2D mesh = solve(density, balanced());
         expect_inside(mesh, density, "");
-        EXPECT_EQ(measure_quality(mesh, density, 1).inverted_triangles, 0) << width << "x" << height;
+        EXPECT_EQ(quality::measure_quality(mesh, density, 1).inverted_triangles, 0) << width << "x" << height;
     }
 }
 
@@ -118,8 +120,8 @@ TEST(Balance, LeastAngleTradesBalanceForShape) {
         MeshBorder::slide;  // on a disc with nothing around it balance and shape do not conflict
     slender.balance.least_angle_deg = 3;
     stout.balance.least_angle_deg = 14;
-    const MeshQuality a = measure_quality(solve(density, slender), density, 1);
-    const MeshQuality b = measure_quality(solve(density, stout), density, 1);
+    const quality::MeshQuality a = quality::measure_quality(solve(density, slender), density, 1);
+    const quality::MeshQuality b = quality::measure_quality(solve(density, stout), density, 1);
     EXPECT_LT(a.percent_cost, 0.7 * b.percent_cost);
     EXPECT_LT(a.percentile1_angle_deg, 0.7 * b.percentile1_angle_deg);
 }
@@ -241,4 +243,4 @@ TEST(BalanceSteps, RingOfACellNamesItsSixNeighbours) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::balance

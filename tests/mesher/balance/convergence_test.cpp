@@ -13,8 +13,10 @@
 #include "mesher/balance/triangle_distortion_step.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::balance {
 namespace {
+
+using namespace testing_mesher;
 
 double least_angle_deg(const float* x, const float* y, const int (&t)[3]) {
     double least = 180;
@@ -86,7 +88,7 @@ TEST(Thin, EachTriangleCountsAtItsVertices) {
 TEST(Threshold, FollowsTheShareOfThinTriangles) {
     BalanceConfig config;
     config.least_angle_deg = 10;
-    LevelPlan plan;
+    som::LevelPlan plan;
     plan.lattice = {101, 51};  // 10,000 triangles, at three vertices each
     const step::BalanceView view = balance_view(plan, config, true);
     EXPECT_NEAR(view.thin_sine2, std::pow(std::sin(10 / 57.29577951), 2), 1e-6);
@@ -232,4 +234,4 @@ TEST(EdgeRows, SameBitsAsSingleEdges) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::balance

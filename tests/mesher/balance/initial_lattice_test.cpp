@@ -8,8 +8,10 @@
 #include "mesher/balance/initial_lattice.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::balance {
 namespace {
+
+using namespace testing_mesher;
 
 TEST(Start, PositionsOfSharesByHand) {
     // masses 1, 3, 0 (+ 1), 5
@@ -32,9 +34,9 @@ TEST(Start, AStepIsSolved) {
     MeshConfig config;
     config.levels = 1;
     config.spacing_px = 2;
-    const LevelPlan plan = plan_levels(120, 90, config, {0, 0, 120, 90}).front();
-    LatticePositions positions = regular_positions(plan);
-    const LatticePositions regular = positions;
+    const som::LevelPlan plan = som::plan_levels(120, 90, config, {0, 0, 120, 90}).front();
+    som::LatticePositions positions = som::regular_positions(plan);
+    const som::LatticePositions regular = positions;
     equalise_start(plan, density.values, positions);
     int left = 0;
     for (std::size_t i = 0; i < positions.x.size(); ++i) {
@@ -45,10 +47,10 @@ TEST(Start, AStepIsSolved) {
 }
 
 TEST(Start, FlatAndEmptyDensitiesStayRegular) {
-    const LevelPlan plan = plan_levels(120, 90, {}, {0, 0, 120, 90}).front();
+    const som::LevelPlan plan = som::plan_levels(120, 90, {}, {0, 0, 120, 90}).front();
     for (const float value : {0.0f, 3.0f}) {
-        LatticePositions positions = regular_positions(plan);
-        const LatticePositions regular = positions;
+        som::LatticePositions positions = som::regular_positions(plan);
+        const som::LatticePositions regular = positions;
         equalise_start(plan, std::vector<float>(static_cast<std::size_t>(plan.width) * plan.height, value),
                        positions);
         for (std::size_t i = 0; i < positions.x.size(); ++i) {
@@ -59,4 +61,4 @@ TEST(Start, FlatAndEmptyDensitiesStayRegular) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::balance

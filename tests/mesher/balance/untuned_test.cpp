@@ -9,7 +9,7 @@
 #include "pipeline/stages/density.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::balance {
 namespace {
 
 constexpr int kWidth = 450, kHeight = 375;
@@ -53,16 +53,16 @@ class Untuned : public testing::TestWithParam<Scene> {};
 
 TEST_P(Untuned, BalancedAndInShape) {
     const DisparityMap map = map_of(GetParam());
-    DensityConfig config;
+    stages::DensityConfig config;
     config.background_method =
-        GetParam().keeps_background ? BackgroundMethod::none : BackgroundMethod::fraction;
+        GetParam().keeps_background ? stages::BackgroundMethod::none : stages::BackgroundMethod::fraction;
     config.floor = 0;
-    const DensityMap density = compute_density(map, config);
+    const DensityMap density = stages::compute_density(map, config);
     for (const int seed : {1, 2}) {
         MeshConfig mesh_config;
         mesh_config.seed = static_cast<std::uint64_t>(seed);
-        const HexMesh2D mesh = solve_mesh(density, mesh_config, 1, {}).mesh;
-        const MeshQuality quality = measure_quality(mesh, density, 1);
+        const HexMesh2D mesh = mesher::solve_mesh(density, mesh_config, 1, {}).mesh;
+        const quality::MeshQuality quality = quality::measure_quality(mesh, density, 1);
         std::printf("%-22s %%cost %5.2f, 1st percentile angle %5.2f deg\n", GetParam().name.c_str(),
                     quality.percent_cost, quality.percentile1_angle_deg);
         EXPECT_LE(quality.percent_cost, GetParam().most_cost);
@@ -101,4 +101,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& i) { return i.param.name; });
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::balance

@@ -13,7 +13,7 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-bool same_bytes(const MeshResult& a, const MeshResult& b) {
+bool same_bytes(const mesher::MeshResult& a, const mesher::MeshResult& b) {
     return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
            a.mesh.positions == b.mesh.positions;
 }
@@ -34,12 +34,12 @@ TEST(Threads, SameBytesForAnyNumberAndAgain) {
         {"tiny", bumps_density(18, 19)},       {"nothing", flat_density(90, 80, 0)}};
     for (const NamedDensity& d : densities)
         for (const MeshConfig& config : {coarse_to_fine, paper, sequential}) {
-            const MeshResult one = solve_mesh(d.density, config, 1, {});
-            const double cost = measure_quality(one.mesh, d.density, 1).percent_cost;
+            const mesher::MeshResult one = mesher::solve_mesh(d.density, config, 1, {});
+            const double cost = quality::measure_quality(one.mesh, d.density, 1).percent_cost;
             for (const int threads : {1, 2, 3, 5}) {
-                EXPECT_TRUE(same_bytes(one, solve_mesh(d.density, config, threads, {})))
+                EXPECT_TRUE(same_bytes(one, mesher::solve_mesh(d.density, config, threads, {})))
                     << d.name << ", " << threads << " threads; " << describe(d.density, config);
-                EXPECT_EQ(cost, measure_quality(one.mesh, d.density, threads).percent_cost);
+                EXPECT_EQ(cost, quality::measure_quality(one.mesh, d.density, threads).percent_cost);
             }
         }
 }
@@ -57,7 +57,7 @@ TEST(Progress, RisesToOneAndMayStop) {
     const DensityMap density = bumps_density(160, 150);
     for (const int threads : {1, 3}) {
         std::vector<double> shares;
-        solve_mesh(density, config, threads, [&](double share) { shares.push_back(share); });
+        mesher::solve_mesh(density, config, threads, [&](double share) { shares.push_back(share); });
         ASSERT_GT(shares.size(), 4u);
         for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_GE(shares[i], shares[i - 1]);
         EXPECT_GE(shares.front(), 0);
@@ -66,7 +66,7 @@ TEST(Progress, RisesToOneAndMayStop) {
         const auto stop = [&](double) {
             if (++calls == 3) throw std::runtime_error("enough");
         };
-        EXPECT_THROW(solve_mesh(density, config, threads, stop), std::runtime_error);
+        EXPECT_THROW(mesher::solve_mesh(density, config, threads, stop), std::runtime_error);
         EXPECT_EQ(calls, 3);
     }
 }

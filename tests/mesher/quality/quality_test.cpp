@@ -8,12 +8,14 @@
 #include "tests/mesher/densities.h"
 #include "tests/mesher/naive_quality.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::quality {
 namespace {
+
+using namespace testing_mesher;
 
 // Returns the regular lattice of the image with every vertex moved by up to `jitter_px`, within the image.
 HexMesh2D jittered(const DensityMap& density, double spacing_px, double jitter_px, std::uint32_t seed) {
-    HexMesh2D mesh = regular_lattice(density.width, density.height, spacing_px);
+    HexMesh2D mesh = mesher::regular_lattice(density.width, density.height, spacing_px);
     std::mt19937 random(seed);
     const auto offset = [&] { return jitter_px * (2.0 * (random() >> 8) / (1 << 24) - 1); };
     for (Vec2f& p : mesh.positions) {
@@ -66,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Seeds, QualityOracle, testing::Range(0, 12));
 
 TEST(Quality, VerticesOnPixelCornersAndTheImageBorder) {
     const DensityMap density = bumps_density(24, 24);
-    HexMesh2D mesh = regular_lattice(24, 24, 4);
+    HexMesh2D mesh = mesher::regular_lattice(24, 24, 4);
     for (Vec2f& p : mesh.positions) p = {std::round(p.x), std::round(p.y)};
     for (int row = 0; row < mesh.rows; ++row) {
         mesh.positions[mesh.index(0, row)].x = 0;
@@ -77,7 +79,7 @@ TEST(Quality, VerticesOnPixelCornersAndTheImageBorder) {
 
 TEST(Quality, CollapsedLatticeIsAllInvertedAndFree) {
     const DensityMap density = flat_density(30, 30);
-    HexMesh2D mesh = regular_lattice(30, 30, 5);
+    HexMesh2D mesh = mesher::regular_lattice(30, 30, 5);
     for (Vec2f& p : mesh.positions) p = {7.5f, 8.25f};
     const MeshQuality quality = measure_quality(mesh, density, 1);
     EXPECT_EQ(quality.inverted_triangles, static_cast<long long>(mesh.triangle_count()));
@@ -86,7 +88,7 @@ TEST(Quality, CollapsedLatticeIsAllInvertedAndFree) {
 
 TEST(Quality, RegularLatticeOnFlatDensityCostsNothing) {
     const DensityMap density = flat_density(120, 104);
-    const MeshQuality quality = measure_quality(regular_lattice(120, 104, 6), density, 1);
+    const MeshQuality quality = measure_quality(mesher::regular_lattice(120, 104, 6), density, 1);
     EXPECT_LT(quality.percent_cost, 1e-3);
     EXPECT_GT(quality.honeycomb_cells, 80);
     EXPECT_EQ(quality.inverted_triangles, 0);
@@ -95,7 +97,7 @@ TEST(Quality, RegularLatticeOnFlatDensityCostsNothing) {
 
 TEST(Quality, MirroredLatticeIsAllInverted) {
     const DensityMap density = flat_density(60, 60);
-    HexMesh2D mesh = regular_lattice(60, 60, 6);
+    HexMesh2D mesh = mesher::regular_lattice(60, 60, 6);
     const double before = measure_quality(mesh, density, 1).percent_cost;
     for (Vec2f& p : mesh.positions) p.x = 60 - p.x;
     const MeshQuality quality = measure_quality(mesh, density, 1);
@@ -113,10 +115,11 @@ TEST(Quality, ScaleOfTheDensityDoesNotMatter) {
 }
 
 TEST(Quality, NoDensityAndNoCellCostNothing) {
-    EXPECT_EQ(measure_quality(regular_lattice(40, 40, 5), flat_density(40, 40, 0), 1).percent_cost, 0);
+    EXPECT_EQ(measure_quality(mesher::regular_lattice(40, 40, 5), flat_density(40, 40, 0), 1).percent_cost,
+              0);
     HexMesh2D none;
     EXPECT_EQ(measure_quality(none, flat_density(4, 4), 1).honeycomb_cells, 0);
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::quality

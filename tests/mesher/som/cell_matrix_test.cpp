@@ -9,8 +9,10 @@
 #include "mesher/som/philox_step.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::som {
 namespace {
+
+using namespace testing_mesher;
 
 // Upper 0.01 % quantile of chi-square (Wilson and Hilferty).
 double chi_square_limit(int degrees) {
@@ -185,4 +187,4 @@ TEST(Extraction, CellSumsNeverWrap) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::som

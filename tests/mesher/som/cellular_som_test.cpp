@@ -11,8 +11,10 @@
 #include "pipeline/data/error.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::som {
 namespace {
+
+using namespace testing_mesher;
 
 void expect_sound(const DensityMap& density, const MeshConfig& config, const HexMesh2D& mesh) {
     ASSERT_EQ(mesh.positions.size(), static_cast<std::size_t>(mesh.columns) * mesh.rows);
@@ -22,7 +24,7 @@ void expect_sound(const DensityMap& density, const MeshConfig& config, const Hex
         ASSERT_TRUE(p.y >= 0 && p.y <= static_cast<float>(density.height))
             << p.y << "; " << describe(density, config);
     }
-    EXPECT_EQ(measure_quality(mesh, density, 1).inverted_triangles, 0) << describe(density, config);
+    EXPECT_EQ(quality::measure_quality(mesh, density, 1).inverted_triangles, 0) << describe(density, config);
 }
 
 void expect_sound(const DensityMap& density, const MeshConfig& config) {
@@ -141,12 +143,13 @@ TEST(Shape, NoDensityGivesTheRegularLattice) {
     for (const MeshMethod method : {MeshMethod::cellular, MeshMethod::sequential}) {
         config.levels = 1;
         config.method = method;
-        EXPECT_EQ(solve(density, config).positions, regular_lattice(90, 66, config.spacing_px).positions);
+        EXPECT_EQ(solve(density, config).positions,
+                  mesher::regular_lattice(90, 66, config.spacing_px).positions);
     }
     // Coarse to fine, the lattice results from prolongation, and the sliding border is pinned.
     config = {};
     const HexMesh2D mesh = solve(flat_density(240, 180, 0), config),
-                    regular = regular_lattice(240, 180, config.spacing_px);
+                    regular = mesher::regular_lattice(240, 180, config.spacing_px);
     for (int row = 1; row + 1 < mesh.rows; ++row)
         for (int column = 1; column + 1 < mesh.columns; ++column) {
             // the pinned border bends its surroundings on the coarsest level, whose spacing is 12 px
@@ -158,7 +161,7 @@ TEST(Shape, NoDensityGivesTheRegularLattice) {
 
 // Returns the mean distance, in spacings, from the undeformed lattice.
 double drift(const HexMesh2D& mesh, double spacing_px) {
-    const HexMesh2D regular = regular_lattice(240, 180, spacing_px);
+    const HexMesh2D regular = mesher::regular_lattice(240, 180, spacing_px);
     double sum = 0;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
         sum += std::hypot(mesh.positions[i].x - regular.positions[i].x,
@@ -173,7 +176,7 @@ TEST(Shape, FlatDensityStaysNearlyRegular) {
     const DensityMap density = flat_density(240, 180);
     const HexMesh2D mesh = solve(density, config);
     EXPECT_LT(drift(mesh, config.spacing_px), 0.25);
-    const MeshQuality quality = measure_quality(mesh, density, 1);
+    const quality::MeshQuality quality = quality::measure_quality(mesh, density, 1);
     EXPECT_LT(quality.percent_cost, 7);
     EXPECT_GT(quality.percentile1_angle_deg, 30);
 }
@@ -184,7 +187,7 @@ TEST(Shape, BalancedFlatDensityIsTheStretchedLattice) {
     const DensityMap density = flat_density(240, 180);
     const HexMesh2D mesh = solve(density, config);
     EXPECT_LT(drift(mesh, config.spacing_px), 0.5);
-    const MeshQuality quality = measure_quality(mesh, density, 1);
+    const quality::MeshQuality quality = quality::measure_quality(mesh, density, 1);
     EXPECT_LT(quality.percent_cost, 0.5);
     EXPECT_GT(quality.percentile1_angle_deg, 35);
 }
@@ -232,4 +235,4 @@ TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::som

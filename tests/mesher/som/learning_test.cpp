@@ -11,7 +11,7 @@
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/level_plan.h"
 
-namespace hexrelief {
+namespace hexrelief::som {
 namespace {
 
 void add(step::LearningSums& sums, const LearningTables& tables, int d, int half_x, int half_y) {
@@ -166,4 +166,4 @@ TEST(Lattice, NeighboursAreTheSixAtDistanceOneInTurn) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::som

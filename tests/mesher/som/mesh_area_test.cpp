@@ -7,8 +7,10 @@
 
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::som {
 namespace {
+
+using namespace testing_mesher;
 
 DensityMap empty(int width, int height) {
     return flat_density(width, height, 0);
@@ -110,4 +112,4 @@ TEST(MeshArea, MeshesMoveWithWhatTheyCover) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::som

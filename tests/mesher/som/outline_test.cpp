@@ -12,8 +12,10 @@
 #include "mesher/som/untangle_step.h"
 #include "tests/mesher/densities.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::som {
 namespace {
+
+using namespace testing_mesher;
 
 constexpr int kWidth = 300, kHeight = 240;
 constexpr MeshArea kWhole{0, 0, kWidth, kHeight};
@@ -102,7 +104,7 @@ TEST(Outline, MeshHoldsAllDensityAndNoEmptyValley) {
     for (const bool hanging : {false, true}) {
         const DensityMap density = leaves(hanging);
         const HexMesh2D mesh = solve(density, {});
-        const MeshQuality quality = measure_quality(mesh, density, 1);
+        const quality::MeshQuality quality = quality::measure_quality(mesh, density, 1);
         std::printf("leaves: %%cost %.2f, 1st percentile angle %.2f deg\n", quality.percent_cost,
                     quality.percentile1_angle_deg);
         EXPECT_LE(quality.percent_cost, 3);  // 4.2 to 5.0 with a straight border
@@ -155,4 +157,4 @@ TEST(Prolongation, KeepsASlantedLatticeUnfolded) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::som

@@ -7,8 +7,10 @@
 #include "tests/mesher/densities.h"
 #include "tests/mesher/naive_som.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::som {
 namespace {
+
+using namespace testing_mesher;
 
 MeshConfig paper_schedule(MeshMethod method, int t_max) {
     MeshConfig config;
@@ -37,12 +39,14 @@ std::vector<Vec2f> trained(const DensityMap& density, const MeshConfig& config) 
 
 TEST(Sequential, ConvergesOnARamp) {
     const DensityMap density = ramp_density(240, 200);
-    const double start = measure_quality(regular_lattice(240, 200, 6), density, 1).percent_cost;
+    const double start =
+        quality::measure_quality(mesher::regular_lattice(240, 200, 6), density, 1).percent_cost;
     const auto quality = [&](int t_max) {
-        return measure_quality(solve(density, paper_schedule(MeshMethod::sequential, t_max)), density, 1);
+        return quality::measure_quality(solve(density, paper_schedule(MeshMethod::sequential, t_max)),
+                                        density, 1);
     };
     EXPECT_GT(start, 90);
-    const MeshQuality early = quality(100), late = quality(800);
+    const quality::MeshQuality early = quality(100), late = quality(800);
     EXPECT_LT(early.percent_cost, 0.8 * start);
     EXPECT_GT(late.percent_cost, 13);  // 16.3 when measured
     EXPECT_LT(late.percent_cost, 20);
@@ -71,14 +75,14 @@ TEST(Sequential, LeavesNoInvertedTriangles) {
     const DensityMap density = bright_pixel_density(60, 48, 40, 2);
     HexMesh2D untouched = solve(density, config);
     untouched.positions = trained(density, config);
-    EXPECT_GT(measure_quality(untouched, density, 1).inverted_triangles, 0);
-    EXPECT_EQ(measure_quality(solve(density, config), density, 1).inverted_triangles, 0);
+    EXPECT_GT(quality::measure_quality(untouched, density, 1).inverted_triangles, 0);
+    EXPECT_EQ(quality::measure_quality(solve(density, config), density, 1).inverted_triangles, 0);
 }
 
 TEST(Sequential, CellularComesNear) {
     const DensityMap density = bumps_density(240, 200);
     const auto cost = [&](MeshMethod method) {
-        return measure_quality(solve(density, paper_schedule(method, 500)), density, 1).percent_cost;
+        return quality::measure_quality(solve(density, paper_schedule(method, 500)), density, 1).percent_cost;
     };
     const double sequential = cost(MeshMethod::sequential), cellular = cost(MeshMethod::cellular);
     EXPECT_LT(cellular, sequential + 7);  // 26.8 against 21.6 when measured
@@ -88,11 +92,11 @@ TEST(Sequential, CountsIterationsAndSeeds) {
     MeshConfig config = paper_schedule(MeshMethod::sequential, 20);
     config.levels = 4;  // the sequential method has one level, whatever is configured
     const DensityMap density = bumps_density(120, 100);
-    const MeshResult one = solve_mesh(density, config, 1, {});
+    const mesher::MeshResult one = mesher::solve_mesh(density, config, 1, {});
     EXPECT_EQ(one.iterations, 20);
     config.seed = 2;
     EXPECT_NE(one.mesh.positions, solve(density, config).positions);
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::som

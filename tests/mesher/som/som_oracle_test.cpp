@@ -4,8 +4,10 @@
 #include "tests/mesher/densities.h"
 #include "tests/mesher/naive_som.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::som {
 namespace {
+
+using namespace testing_mesher;
 
 struct OracleCase {
     std::string name;
@@ -152,4 +154,4 @@ TEST(SomSeed, BothHalvesCount) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::som

@@ -11,7 +11,7 @@
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/pixels/eight_flags.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 // Returns a board of fields 7 px wide and up to 60 px high, each at its own depth.
@@ -103,4 +103,4 @@ TEST(Crossings, BothEndsOfAnEdgeSeeTheSameDiscontinuities) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

@@ -9,7 +9,7 @@
 #include "mesher/surface/fit/inset_silhouettes_step.h"
 #include "mesher/surface/topology/triangle_shape_step.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 TEST(PlaneFit, FindsThePlaneOfItsPixels) {
@@ -97,4 +97,4 @@ TEST(Inset, MovesInwardsAndAlongTheBorderOnly) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

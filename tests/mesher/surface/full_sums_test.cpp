@@ -11,7 +11,7 @@
 
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 struct Pixel {
@@ -183,4 +183,4 @@ TEST(FullSums, NoHalfOcclusionIsOverlooked) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

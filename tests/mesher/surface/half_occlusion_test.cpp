@@ -8,7 +8,7 @@
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "tests/mesher/surface/made_up_scene.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 // Returns the nearest disparity at (x, y) px; 0 = nothing is there.
@@ -141,4 +141,4 @@ TEST(Hidden, CoveringFartherPixelsCostsMost) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

@@ -5,7 +5,7 @@
 
 #include "tests/mesher/surface/made_up_scene.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 TEST(SilhouetteInset, EndsSilhouettesOfHighStepsInsideOfTheirSurfaces) {
@@ -76,4 +76,4 @@ TEST(SilhouetteInset, UncoversNoPixelAwayFromHighSteps) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

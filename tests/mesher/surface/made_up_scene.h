@@ -10,10 +10,10 @@
 #include <set>
 
 #include "mesher/mesher.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/surface/cut_disparity_mesh.h"
 #include "tests/mesher/regular_lattice.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 
 inline constexpr int kWidth = 150, kHeight = 120;
 inline constexpr float kNothing = kUnknownDisparity;
@@ -35,7 +35,7 @@ inline HexMesh2D covering(HexMesh2D mesh) {
 
 struct Scene {
     DisparityMap map{kWidth, kHeight, {}};
-    HexMesh2D mesh = covering(regular_lattice(kWidth, kHeight, 6));
+    HexMesh2D mesh = covering(mesher::regular_lattice(kWidth, kHeight, 6));
     float background_px = 0;
     SurfaceConfig config;
 
@@ -137,4 +137,4 @@ inline std::vector<std::uint32_t> silhouette_vertices(const DisparityMesh& s) {
     return {ends.begin(), ends.end()};
 }
 
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

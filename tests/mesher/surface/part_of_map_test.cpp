@@ -12,7 +12,7 @@
 #include "tests/mesher/busy_map.h"
 #include "tests/mesher/regular_lattice.h"
 
-namespace hexrelief {
+namespace hexrelief::surface {
 namespace {
 
 using namespace testing_mesher;
@@ -21,7 +21,7 @@ constexpr int kWide = 700, kHigh = 520, kSpacing = 7;
 constexpr float kPlaces = 1024;  // positions per px
 
 HexMesh2D jittered_lattice(std::uint32_t seed) {
-    HexMesh2D mesh = regular_lattice(kWide, kHigh, kSpacing);
+    HexMesh2D mesh = mesher::regular_lattice(kWide, kHigh, kSpacing);
     std::uint32_t i = 0;
     for (Vec2f& p : mesh.positions) {
         p.x += 3 * (uniform(seed, i, 11) - 0.5f);
@@ -135,4 +135,4 @@ TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::surface

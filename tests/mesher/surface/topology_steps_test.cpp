@@ -15,7 +15,7 @@
 #include "mesher/surface/topology/split_triangles_step.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
 
-namespace hexrelief::testing_mesher {
+namespace hexrelief::surface {
 namespace {
 
 double cross(const Vec2f& a, const Vec2f& b, double x, double y) {
@@ -203,4 +203,4 @@ TEST(VertexFans, EndAtOpenEdges) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_mesher
+}  // namespace hexrelief::surface

@@ -7,7 +7,7 @@
 
 #include "mesher/tiles/coarser_tile.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 using Edge = std::array<TileCorner, 2>;
@@ -125,4 +125,4 @@ TEST(CoarserTile, OfLittleOrNothing) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

@@ -11,7 +11,7 @@
 
 #include "tests/mesher/busy_map.h"
 
-namespace hexrelief::testing_levels {
+namespace hexrelief::mesh_tiles::testing_levels {
 namespace {
 
 constexpr int kCells = 16, kCell_px = 4;  // cells of a tile's side; side of a cell
@@ -248,4 +248,4 @@ TEST(LevelsOfDetail, MayHaveVerticesOfSeveralFans) {
 }
 
 }  // namespace
-}  // namespace hexrelief::testing_levels
+}  // namespace hexrelief::mesh_tiles::testing_levels

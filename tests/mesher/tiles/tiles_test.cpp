@@ -15,7 +15,7 @@
 #include "pipeline/stages/density.h"
 #include "tests/mesher/busy_map.h"
 
-namespace hexrelief {
+namespace hexrelief::mesh_tiles {
 namespace {
 
 using namespace testing_mesher;
@@ -46,9 +46,9 @@ class Tiled {
         : map(std::move(disparities)), threads_(threads) {
         rounded_disparities(map);
         config.spacing_px = spacing_px;
-        density = compute_density(map, DensityConfig{});
-        undivided = solve_mesh(density, config, threads, {}).mesh;
-        coarse_ = {solve_mesh(halved(density), config, threads, {}).mesh, 2, map.width, map.height};
+        density = stages::compute_density(map, stages::DensityConfig{});
+        undivided = mesher::solve_mesh(density, config, threads, {}).mesh;
+        coarse_ = {mesher::solve_mesh(halved(density), config, threads, {}).mesh, 2, map.width, map.height};
         tiling.emplace(undivided.columns, undivided.rows, tile);
     }
     TileSolver solver() const { return {*tiling, coarse_, config.balance, density_of_, threads_}; }
@@ -85,8 +85,8 @@ class Tiled {
                         in_window(block.at(column, row), {0, 0, map.width, map.height});
         return mesh;
     }
-    WholeMap whole() const {
-        WholeMap found;
+    surface::WholeMap whole() const {
+        surface::WholeMap found;
         found.cell_px =
             static_cast<double>(map.values.size()) / static_cast<double>(undivided.positions.size());
         for (const float d : map.values) {
@@ -163,8 +163,9 @@ TEST(TilesInAnyOrder, AndOnAnyNumberOfThreadsAreTheSame) {
 TEST(TilesInBalance, AsTheUndividedLatticeIs) {
     for (const std::uint32_t seed : {1u, 2u}) {
         const Tiled& tiled = made_up(seed);
-        const MeshQuality whole = measure_quality(tiled.undivided, tiled.density, 2),
-                          tiles = measure_quality(tiled.assembled(tiled.solve(false)), tiled.density, 2);
+        const quality::MeshQuality whole = quality::measure_quality(tiled.undivided, tiled.density, 2),
+                                   tiles = quality::measure_quality(tiled.assembled(tiled.solve(false)),
+                                                                    tiled.density, 2);
         EXPECT_LT(tiles.percent_cost, whole.percent_cost + 0.5);
         EXPECT_EQ(tiles.inverted_triangles, 0);
         EXPECT_GT(tiles.percentile1_angle_deg, whole.percentile1_angle_deg - 1);
@@ -176,10 +177,11 @@ std::size_t expect_undivided_surface(const Tiled& tiled) {
     const Image picture = busy_picture(tiled.map, 1);
     const auto blocks = tiled.solve(false);
     const HexMesh2D lattice = tiled.assembled(blocks);
-    std::vector<PlacedTriangle> expected = placed(
-        cut_disparity_mesh({&lattice, &tiled.map, tiled.density.background_px, &picture, 0, tiled.whole()},
-                           SurfaceConfig{}, 2),
-        {});
+    std::vector<PlacedTriangle> expected =
+        placed(surface::cut_disparity_mesh(
+                   {&lattice, &tiled.map, tiled.density.background_px, &picture, 0, tiled.whole()},
+                   SurfaceConfig{}, 2),
+               {});
     std::vector<PlacedTriangle> found;
     std::set<std::array<TileCorner, 2>> seam_edges;
     std::size_t seams = 0;
@@ -214,4 +216,4 @@ TEST(Tiles, MayHaveNothingInThem) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::mesh_tiles

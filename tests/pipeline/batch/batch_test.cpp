@@ -11,21 +11,21 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
 // Makes a request from a unit's words: its output, the map, and what happens to its process.
-RunRequest request_of_test(const std::vector<std::string>& words) {
+job::RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
-    RunRequest request;
+    job::RunRequest request;
     request.disparity = words[1];
     request.outputs = {words[0] + ".drc"};
     request.report = words[0] + ".json";
-    apply_setting(request.config, "mesh.spacing_px=24");
+    config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }
 
@@ -115,4 +115,4 @@ TEST(CheckUnits, FilesThatRowsWouldShareAreFound) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

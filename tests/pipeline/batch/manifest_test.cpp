@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/batch/rows.h"
+#include "pipeline/batch/manifest_rows.h"
 #include "pipeline/batch/shell_words.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
+
+using namespace test;
 
 using test::TemporaryFolder;
 using test::write_text;
@@ -189,4 +191,4 @@ TEST(ShellWords, AreReadAndWritten) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

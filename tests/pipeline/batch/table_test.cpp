@@ -5,12 +5,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/memory.h"
-#include "pipeline/batch/progress.h"
 #include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::batch {
 namespace {
 
 TEST(BatchTable, HasAColumnForEveryValueOfEveryReport) {
@@ -57,11 +57,11 @@ TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
     EXPECT_EQ(rule.expected(100), 100u);
     rule.learn(100, 300);
     EXPECT_EQ(rule.expected(100), 300u);
-    RunRequest request;
+    job::RunRequest request;
     request.left = test::sample("left.png");  // 320 x 240
-    EXPECT_EQ(estimated_memory(request), (40u << 20) + 320 * 240 * 150);
+    EXPECT_EQ(job::estimated_memory(request), (40u << 20) + 320 * 240 * 150);
     EXPECT_GT(memory_to_use(), 1u << 20);
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::batch

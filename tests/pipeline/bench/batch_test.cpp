@@ -1,5 +1,5 @@
 // Tests `hexrelief bench batch` on the sample pair, laid out like the data sets.
-#include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/bench_batch.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,4 +77,4 @@ TEST(BenchBatch, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

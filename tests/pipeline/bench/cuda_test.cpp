@@ -17,13 +17,13 @@
 #include "pipeline/stages/density.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 using cuda_bench::Row;
 
 bool has_device() {
-    for (const DeviceDescription& device : list_devices())
+    for (const job::DeviceDescription& device : job::list_devices())
         if (device.backend == "cuda" && device.usable) return true;
     return false;
 }
@@ -79,7 +79,7 @@ TEST(BenchCuda, TheSceneIsTheSameAtEverySize) {
             values.insert(static_cast<int>(d));
         }
     EXPECT_GT(values.size(), 25u);
-    const DensityMap density = compute_density(large, paper_density());
+    const DensityMap density = stages::compute_density(large, paper_density());
     const auto empty = std::count(density.values.begin(), density.values.end(), 0.0f);
     EXPECT_GT(empty, 800 * 600 / 10) << "a background";
     EXPECT_LT(empty, 800 * 600 * 9 / 10) << "and a foreground";
@@ -137,7 +137,7 @@ Row paper_row() {
 }
 
 TEST(BenchCudaRows, JsonHoldsWhatApplies) {
-    const nlohmann::ordered_json json = row_json(paper_row());
+    const nlohmann::ordered_json json = cuda_bench::row_json(paper_row());
     EXPECT_EQ(json["som_ms"]["median"], 300);
     EXPECT_EQ(json["som_ms"]["least"], 250);
     EXPECT_EQ(json["stage_ms"]["most"], 600);
@@ -150,14 +150,14 @@ TEST(BenchCudaRows, JsonHoldsWhatApplies) {
     ours.kernels.clear();
     ours.extraction_s = ours.search_s = ours.learning_s = {};
     ours.percent_cost = 12.5;
-    const nlohmann::ordered_json other = row_json(ours);
+    const nlohmann::ordered_json other = cuda_bench::row_json(ours);
     for (const char* key : {"kernels", "memory", "block", "escaped", "kernels_ms"})
         EXPECT_FALSE(other.contains(key)) << key;
     EXPECT_EQ(other["percent_cost"], 12.5);
 }
 
 TEST(BenchCudaRows, TextHasTheHeadingsColumns) {
-    const std::string text = row_text(paper_row()), headings = cuda_bench::headings();
+    const std::string text = cuda_bench::row_text(paper_row()), headings = cuda_bench::headings();
     for (const char* part : {"blocks", "conesM", "1000x500", "multiple", "64/8/256", "inf", "300.0",
                              "250.0 - 500.0", "10.000/20.000/40.000", "600.00"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
@@ -166,4 +166,4 @@ TEST(BenchCudaRows, TextHasTheHeadingsColumns) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

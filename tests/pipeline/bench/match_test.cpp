@@ -15,7 +15,7 @@
 #include "pipeline/bench/match/match_rows.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -253,4 +253,4 @@ TEST(BenchMatchRows, MeansAreOfOneSizeMethodAndBackend) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

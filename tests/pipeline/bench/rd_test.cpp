@@ -17,7 +17,7 @@
 #include "pipeline/bench/rd_rows.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -242,7 +242,7 @@ TEST(BenchRdRows, BetweenTwoPointsOnLogarithmicScales) {
     const std::vector<rd::Point> points = {point("a", 1000, 4), point("a", 100, 16), point("a", 10000, 1),
                                            point("b", 500, 9)};
     const auto duo = [&](const char* method, double bytes) {
-        return rd::at_bytes(points, method, bytes, &SurfaceQuality::duo_rmse_near_px);
+        return rd::at_bytes(points, method, bytes, &stages::SurfaceQuality::duo_rmse_near_px);
     };
     EXPECT_DOUBLE_EQ(*duo("a", 1000), 4);
     EXPECT_NEAR(*duo("a", std::sqrt(100.0 * 1000)), 8, 1e-9);
@@ -295,9 +295,9 @@ TEST(BenchRdMeshes, AGridTakesItsPixelsDisparities) {
     EXPECT_EQ(grid.triangles.size(), 8u * 6u * 2u);
     for (std::size_t i = 0; i < grid.disparities.size(); ++i)
         EXPECT_EQ(grid.disparities[i], map.at(int(grid.image_points[i].x), int(grid.image_points[i].y)));
-    EXPECT_EQ(measure_surface_quality(grid, map, 0, 1).slack_coverage, 1);
+    EXPECT_EQ(stages::measure_surface_quality(grid, map, 0, 1).slack_coverage, 1);
     // The right part is background: only triangles with a corner in the foreground remain.
-    EXPECT_EQ(measure_surface_quality(rd::uniform_mesh(map, 10, 5), map, 10, 1).slack_coverage, 1);
+    EXPECT_EQ(stages::measure_surface_quality(rd::uniform_mesh(map, 10, 5), map, 10, 1).slack_coverage, 1);
     EXPECT_EQ(rd::uniform_mesh(map, 10, 5).triangles.size(), 4u * 6u * 2u);
     map.at(7, 7) = kUnknownDisparity;
     for (const float d : rd::uniform_mesh(map, 0, 1).disparities) EXPECT_TRUE(DisparityMap::known(d));
@@ -308,8 +308,8 @@ TEST(BenchRdMeshes, StepsAreTakenOut) {
     const SurfaceMesh full = rd::uniform_mesh(map, 0, 1), cut = rd::without_steps(full, 4);
     EXPECT_EQ(full.triangles.size(), 39u * 29u * 2u);
     EXPECT_EQ(cut.triangles.size(), 38u * 29u * 2u);
-    EXPECT_GT(measure_surface_quality(full, map, 0, 1).sheet_share, 0.8);
-    EXPECT_EQ(measure_surface_quality(cut, map, 0, 1).sheet_share, 0);
+    EXPECT_GT(stages::measure_surface_quality(full, map, 0, 1).sheet_share, 0.8);
+    EXPECT_EQ(stages::measure_surface_quality(cut, map, 0, 1).sheet_share, 0);
 }
 
 TEST(BenchRdMeshes, SimplificationKeepsPlanes) {
@@ -318,8 +318,8 @@ TEST(BenchRdMeshes, SimplificationKeepsPlanes) {
     const SurfaceMesh cut = rd::without_steps(rd::uniform_mesh(map, 0, 1), 4);
     const SurfaceMesh simple = rd::simplified_mesh(cut, 60);
     EXPECT_LE(simple.triangles.size(), 60u);
-    EXPECT_LT(measure_surface_quality(simple, map, 0, 1).rmse_near_px, 0.01);
+    EXPECT_LT(stages::measure_surface_quality(simple, map, 0, 1).rmse_near_px, 0.01);
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

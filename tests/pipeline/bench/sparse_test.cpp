@@ -13,7 +13,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/densify/sparsity.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,11 +80,12 @@ TEST(SparsePatterns, KeepWhatTheyPromiseAndAreSparse) {
     const DisparityMap map{400, 300, std::vector<float>(400 * 300, 7.0f)};
     const double shares[] = {0.2, 0.05, 0.2, 0.05, 0.075};
     for (std::size_t i = 0; i < sparse::patterns().size(); ++i) {
-        const Sparsity sparsity = measure_sparsity(sparse::thinned(map, sparse::patterns()[i]));
+        const densify::Sparsity sparsity =
+            densify::measure_sparsity(sparse::thinned(map, sparse::patterns()[i]));
         EXPECT_NEAR(sparsity.known_share, shares[i], 0.01) << sparse::patterns()[i];
         EXPECT_TRUE(sparsity.is_sparse()) << sparse::patterns()[i];
     }
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

@@ -12,7 +12,7 @@
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -175,4 +175,4 @@ TEST(BenchTable2Paper, FiguresHaveThePapersMeans) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::bench

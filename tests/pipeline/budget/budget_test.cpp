@@ -7,8 +7,10 @@
 
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::budget {
 namespace {
+
+using namespace test;
 
 using Json = nlohmann::json;
 
@@ -257,4 +259,4 @@ TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::budget

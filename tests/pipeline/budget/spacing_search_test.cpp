@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 namespace {
 
 struct Outcome {
@@ -106,4 +106,4 @@ TEST(SpacingSearch, SpacingsAreShortNumbers) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

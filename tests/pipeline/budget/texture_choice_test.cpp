@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hexrelief {
+namespace hexrelief::budget {
 namespace {
 
 using Choices = std::vector<std::pair<int, int>>;
@@ -55,4 +55,4 @@ TEST(TextureChoice, TheFirstThatFits) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::budget

@@ -9,7 +9,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::checks {
 namespace {
 
 using namespace mistakes;
@@ -21,8 +21,9 @@ struct SampleFiles {
 
 const SampleFiles& scene() {
     static const std::string folder = HEXRELIEF_SOURCE_DIR "/samples/";
-    static const SampleFiles files{{read_image(folder + "left.png"), read_image(folder + "right.png")},
-                                   read_disparity_map(folder + "disparity.pfm", {})};
+    static const SampleFiles files{
+        {readers::read_image(folder + "left.png"), readers::read_image(folder + "right.png")},
+        readers::read_disparity_map(folder + "disparity.pfm", {})};
     return files;
 }
 
@@ -33,7 +34,7 @@ std::vector<Mistake> mistakes_in(const std::vector<Finding>& findings) {
 }
 
 std::vector<Finding> judge(const StereoPair& pair, const SearchedRange& range = {}) {
-    return check_pair(pair, match_coarsely(pair, range.min_px, 1), range, 1);
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, 1), range, 1);
 }
 
 std::vector<Mistake> found(const StereoPair& pair, const SearchedRange& range = {}) {
@@ -45,7 +46,7 @@ using List = std::vector<Mistake>;
 TEST(CheckPair, SaysNothingOfARightPair) {
     const auto& [left, right] = scene().pair;
     EXPECT_EQ(found(scene().pair), List{});
-    EXPECT_EQ(found({left, exposed(right, 1.4, 1)}), List{});
+    EXPECT_EQ(found({left, mistakes::exposed(right, 1.4, 1)}), List{});
     EXPECT_EQ(found(scene().pair, {0, 48, RangeOrigin::given}), List{});
 }
 
@@ -60,26 +61,29 @@ TEST(CheckPair, NoticesOnePictureGivenTwice) {
     EXPECT_EQ(found({left, left}), List{Mistake::views_equal});
     EXPECT_EQ(found({left, left}, {0, 192, RangeOrigin::ndisp}), List{Mistake::views_equal})
         << "and nothing of the range";
-    EXPECT_EQ(found({left, as_stored(left, 60)}), List{Mistake::views_equal});
-    EXPECT_EQ(found({right, as_stored(right, 90)}, {-32, 64, RangeOrigin::given}),
+    EXPECT_EQ(found({left, mistakes::as_stored(left, 60)}), List{Mistake::views_equal});
+    EXPECT_EQ(found({right, mistakes::as_stored(right, 90)}, {-32, 64, RangeOrigin::given}),
               List{Mistake::views_equal});
-    EXPECT_EQ(found({left, shifted(left, -1, 0)}), List{}) << "a wall, a pixel nearer than infinity";
+    EXPECT_EQ(found({left, mistakes::shifted(left, -1, 0)}), List{})
+        << "a wall, a pixel nearer than infinity";
 }
 
 TEST(CheckPair, NoticesRowsThatDiffer) {
     const auto& [left, right] = scene().pair;
-    const auto findings = judge({left, shifted(right, 0, 2)});
+    const auto findings = judge({left, mistakes::shifted(right, 0, 2)});
     ASSERT_EQ(mistakes_in(findings), List{Mistake::rows_differ});
     EXPECT_NE(findings[0].text.find("2 px lower in the middle"), std::string::npos) << findings[0].text;
-    EXPECT_EQ(found({left, shifted(right, 0, -12)}), List{Mistake::rows_differ});
-    EXPECT_EQ(found({left, rotated(right, 1)}), List{Mistake::rows_differ});
+    EXPECT_EQ(found({left, mistakes::shifted(right, 0, -12)}), List{Mistake::rows_differ});
+    EXPECT_EQ(found({left, mistakes::rotated(right, 1)}), List{Mistake::rows_differ});
 }
 
 TEST(CheckPair, NoticesPicturesThatDoNotMatch) {
     const auto& [left, right] = scene().pair;
-    EXPECT_EQ(found({left, mirrored(right)}), List{Mistake::views_unrelated});
-    EXPECT_EQ(found({plain(left, 90, 2, 1), plain(right, 90, 2, 2)}), List{Mistake::no_texture});
-    EXPECT_EQ(found({plain(left, 90, 0, 1), right}), List{}) << "the matcher refuses a blank picture";
+    EXPECT_EQ(found({left, mistakes::mirrored(right)}), List{Mistake::views_unrelated});
+    EXPECT_EQ(found({mistakes::plain(left, 90, 2, 1), mistakes::plain(right, 90, 2, 2)}),
+              List{Mistake::no_texture});
+    EXPECT_EQ(found({mistakes::plain(left, 90, 0, 1), right}), List{})
+        << "the matcher refuses a blank picture";
 }
 
 TEST(CheckPair, NoticesARangeThatDoesNotFit) {
@@ -87,8 +91,9 @@ TEST(CheckPair, NoticesARangeThatDoesNotFit) {
     EXPECT_EQ(found(pair, {0, 16, RangeOrigin::given}), List{Mistake::range_ends_low});
     EXPECT_EQ(found(pair, {0, 192, RangeOrigin::ndisp}), List{Mistake::range_wide});
     EXPECT_EQ(found(pair, {0, 192, RangeOrigin::chosen}), List{}) << "the program's own choice";
-    EXPECT_EQ(found({pair.left, shifted(pair.right, 16, 0)}), List{Mistake::range_begins_high});
-    EXPECT_EQ(found({pair.left, shifted(pair.right, 16, 0)}, {-32, 64, RangeOrigin::given}), List{});
+    EXPECT_EQ(found({pair.left, mistakes::shifted(pair.right, 16, 0)}), List{Mistake::range_begins_high});
+    EXPECT_EQ(found({pair.left, mistakes::shifted(pair.right, 16, 0)}, {-32, 64, RangeOrigin::given}),
+              List{});
 }
 
 std::vector<Mistake> found(const DisparityMap& map, const Image& left = {}) {
@@ -105,19 +110,20 @@ TEST(CheckMap, SaysNothingOfARightMap) {
 
 TEST(CheckMap, TakesARoundObjectForNoColorMap) {
     for (const double steps : {1.0, 4.0})
-        EXPECT_EQ(
-            found(with_values(scene().disparity, [=](double d) { return std::round(steps * d) / steps; }),
-                  MapScale{steps}),
-            List{})
+        EXPECT_EQ(found(mistakes::with_values(scene().disparity,
+                                              [=](double d) { return std::round(steps * d) / steps; }),
+                        MapScale{steps}),
+                  List{})
             << steps;
 }
 
 TEST(CheckMap, NoticesDepths) {
-    const DisparityMap depth_mm = with_values(scene().disparity, [](double d) { return 50000 / d; });
+    const DisparityMap depth_mm =
+        mistakes::with_values(scene().disparity, [](double d) { return 50000 / d; });
     EXPECT_EQ(found(depth_mm), List{Mistake::values_are_depth});
-    EXPECT_EQ(found(with_values(depth_mm, [](double z) { return std::round(z) / 256; })),
+    EXPECT_EQ(found(mistakes::with_values(depth_mm, [](double z) { return std::round(z) / 256; })),
               List{Mistake::values_are_depth});
-    EXPECT_EQ(found(with_values(depth_mm, [](double z) { return z / 1000; })),
+    EXPECT_EQ(found(mistakes::with_values(depth_mm, [](double z) { return z / 1000; })),
               List{Mistake::values_are_depth});
 }
 
@@ -126,18 +132,18 @@ TEST(CheckMap, NoticesDepthsThatAreNone) {
     const auto found_in = [](const DisparityMap& of) {
         return mistakes_in(check_map(of, scene().pair.left, MapKind::depth));
     };
-    EXPECT_EQ(found_in(with_values(map, [](double d) { return 5 * d; })), List{}) << "any scale";
-    EXPECT_EQ(found_in(with_values(map, [](double d) { return 100 / d; })),
+    EXPECT_EQ(found_in(mistakes::with_values(map, [](double d) { return 5 * d; })), List{}) << "any scale";
+    EXPECT_EQ(found_in(mistakes::with_values(map, [](double d) { return 100 / d; })),
               List{Mistake::depths_are_inverse});
 }
 
 TEST(CheckMap, NoticesAWrongScale) {
     const auto scaled = [](double factor) {
-        return found(with_values(scene().disparity, [=](double d) { return factor * d; }));
+        return found(mistakes::with_values(scene().disparity, [=](double d) { return factor * d; }));
     };
     EXPECT_EQ(scaled(256), List{Mistake::values_large});
     EXPECT_EQ(scaled(1 / 256.0), List{Mistake::values_small});
-    EXPECT_EQ(found(with_values(scene().disparity, [](double d) { return std::round(4 * d); })),
+    EXPECT_EQ(found(mistakes::with_values(scene().disparity, [](double d) { return std::round(4 * d); })),
               List{Mistake::values_large})
         << "8 bits with scale 1";
 }
@@ -146,9 +152,11 @@ TEST(CheckMap, NoticesTheGreyOfColorsButNoPartsOfAPixel) {
     DisparityMap slope{160, 120, {}};
     for (int y = 0; y < slope.height; ++y)
         for (int x = 0; x < slope.width; ++x) slope.values.push_back(static_cast<float>(20 + y + x / 4));
-    const DisparityMap grey = with_values(slope, [](double d) { return std::round(grey_of_jet(1.4 * d)); });
+    const DisparityMap grey =
+        mistakes::with_values(slope, [](double d) { return std::round(mistakes::grey_of_jet(1.4 * d)); });
     const auto found_in = [](const DisparityMap& map, double scale, const MapScale& stored) {
-        return found(with_values(map, [=](double v) { return v / scale + stored.offset_px; }), stored);
+        return found(mistakes::with_values(map, [=](double v) { return v / scale + stored.offset_px; }),
+                     stored);
     };
     EXPECT_EQ(found_in(slope, 8, {8}), List{});
     const List colors{Mistake::values_are_colors};
@@ -160,10 +168,10 @@ TEST(CheckMap, NoticesTheGreyOfColorsButNoPartsOfAPixel) {
 
 TEST(CheckMap, NoticesAPictureOfSomethingElse) {
     const Image& left = scene().pair.left;
-    EXPECT_EQ(found(scene().disparity, shifted(left, 8, 0)), List{Mistake::color_elsewhere});
-    const Image noise = plain(left, 128, 100, 1);
+    EXPECT_EQ(found(scene().disparity, mistakes::shifted(left, 8, 0)), List{Mistake::color_elsewhere});
+    const Image noise = mistakes::plain(left, 128, 100, 1);
     EXPECT_EQ(found(scene().disparity, noise), List{Mistake::color_unrelated});
-    EXPECT_EQ(found(scene().disparity, mirrored(left)).size(), 1u);
+    EXPECT_EQ(found(scene().disparity, mistakes::mirrored(left)).size(), 1u);
 }
 
 TEST(CheckMap, IsSilentOfMapsThatKnowFewPixels) {
@@ -198,4 +206,4 @@ TEST(CheckCamera, NoticesUnits) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::checks

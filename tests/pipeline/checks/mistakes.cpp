@@ -7,7 +7,7 @@
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/image_reader.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 namespace {
 
 Image same_size(const Image& image) {
@@ -33,7 +33,8 @@ Image as_grey(const Image& image) {
 }
 
 Image as_stored(const Image& image, int quality) {
-    return image_of(codec::decode_jpeg({"picture", encode_jpeg(image, quality)}), "picture");
+    return readers::image_of(readers::codec::decode_jpeg({"picture", exporters::encode_jpeg(image, quality)}),
+                             "picture");
 }
 
 Image shifted(const Image& image, int columns, int rows) {
@@ -108,4 +109,4 @@ double grey_of_jet(double grey) {
     return 255 * (0.299 * ramp(3) + 0.587 * ramp(2) + 0.114 * ramp(1));
 }
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

@@ -5,7 +5,7 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 
 Image as_grey(const Image& image);
 // Moves the picture to the right and down by `columns` and `rows`; the border is repeated.
@@ -24,4 +24,4 @@ DisparityMap with_values(DisparityMap map, const std::function<double(double)>& 
 // Returns the grey of the colour map jet for a value from 0 to 255.
 double grey_of_jet(double grey);
 
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes

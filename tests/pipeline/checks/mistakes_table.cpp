@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "findings_table.h"
+#include "middlebury_scenes.h"
 #include "mistakes.h"
 #include "pipeline/bench/sparse/patterns.h"
 #include "pipeline/checks/check_camera.h"
@@ -17,16 +19,14 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
 #include "pipeline/data/error.h"
-#include "scenes.h"
-#include "table.h"
 
-namespace hexrelief::mistakes {
+namespace hexrelief::checks::mistakes {
 namespace {
 
 constexpr int kThreads = 1;
 
 Findings judge(const StereoPair& pair, const SearchedRange& range = {}) {
-    return check_pair(pair, match_coarsely(pair, range.min_px, kThreads), range, kThreads);
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, kThreads), range, kThreads);
 }
 
 // Checks a map whose samples were read with the scene's own scale.
@@ -39,7 +39,7 @@ int rounded_up(double count) {
 }
 
 void pair_figures(const StereoPair& pair, bool right, Table& table) {
-    const SmallMatch coarse = match_coarsely(pair, 0, kThreads);
+    const stages::SmallMatch coarse = stages::match_coarsely(pair, 0, kThreads);
     table.figure("pair: agreed share", right, agreed_share(coarse), true, checks::kLeastAgreement);
     if (!right) return;
     table.figure("pair: textured share", right, textured_share(coarse.small.pair.left), true,
@@ -82,7 +82,7 @@ void wrong_rows(const TestScene& scene, Table& table) {
         const StereoPair pair{left, other};
         table.add(name, scene.name, judge(pair), {Mistake::rows_differ});
         if (!is_least) return;
-        const SmallMatch coarse = match_coarsely(pair, 0, kThreads);
+        const stages::SmallMatch coarse = stages::match_coarsely(pair, 0, kThreads);
         if (agreed_share(coarse) < checks::kSureAgreement) return;
         table.figure("pair: rows differ, px", false, measure_rows(pair, coarse).largest_px, false,
                      checks::kLargestRow_px);
@@ -100,8 +100,9 @@ void one_picture_twice(const Image& image, const std::string& scene, Table& tabl
         table.add("one picture twice" + name, scene, judge({image, other}), {Mistake::views_equal});
         table.figure("pair: difference over slope", false, difference_over_slope({image, other}), true,
                      checks::kMostDifference);
-        table.figure("pair: share at 0", false, share_at_zero(match_coarsely({image, other}, 0, kThreads)),
-                     false, checks::kLeastAtZero);
+        table.figure("pair: share at 0", false,
+                     share_at_zero(stages::match_coarsely({image, other}, 0, kThreads)), false,
+                     checks::kLeastAtZero);
     };
     add("", image);
     for (const int quality : {90, 75, 50, 30})
@@ -113,7 +114,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
     one_picture_twice(left, scene.name, table);
     table.add("views swapped", scene.name, judge({right, left}), {Mistake::views_swapped});
     {
-        const SmallMatch coarse = match_coarsely({right, left}, 0, kThreads);
+        const stages::SmallMatch coarse = stages::match_coarsely({right, left}, 0, kThreads);
         const CoarsePoints points = match_coarse_points(coarse);
         const LowEnd low = measure_low_end(points.matches, coarse.small.scale, 0);
         table.figure("swapped: points below 0", false, low.negative_share, false, checks::kSwappedBelow);
@@ -128,7 +129,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
               {Mistake::no_texture});
     table.add("right picture grey with noise", scene.name, judge({left, grey}), {Mistake::no_texture});
     table.figure("pair: textured share", false,
-                 textured_share(match_coarsely({grey, grey}, 0, 1).small.pair.left), true,
+                 textured_share(stages::match_coarsely({grey, grey}, 0, 1).small.pair.left), true,
                  checks::kLeastTexture);
     table.add("right picture mirrored", scene.name, judge({left, mirrored(right)}),
               {Mistake::views_unrelated});
@@ -144,7 +145,7 @@ void unrelated_pairs(const std::vector<TestScene>& scenes, Table& table) {
             table.add("pictures of two scenes", a.name + " and " + b.name, judge(pair),
                       {Mistake::views_unrelated});
             pair_figures(pair, false, table);
-            const CoarsePoints points = match_coarse_points(match_coarsely(pair, 0, kThreads));
+            const CoarsePoints points = match_coarse_points(stages::match_coarsely(pair, 0, kThreads));
             if (points.rows.points >= checks::kLeastPoints)
                 table.figure("pair: agreeing points", false, points.rows.agreeing_share, true,
                              checks::kLeastAgreeingPoints);
@@ -158,7 +159,7 @@ void ranges(const TestScene& scene, Table& table) {
     };
     table.add("right range given", scene.name, judge_range(0, right), {});
     table.add("right range and a half given", scene.name, judge_range(0, rounded_up(1.5 * right)), {});
-    const SmallMatch coarse = match_coarsely(scene.pair, 0, kThreads);
+    const stages::SmallMatch coarse = stages::match_coarsely(scene.pair, 0, kThreads);
     table.figure("range: at its low end", true, share_at_low_end(coarse), false, checks::kMostAtLowEnd);
     const HighEnd high = measure_high_end(coarse, right);
     table.figure("range: beyond", true, high.beyond_share, false, checks::kMostBeyond);
@@ -177,7 +178,7 @@ void ranges(const TestScene& scene, Table& table) {
     }
     const int back = static_cast<int>(0.6 * scene.largest_px);
     const StereoPair converged{scene.pair.left, shifted(scene.pair.right, back, 0)};
-    const SmallMatch low = match_coarsely(converged, 0, kThreads);
+    const stages::SmallMatch low = stages::match_coarsely(converged, 0, kThreads);
     table.figure("pair: points below the range", false,
                  measure_low_end(match_coarse_points(low).matches, low.small.scale, 0).below_share, false,
                  checks::kMostBelow);
@@ -189,7 +190,7 @@ void ranges(const TestScene& scene, Table& table) {
 void cameras(const TestScene& scene, Table& table) {
     const SceneFiles& f = *scene.files;
     if (f.focal_px == 0 || scene.pair.left.empty()) return;
-    const double median_px = median_disparity_px(match_coarsely(scene.pair, 0, kThreads));
+    const double median_px = median_disparity_px(stages::match_coarsely(scene.pair, 0, kThreads));
     const auto camera = [&](double factor) {
         Calibration c;
         c.focal_px = f.focal_px;
@@ -241,8 +242,8 @@ void right_maps(const TestScene& scene, Table& table) {
     const Image& left = scene.pair.left;
     table.add("right map", scene.name, judge_map(scene, scene.map, left), {});
     map_figures(scene.map, left, true, "", table);
-    for (const std::string& pattern : sparse::patterns()) {
-        const DisparityMap thin = sparse::thinned(scene.map, pattern);
+    for (const std::string& pattern : bench::sparse::patterns()) {
+        const DisparityMap thin = bench::sparse::thinned(scene.map, pattern);
         table.add("right map, " + pattern, scene.name, judge_map(scene, thin, left), {});
         table.add(
             "depth in m, " + pattern, scene.name,
@@ -343,7 +344,7 @@ void measure(const std::filesystem::path& data, const std::string& wanted) {
 }
 
 }  // namespace
-}  // namespace hexrelief::mistakes
+}  // namespace hexrelief::checks::mistakes
 
 int main(int count, char** arguments) {
     if (count != 2 && count != 3) {
@@ -353,7 +354,7 @@ int main(int count, char** arguments) {
         return 2;
     }
     try {
-        hexrelief::mistakes::measure(arguments[1], count > 2 ? arguments[2] : "");
+        hexrelief::checks::mistakes::measure(arguments[1], count > 2 ? arguments[2] : "");
     } catch (const hexrelief::Error& error) {
         std::fprintf(stderr, "%s\n", error.what());
         return static_cast<int>(error.kind());

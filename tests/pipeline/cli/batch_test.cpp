@@ -8,8 +8,10 @@
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 std::string job(const std::string& output, const std::string& more = "") {
     return "--disparity " + sample("disparity.pfm") + " --calib " + sample("calib.txt") + " -o \"" + output +
@@ -27,8 +29,8 @@ TEST(Batch, WritesWhatSingleRunsWrite) {
     const ProcessResult single = run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
                                               sample("calib.txt"), "-o", folder / "single.drc"});
     ASSERT_EQ(single.exit_code, 0) << single.err;
-    EXPECT_EQ(sha256_of_file(folder / "a b.drc"), sha256_of_file(folder / "single.drc"));
-    EXPECT_NE(sha256_of_file(folder / "c.drc"), sha256_of_file(folder / "single.drc"));
+    EXPECT_EQ(files::sha256_of_file(folder / "a b.drc"), files::sha256_of_file(folder / "single.drc"));
+    EXPECT_NE(files::sha256_of_file(folder / "c.drc"), files::sha256_of_file(folder / "single.drc"));
 }
 
 TEST(Batch, ChecksAllLinesBeforeTheFirstJob) {
@@ -153,4 +155,4 @@ TEST(Batch, NeedsAFileWithJobs) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

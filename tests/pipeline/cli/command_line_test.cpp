@@ -7,8 +7,10 @@
 
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 using Arguments = std::vector<std::string>;
 
@@ -371,4 +373,4 @@ TEST(CommandLine, InfoAndDevicesTell) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

@@ -3,8 +3,10 @@
 
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 TEST(Files, AnOutputIsNeverAnInput) {
     const TemporaryFolder folder;
@@ -56,4 +58,4 @@ TEST(Files, NamesDoNotSteerTheTerminal) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

@@ -6,8 +6,10 @@
 
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 namespace fs = std::filesystem;
 
@@ -74,4 +76,4 @@ TEST(Inputs, TheProgramsOwnMapOfThemIsNotSuspected) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

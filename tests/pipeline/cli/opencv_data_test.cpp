@@ -5,8 +5,10 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 namespace fs = std::filesystem;
 
@@ -66,12 +68,12 @@ TEST(OpenCvData, AnUnrectifiedPairIsRectifiedByItsCalibration) {
         {"run", "--strict", "--quiet", "--left", kData / "left01.jpg", "--right", kData / "right01.jpg",
          "--calib", folder / "stereo.yml", "-o", folder / "o.glb", "--save-stages", folder / "stages"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    const StereoPair pair{read_image(folder / "stages/left_rectified.png"),
-                          read_image(folder / "stages/right_rectified.png")};
-    const RowFit rows = measure_rows(pair, match_coarsely(pair, 0, 1));
+    const StereoPair pair{readers::read_image(folder / "stages/left_rectified.png"),
+                          readers::read_image(folder / "stages/right_rectified.png")};
+    const checks::RowFit rows = checks::measure_rows(pair, stages::match_coarsely(pair, 0, 1));
     EXPECT_GE(rows.points, 20);
     EXPECT_LT(rows.largest_px, 0.5);
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

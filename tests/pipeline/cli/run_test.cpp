@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "exporters/inspect/describe.h"
+#include "exporters/inspect/describe_mesh.h"
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::cli {
 namespace {
+
+using namespace test;
 
 using Json = nlohmann::json;
 
@@ -188,7 +190,7 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["depth_range"][0].get<double>(), -report["surface"]["bounds"][1][2].get<double>());
     EXPECT_GT(report["seconds"].get<double>(), report["stages"][0]["seconds"].get<double>());
     EXPECT_GT(report["peak_bytes"].get<double>(), 1 << 20);
-    EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
+    EXPECT_EQ(report["input"]["sha256"]["left"], files::sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"],
                 {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds",
                  "device_balance_seconds", "device_sheet_seconds", "device_surface_seconds", "device_bytes",
@@ -226,7 +228,7 @@ TEST(Run, ReportFollowsTheSchema) {
         expect_keys(output, {"path", "format", "bytes", "sha256"});
         const std::string path = output["path"];
         EXPECT_EQ(output["bytes"], std::filesystem::file_size(path));
-        EXPECT_EQ(output["sha256"], sha256_of_file(path));
+        EXPECT_EQ(output["sha256"], files::sha256_of_file(path));
     }
     EXPECT_EQ(report["outputs"][0]["format"], "glb");
     ASSERT_GE(report["stages"].size(), 6u);
@@ -275,13 +277,13 @@ TEST(Run, LevelsOfDetailBesideAndInside) {
     EXPECT_EQ(report["levels"][1]["spacing_px"], 24);
     EXPECT_LT(report["levels"][0]["vertices"].get<int>() * 2, report["surface"]["vertices"].get<int>());
     EXPECT_LT(report["levels"][1]["triangles"].get<int>() * 2, report["levels"][0]["triangles"].get<int>());
-    EXPECT_EQ(describe_mesh(folder / "a.glb").coarser.size(), 0u);
+    EXPECT_EQ(inspect::describe_mesh(folder / "a.glb").coarser.size(), 0u);
     for (int level : {1, 2}) {
         const Json& told = report["levels"][level - 1];
         const std::string stem = folder / ("a.lod" + std::to_string(level));
-        EXPECT_EQ(describe_mesh(stem + ".glb").vertices, told["vertices"].get<int>());
-        EXPECT_EQ(describe_mesh(stem + ".obj").vertices, told["vertices"].get<int>());
-        EXPECT_EQ(describe_mesh(stem + ".drc").triangles, told["triangles"].get<int>());
+        EXPECT_EQ(inspect::describe_mesh(stem + ".glb").vertices, told["vertices"].get<int>());
+        EXPECT_EQ(inspect::describe_mesh(stem + ".obj").vertices, told["vertices"].get<int>());
+        EXPECT_EQ(inspect::describe_mesh(stem + ".drc").triangles, told["triangles"].get<int>());
     }
     EXPECT_EQ(report["outputs"].size(), 3u * (1 + 3 + 1));
     EXPECT_EQ(folder.entries(), report["outputs"].size() + 1);
@@ -291,7 +293,7 @@ TEST(Run, LevelsOfDetailBesideAndInside) {
     EXPECT_NE(inside.err.find("'export.lod_files' is now 'export.lod_storage'"), std::string::npos)
         << inside.err;
     EXPECT_NE(inside.err.find("b.glb on top of each other"), std::string::npos) << inside.err;
-    const MeshDescription glb = describe_mesh(folder / "b.glb");
+    const inspect::MeshDescription glb = inspect::describe_mesh(folder / "b.glb");
     ASSERT_EQ(glb.coarser.size(), 2u);
     for (int level : {1, 2})
         EXPECT_EQ(glb.coarser[level - 1].vertices, report["levels"][level - 1]["vertices"].get<int>());
@@ -369,4 +371,4 @@ TEST(Run, FailureAtTheEndLeavesNothingNew) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::cli

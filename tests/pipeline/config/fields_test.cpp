@@ -16,7 +16,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // Counts an aggregate's members: the most initialisers that it takes.
@@ -39,19 +39,20 @@ std::size_t fields_below(const std::string& section) {
 }
 
 TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
-    EXPECT_EQ(fields_below("input.disparity") + 2, member_count<DisparityFileConfig>() + 1)
+    EXPECT_EQ(fields_below("input.disparity") + 2, member_count<readers::DisparityFileConfig>() + 1)
         << "two are what messages advise; densify is a member of InputConfig";
-    EXPECT_EQ(fields_below("input.depth"), member_count<DepthFileConfig>());
-    EXPECT_EQ(fields_below("input.mask"), member_count<MaskConfig>());
-    EXPECT_EQ(fields_below("input.confidence"), member_count<ConfidenceConfig>());
+    EXPECT_EQ(fields_below("input.depth"), member_count<readers::DepthFileConfig>());
+    EXPECT_EQ(fields_below("input.mask"), member_count<readers::MaskConfig>());
+    EXPECT_EQ(fields_below("input.confidence"), member_count<readers::ConfidenceConfig>());
     EXPECT_EQ(fields_below("input.calibration"), member_count<CalibrationConfig>());
-    EXPECT_EQ(fields_below("input.stereo"), member_count<StereoFileConfig>());
-    EXPECT_EQ(fields_below("disparity"), member_count<DisparityConfig>());
-    EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
+    EXPECT_EQ(fields_below("input.stereo"), member_count<readers::StereoFileConfig>());
+    EXPECT_EQ(fields_below("disparity"), member_count<stages::DisparityConfig>());
+    EXPECT_EQ(fields_below("density"), member_count<stages::DensityConfig>());
     EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);
     EXPECT_EQ(fields_below("mesh.balance"), member_count<BalanceConfig>());
     EXPECT_EQ(fields_below("surface"), member_count<SurfaceConfig>());
-    EXPECT_EQ(fields_below("export"), member_count<DracoConfig>() + member_count<ExportConfig>() - 1);
+    EXPECT_EQ(fields_below("export"),
+              member_count<exporters::DracoConfig>() + member_count<exporters::ExportConfig>() - 1);
     EXPECT_EQ(fields_below("run"), member_count<ExecutionConfig>());
 }
 
@@ -260,4 +261,4 @@ TEST(ConfigDocument, PresetsAreValid) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // The message that reading `text` as my.yaml fails with; empty where it is accepted.
@@ -34,7 +34,7 @@ TEST(ConfigFile, PartialFilesChangeWhatTheyName) {
                "");
     EXPECT_EQ(config.mesh.spacing_px, 4);
     EXPECT_EQ(config.mesh.method, MeshMethod::sequential);
-    EXPECT_EQ(config.exporting.compression, Compression::draco);
+    EXPECT_EQ(config.exporting.compression, exporters::Compression::draco);
     EXPECT_EQ(config.density.exponent, 3);
 }
 
@@ -124,7 +124,7 @@ TEST(Setting, ChangesOneKey) {
     apply_setting(config, "input.disparity.unknown=0");
     apply_setting(config, "input.disparity.unknown=null");
     EXPECT_EQ(config.mesh.spacing_px, 4.5);
-    EXPECT_EQ(config.exporting.compression, Compression::draco);
+    EXPECT_EQ(config.exporting.compression, exporters::Compression::draco);
     EXPECT_EQ(config.input.calibration.file, "a=b.txt");
     EXPECT_TRUE(std::isnan(config.input.disparity.unknown));
 }
@@ -176,11 +176,11 @@ TEST(ConfigFile, OldNamesAreReadWithAWarning) {
 TEST(ConfigFile, OldValuesAreReadWithAWarning) {
     Config config;
     apply_yaml(config, "disparity:\n  fill: true\n", "my.yaml", "");
-    EXPECT_EQ(config.disparity.fill, DisparityFill::planes);
+    EXPECT_EQ(config.disparity.fill, stages::DisparityFill::planes);
     ASSERT_EQ(config.warnings.size(), 1u);
     EXPECT_NE(config.warnings[0].find("my.yaml:2:"), std::string::npos) << config.warnings[0];
     apply_setting(config, "disparity.fill=false");
-    EXPECT_EQ(config.disparity.fill, DisparityFill::none);
+    EXPECT_EQ(config.disparity.fill, stages::DisparityFill::none);
     ASSERT_EQ(config.warnings.size(), 2u);
     EXPECT_NE(config.warnings[1].find("'none'"), std::string::npos) << config.warnings[1];
 }
@@ -218,4 +218,4 @@ TEST(Setting, RefusesWhatItCannotSet) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -8,10 +8,10 @@
 
 #include "pipeline/densify/measurements.h"
 #include "pipeline/densify/reach.h"
-#include "pipeline/densify/sides.h"
+#include "pipeline/densify/side_odds.h"
 #include "pipeline/densify/sparsity.h"
 
-namespace hexrelief {
+namespace hexrelief::densify {
 namespace {
 
 using Surface = std::function<double(int, int)>;
@@ -256,4 +256,4 @@ TEST(Densify, SmallMaps) {
     EXPECT_FALSE(DisparityMap::known(none.at(0, 0)) || DisparityMap::known(none.at(1, 0)));
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::densify

@@ -8,7 +8,7 @@
 
 #include "naive_dequantize.h"
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 using Surface = std::function<double(int, int)>;
@@ -131,4 +131,4 @@ TEST(Dequantize, IsWhatTheOracleFinds) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace hexrelief::naive {
+namespace hexrelief::dequantize::naive {
 namespace {
 
 // A term of the energy, weight / 2 * sum^2: its pixels i and their factors in the sum.
@@ -156,4 +156,4 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px) {
     return result;
 }
 
-}  // namespace hexrelief::naive
+}  // namespace hexrelief::dequantize::naive

@@ -3,8 +3,8 @@
 
 #include "pipeline/data/disparity_map.h"
 
-namespace hexrelief::naive {
+namespace hexrelief::dequantize::naive {
 
 DisparityMap dequantize(const DisparityMap& map, double quantum_px);
 
-}  // namespace hexrelief::naive
+}  // namespace hexrelief::dequantize::naive

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace hexrelief {
+namespace hexrelief::dequantize {
 namespace {
 
 DisparityMap map_of(std::vector<float> values) {
@@ -59,4 +59,4 @@ TEST(Quantum, OneFloatAmongWholePixelsIsEnoughForNone) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::dequantize

@@ -8,7 +8,7 @@
 
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::evaluation {
 namespace {
 
 constexpr float kNo = kUnknownDisparity;
@@ -251,15 +251,17 @@ TEST(Evaluation, RoughnessAgreesWithPlanesSolvedDirectly) {
 }
 
 TEST(Evaluation, RefusesOtherSizesAndEmptyTruth) {
-    expect_error(ErrorKind::input, "2x1", [] { evaluate_disparity({2, 1, {1, 2}}, {1, 1, {1}}); });
-    expect_error(ErrorKind::input, "no known pixel", [] { evaluate_disparity({1, 1, {1}}, {1, 1, {kNo}}); });
-    expect_error(ErrorKind::input, "right view", [] {
+    stages::expect_error(ErrorKind::input, "2x1", [] { evaluate_disparity({2, 1, {1, 2}}, {1, 1, {1}}); });
+    stages::expect_error(ErrorKind::input, "no known pixel", [] {
+        evaluate_disparity({1, 1, {1}}, {1, 1, {kNo}});
+    });
+    stages::expect_error(ErrorKind::input, "right view", [] {
         const DisparityMap right{2, 1, {1, 2}};
         EvaluationConfig config;
         config.right_truth = &right;
         evaluate_disparity({1, 1, {1}}, {1, 1, {1}}, config);
     });
-    expect_error(ErrorKind::usage, "above 0", [] {
+    stages::expect_error(ErrorKind::usage, "above 0", [] {
         EvaluationConfig config;
         config.discontinuity_px = 0;
         evaluate_disparity({1, 1, {1}}, {1, 1, {1}}, config);
@@ -267,4 +269,4 @@ TEST(Evaluation, RefusesOtherSizesAndEmptyTruth) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::evaluation

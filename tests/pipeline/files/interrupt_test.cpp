@@ -7,8 +7,10 @@
 
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::files {
 namespace {
+
+using namespace test;
 
 // Long enough to be interrupted at work: a fine lattice and many iterations.
 std::vector<std::string> long_job(const TemporaryFolder& folder) {
@@ -59,4 +61,4 @@ TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::files

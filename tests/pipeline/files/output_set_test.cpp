@@ -7,7 +7,7 @@
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -58,4 +58,4 @@ TEST(OutputSet, AFolderStaysForTheOtherSet) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::files

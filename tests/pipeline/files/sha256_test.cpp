@@ -5,7 +5,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 TEST(Sha256, GivesThePublishedDigests) {
@@ -23,4 +23,4 @@ TEST(Sha256, GivesThePublishedDigests) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -7,7 +7,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,4 +33,4 @@ TEST(UnchangedFiles, ToldWhereOneWasWrittenToOrReplaced) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::files

@@ -6,7 +6,7 @@
 #include "pipeline/gallery/results.h"
 #include "tests/exporters/sample_scene.h"
 
-namespace hexrelief {
+namespace hexrelief::gallery {
 namespace {
 
 // The relevant parts of a page, and of a report whose run wrote `output`.
@@ -22,17 +22,17 @@ std::string report_text(const std::string& output) {
 }
 
 TEST(Gallery, PagesAndReportsOfOneRunAreOneResult) {
-    const TemporaryFolder folder;
+    const exporters::TemporaryFolder folder;
     std::filesystem::create_directory(folder / "b");
-    put(folder / "a.html", page_text("40"));
-    put(folder / "a.json", report_text("somewhere/else/a.html"));
-    put(folder / "b" / "c.glb", "glb");
-    put(folder / "b" / "c.json", report_text((folder / "b" / "c.glb").string()));
-    put(folder / "b" / "gone.json", report_text("gone.glb"));
-    put(folder / "other.html", "<html>facts</html>");
-    put(folder / "broken.html", R"(<script id="facts">{"levels":[</script>)");
-    put(folder / "broken.json", "{");
-    put(folder / "list.json", "[1]");
+    exporters::put(folder / "a.html", page_text("40"));
+    exporters::put(folder / "a.json", report_text("somewhere/else/a.html"));
+    exporters::put(folder / "b" / "c.glb", "glb");
+    exporters::put(folder / "b" / "c.json", report_text((folder / "b" / "c.glb").string()));
+    exporters::put(folder / "b" / "gone.json", report_text("gone.glb"));
+    exporters::put(folder / "other.html", "<html>facts</html>");
+    exporters::put(folder / "broken.html", R"(<script id="facts">{"levels":[</script>)");
+    exporters::put(folder / "broken.json", "{");
+    exporters::put(folder / "list.json", "[1]");
     const std::vector<FoundResult> results = find_results(folder.path());
     ASSERT_EQ(results.size(), 2u);
     EXPECT_EQ(results[0].file, folder / "a.html");
@@ -47,13 +47,13 @@ TEST(Gallery, PagesAndReportsOfOneRunAreOneResult) {
 }
 
 TEST(Gallery, ListsLinksThatAreSafe) {
-    if (!has_viewer()) GTEST_SKIP() << kNoViewer;
-    const TemporaryFolder folder;
+    if (!exporters::has_viewer()) GTEST_SKIP() << exporters::kNoViewer;
+    const exporters::TemporaryFolder folder;
     std::filesystem::create_directory(folder / "in");
-    put(folder / "in" / "a <script>&#\".html", page_text("12345"));
+    exporters::put(folder / "in" / "a <script>&#\".html", page_text("12345"));
     const auto path = folder / "index.html";
     EXPECT_EQ(write_gallery(folder / "in", path), 1u);
-    const std::string page = contents(path);
+    const std::string page = exporters::contents(path);
     EXPECT_NE(page.find("href=\"./in/a%20%3Cscript%3E%26%23%22.html\""), std::string::npos);
     EXPECT_NE(page.find("a &lt;script&gt;&amp;#&quot;</a>"), std::string::npos);
     EXPECT_NE(page.find("<td data-value=\"12345\">12\u202f345</td>"), std::string::npos);
@@ -63,9 +63,9 @@ TEST(Gallery, ListsLinksThatAreSafe) {
 }
 
 TEST(Gallery, NeverReplacesWhatItLists) {
-    if (!has_viewer()) GTEST_SKIP() << kNoViewer;
-    const TemporaryFolder folder;
-    put(folder / "index.html", page_text("40"));
+    if (!exporters::has_viewer()) GTEST_SKIP() << exporters::kNoViewer;
+    const exporters::TemporaryFolder folder;
+    exporters::put(folder / "index.html", page_text("40"));
     std::filesystem::create_symlink(folder / "index.html", folder / "link.html");
     for (const auto& path :
          {folder / "index.html", folder / "link.html", folder / "a.glb", std::filesystem::path("-")})
@@ -75,14 +75,15 @@ TEST(Gallery, NeverReplacesWhatItLists) {
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::usage) << error.what();
         }
-    EXPECT_EQ(contents(folder / "index.html"), page_text("40"));
+    EXPECT_EQ(exporters::contents(folder / "index.html"), page_text("40"));
 }
 
 TEST(Gallery, JsonOfOthersIsPassedOver) {
-    const TemporaryFolder folder;
-    put(folder / "a.HTML", page_text("40"));
-    put(folder / "b.html", R"(<script id="facts">{"levels":[{}],"figures":5,"pictures":[{"name":7}]})");
-    put(folder / "c.json", R"({"hexrelief":{},"mesh":3,"surface":[],"outputs":[{"path":7}]})");
+    const exporters::TemporaryFolder folder;
+    exporters::put(folder / "a.HTML", page_text("40"));
+    exporters::put(folder / "b.html",
+                   R"(<script id="facts">{"levels":[{}],"figures":5,"pictures":[{"name":7}]})");
+    exporters::put(folder / "c.json", R"({"hexrelief":{},"mesh":3,"surface":[],"outputs":[{"path":7}]})");
     const std::vector<FoundResult> results = find_results(folder.path());
     ASSERT_EQ(results.size(), 1u);
     EXPECT_EQ(results[0].file, folder / "a.HTML");
@@ -90,11 +91,11 @@ TEST(Gallery, JsonOfOthersIsPassedOver) {
 
 // As after `cd folder; hexrelief run -o meshes/a.glb --report reports/a.json`.
 TEST(Gallery, MeshesMayLieInAnotherFolder) {
-    const TemporaryFolder folder;
+    const exporters::TemporaryFolder folder;
     std::filesystem::create_directory(folder / "meshes");
     std::filesystem::create_directory(folder / "reports");
-    put(folder / "meshes" / "a.glb", "glb");
-    put(folder / "reports" / "a.json", report_text("meshes/a.glb"));
+    exporters::put(folder / "meshes" / "a.glb", "glb");
+    exporters::put(folder / "reports" / "a.json", report_text("meshes/a.glb"));
     const std::vector<FoundResult> results = find_results(folder.path());
     ASSERT_EQ(results.size(), 1u);
     EXPECT_EQ(std::filesystem::canonical(results[0].file),
@@ -102,25 +103,25 @@ TEST(Gallery, MeshesMayLieInAnotherFolder) {
 }
 
 TEST(Gallery, AStagePictureBelongsToTheOnlyReport) {
-    const TemporaryFolder folder;
-    write_png(folder / "relief.png", {4, 4, 1, std::vector<std::uint8_t>(16, 90)});
-    put(folder / "a.glb", "glb");
-    put(folder / "a.json", report_text("a.glb"));
+    const exporters::TemporaryFolder folder;
+    exporters::write_png(folder / "relief.png", {4, 4, 1, std::vector<std::uint8_t>(16, 90)});
+    exporters::put(folder / "a.glb", "glb");
+    exporters::put(folder / "a.json", report_text("a.glb"));
     ASSERT_EQ(find_results(folder.path()).size(), 1u);
     EXPECT_NE(find_results(folder.path())[0].picture, "");
-    put(folder / "b.glb", "glb");
-    put(folder / "b.json", report_text("b.glb"));
+    exporters::put(folder / "b.glb", "glb");
+    exporters::put(folder / "b.json", report_text("b.glb"));
     for (const FoundResult& result : find_results(folder.path())) EXPECT_EQ(result.picture, "");
 }
 
 TEST(Gallery, WhatCannotBeListedIsToldInOneLine) {
-    const TemporaryFolder folder;
+    const exporters::TemporaryFolder folder;
     for (const auto& from : {folder / "none", folder.path()}) {
         try {
             write_gallery(from, folder / "index.html");
             ADD_FAILURE() << from;
         } catch (const Error& error) {
-            EXPECT_EQ(error.kind(), has_viewer() ? ErrorKind::input : ErrorKind::usage);
+            EXPECT_EQ(error.kind(), exporters::has_viewer() ? ErrorKind::input : ErrorKind::usage);
             EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
         }
     }
@@ -128,4 +129,4 @@ TEST(Gallery, WhatCannotBeListedIsToldInOneLine) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::gallery

@@ -6,11 +6,11 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 TEST(Backend, CpuIsAlwaysThere) {
-    const Backend backend = pick_backend(BackendChoice::cpu, 1, MeshMethod::cellular);
+    const Backend backend = pick_backend(config::BackendChoice::cpu, 1, MeshMethod::cellular);
     EXPECT_EQ(backend.name, "cpu");
     EXPECT_FALSE(backend.device.empty());
     ASSERT_FALSE(list_devices().empty());
@@ -26,26 +26,26 @@ TEST(Backend, ThreadsDefaultToAtLeastOne) {
 #ifndef HEXRELIEF_HAS_CUDA
 TEST(Backend, CudaIsADeviceErrorWhereItIsNotBuiltIn) {
     try {
-        pick_backend(BackendChoice::cuda, 1, MeshMethod::cellular);
+        pick_backend(config::BackendChoice::cuda, 1, MeshMethod::cellular);
         FAIL() << "no error";
     } catch (const Error& e) {
         EXPECT_EQ(e.kind(), ErrorKind::device);
         EXPECT_NE(std::string(e.what()).find("built without CUDA"), std::string::npos);
     }
-    EXPECT_EQ(pick_backend(BackendChoice::automatic, 1, MeshMethod::cellular).name, "cpu");
+    EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::cellular).name, "cpu");
 }
 #endif
 
 TEST(Backend, AutoTakesTheCpuForWhatOnlyItCanDo) {
-    EXPECT_EQ(pick_backend(BackendChoice::automatic, 1, MeshMethod::sequential).name, "cpu");
+    EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::sequential).name, "cpu");
 }
 
 TEST(Backend, KeptOnesAreThoseOfTheSameRequest) {
     const BackendPicker pick = keep_backends();
-    EXPECT_EQ(pick(BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
-    EXPECT_EQ(pick(BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
-    EXPECT_EQ(pick(BackendChoice::cpu, 2, MeshMethod::sequential).name, "cpu");
+    EXPECT_EQ(pick(config::BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
+    EXPECT_EQ(pick(config::BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
+    EXPECT_EQ(pick(config::BackendChoice::cpu, 2, MeshMethod::sequential).name, "cpu");
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -12,7 +12,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 struct DepthScene {
@@ -23,8 +23,8 @@ struct DepthScene {
 
 // The synthetic pair's.
 DepthScene depth_scene() {
-    DepthScene scene{read_calibration(test::sample("calib.txt")),
-                     read_disparity_map(test::sample("disparity.pfm"), {}),
+    DepthScene scene{readers::read_calibration(test::sample("calib.txt")),
+                     readers::read_disparity_map(test::sample("disparity.pfm"), {}),
                      {}};
     for (const float d : scene.disparities.values)
         scene.depths.push_back(DisparityMap::known(d)
@@ -96,7 +96,7 @@ TEST(DepthInput, DisparitiesMayReachDownToMinusDoffs) {
     request.disparity = folder / "d.pgm";
     request.outputs = {folder / "a.ply"};
     request.config.input.disparity.scale = 1;
-    request.config.disparity.dequantize = Dequantization::none;
+    request.config.disparity.dequantize = stages::Dequantization::none;
     request.config.input.calibration.focal_px = 60;
     request.config.input.calibration.baseline_m = 0.1;
     request.config.input.calibration.doffs_px = 0;
@@ -152,7 +152,7 @@ TEST(DepthInput, WithoutFocalLengthOrWithRelativeDepthsTheMeshIsRelative) {
     ASSERT_EQ(guessed.warnings.size(), 1u);
     EXPECT_NE(guessed.warnings[0].find("focal length"), std::string::npos) << guessed.warnings[0];
     request.config = request_for(folder).config;
-    request.config.input.depth.kind = DepthKind::affine_inverse;
+    request.config.input.depth.kind = readers::DepthKind::affine_inverse;
     const RunReport relative = run_job(request, {});
     EXPECT_FALSE(relative.calibration.metric);
     EXPECT_NEAR(-relative.bounds.low.z, 10, 0.5);
@@ -161,7 +161,7 @@ TEST(DepthInput, WithoutFocalLengthOrWithRelativeDepthsTheMeshIsRelative) {
 // A black right half leaves the left one, in maps and in pairs.
 TEST(MaskInput, WhatItHidesHasNoMesh) {
     const test::TemporaryFolder folder;
-    const DisparityMap size = read_disparity_map(test::sample("disparity.pfm"), {});
+    const DisparityMap size = readers::read_disparity_map(test::sample("disparity.pfm"), {});
     std::string pgm =
         "P5\n" + std::to_string(size.width / 2) + " " + std::to_string(size.height / 2) + "\n255\n";
     for (int i = 0; i < size.width / 2 * (size.height / 2); ++i)
@@ -222,4 +222,4 @@ TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
@@ -30,7 +30,7 @@ TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
         RunRequest request;
         for (const auto& [member, file] : requests[i]) request.*member = file;
         request.config.limits.reading.max_pixels = 320 * 240;
-        request.config.input.stereo.layout = StereoLayout::side_by_side;
+        request.config.input.stereo.layout = readers::StereoLayout::side_by_side;
         const RunObserver observer;
         RunLog log(observer);
         try {
@@ -48,4 +48,4 @@ TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

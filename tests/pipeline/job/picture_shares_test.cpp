@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 constexpr float kNo = kUnknownDisparity;
@@ -25,4 +25,4 @@ TEST(PictureShares, UnknownPixelsThatTheRightCameraCannotSeeAreOccluded) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

@@ -5,10 +5,10 @@
 #include "pipeline/job/resolve_calibration.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
-ResolvedCalibration resolve(const CalibrationConfig& config, ViewSize view, ViewSize picture = {}) {
+ResolvedCalibration resolve(const config::CalibrationConfig& config, ViewSize view, ViewSize picture = {}) {
     return resolve_calibration({config, view, picture.width > 0 ? picture : view});
 }
 
@@ -26,7 +26,7 @@ TEST(ResolveCalibration, NothingGivenIsRelativeWithOneWarning) {
 }
 
 TEST(ResolveCalibration, ExplicitLengthsAreMetric) {
-    CalibrationConfig config;
+    config::CalibrationConfig config;
     config.focal_px = 3740;
     config.baseline_m = 0.16;
     config.doffs_px = 270;
@@ -46,7 +46,7 @@ TEST(ResolveCalibration, ExplicitValuesOverrideTheFile) {
     test::write_text(folder / "calib.txt",
                      "cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\ncam1=[1000 0 99.5; 0 1000 49.5; 0 0 1]\n"
                      "doffs=5\nbaseline=200\nwidth=200\nheight=100\n");
-    CalibrationConfig config;
+    config::CalibrationConfig config;
     config.file = folder / "calib.txt";
     config.doffs_px = 7;
     const ResolvedCalibration resolved = resolve(config, {200, 100});
@@ -63,7 +63,7 @@ TEST(ResolveCalibration, AnotherSizeIsAnErrorNamingBoth) {
     test::write_text(folder / "calib.txt",
                      "cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\ncam1=[1000 0 99.5; 0 1000 49.5; 0 0 1]\n"
                      "doffs=5\nbaseline=200\nwidth=200\nheight=100\n");
-    CalibrationConfig config;
+    config::CalibrationConfig config;
     config.file = folder / "calib.txt";
     try {
         resolve(config, {400, 200});
@@ -76,7 +76,7 @@ TEST(ResolveCalibration, AnotherSizeIsAnErrorNamingBoth) {
 }
 
 TEST(ResolveCalibration, PrincipalPointFarOutsideIsAnError) {
-    CalibrationConfig config;
+    config::CalibrationConfig config;
     config.focal_px = 3740;
     config.baseline_m = 0.16;
     config.cx = 5000;
@@ -84,7 +84,7 @@ TEST(ResolveCalibration, PrincipalPointFarOutsideIsAnError) {
 }
 
 TEST(ResolveCalibration, AFocalLengthAloneIsRelative) {
-    CalibrationConfig config;
+    config::CalibrationConfig config;
     config.fov_x_deg = 90;
     const ResolvedCalibration resolved = resolve(config, {640, 480});
     EXPECT_NEAR(resolved.calibration.focal_px, 320, 1e-9);
@@ -95,13 +95,13 @@ TEST(ResolveCalibration, AFocalLengthAloneIsRelative) {
     EXPECT_NE(missing_for_metres(resolved).find("baseline"), std::string::npos);
     config.baseline_m = 0.1;
     EXPECT_TRUE(resolve(config, {640, 480}).calibration.metric);
-    config.fov_x_deg = kNotGiven;
+    config.fov_x_deg = config::kNotGiven;
     EXPECT_NE(missing_for_metres(resolve(config, {640, 480})).find("focal length"), std::string::npos);
 }
 
 TEST(ResolveCalibration, ACameraOfThePictureIsScaledToTheMap) {
     const test::TemporaryFolder folder;
-    CalibrationConfig config;
+    config::CalibrationConfig config;
     config.file = folder / "camera";
     // The centre of pixel 99 of 200 lies at 99.5 from the edge, so at 49.75 of 100.
     test::write_text(folder / "camera", "{fx: 100, fy: 100, cx: 99, cy: 49, width: 200, height: 100}");
@@ -131,4 +131,4 @@ TEST(SameAspect, RoundsToAPixel) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

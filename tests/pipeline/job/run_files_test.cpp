@@ -6,7 +6,7 @@
 #include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +86,4 @@ TEST_F(RunFiles, NoInputIsOverwritten) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

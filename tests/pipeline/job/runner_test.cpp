@@ -12,16 +12,16 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 // The CPU, but with a device's clock: each cut takes a second more than the one before.
-Backend clocked_backend(BackendChoice, int threads, MeshMethod method) {
-    Backend backend = pick_backend(BackendChoice::cpu, threads, method);
+Backend clocked_backend(config::BackendChoice, int threads, MeshMethod method) {
+    Backend backend = pick_backend(config::BackendChoice::cpu, threads, method);
     const auto cuts = std::make_shared<int>(0);
-    backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](const DisparityMeshInput& input,
-                                                                          const SurfaceConfig& config) {
-        DisparityMeshResult result = cut(input, config);
+    backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](
+                                     const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
+        surface::DisparityMeshResult result = cut(input, config);
         result.device_s = ++*cuts;
         return result;
     };
@@ -53,14 +53,14 @@ enum class Fails { matching, solving, cutting };
 
 // The CPU in the place of a device that fails at `when`.
 BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
-    return [when, kind](BackendChoice, int threads, MeshMethod method) {
-        Backend backend = pick_backend(BackendChoice::cpu, threads, method);
+    return [when, kind](config::BackendChoice, int threads, MeshMethod method) {
+        Backend backend = pick_backend(config::BackendChoice::cpu, threads, method);
         backend.name = "cuda";
         const auto fail = [kind] { throw Error(kind, "backend cuda: training: unspecified launch failure"); };
-        using Result = MeshResult;
+        using Result = mesher::MeshResult;
         if (when == Fails::matching)
             backend.match_pair = [fail, match = backend.match_pair](const StereoPair& pair,
-                                                                    const MatchingConfig& config) {
+                                                                    const matching::MatchingConfig& config) {
                 fail();
                 return match(pair, config);
             };
@@ -72,8 +72,8 @@ BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
                 return {};
             };
         if (when == Fails::cutting)
-            backend.cut_disparity_mesh = [fail](const DisparityMeshInput&,
-                                                const SurfaceConfig&) -> DisparityMeshResult {
+            backend.cut_disparity_mesh = [fail](const surface::DisparityMeshInput&,
+                                                const SurfaceConfig&) -> surface::DisparityMeshResult {
                 fail();
                 return {};
             };
@@ -118,8 +118,8 @@ TEST(Runner, ADeviceThatDoesNotStartIsTold) {
     std::vector<std::string> told;
     RunObserver observer;
     observer.warns = [&](const std::string& warning) { told.push_back(warning); };
-    run_job(pair_request(folder), observer, [](BackendChoice, int threads, MeshMethod method) {
-        Backend cpu = pick_backend(BackendChoice::cpu, threads, method);
+    run_job(pair_request(folder), observer, [](config::BackendChoice, int threads, MeshMethod method) {
+        Backend cpu = pick_backend(config::BackendChoice::cpu, threads, method);
         cpu.missed = "backend cuda: too little device memory";
         return cpu;
     });
@@ -130,7 +130,7 @@ TEST(Runner, ADeviceThatDoesNotStartIsTold) {
 TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
     const test::TemporaryFolder folder;
     RunRequest request = pair_request(folder);
-    request.config.run.backend = BackendChoice::cuda;
+    request.config.run.backend = config::BackendChoice::cuda;
     for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
         try {
             run_job(request, {}, failing_device(when));
@@ -143,15 +143,16 @@ TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
 }
 
 TEST(Runner, TheCalibrationSaysTheRange) {
-    const StereoPair pair{read_image(test::sample("left.png")), read_image(test::sample("right.png"))};
-    Calibration calibration = read_calibration(test::sample("calib.txt"));
+    const StereoPair pair{readers::read_image(test::sample("left.png")),
+                          readers::read_image(test::sample("right.png"))};
+    Calibration calibration = readers::read_calibration(test::sample("calib.txt"));
     ASSERT_EQ(calibration.ndisp_px, 48);
     std::string said;
     RunObserver observer;
     observer.decides = [&](const std::string& decision) { said = decision; };
     const RunLog log(observer);
     const auto searched = [&](int min_px, int count_px) {
-        DisparityConfig config;
+        stages::DisparityConfig config;
         config.min_disparity_px = min_px;
         config.num_disparities_px = count_px;
         return choose_range(pair, calibration, config, 1, log).config.num_disparities_px;
@@ -206,14 +207,14 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     request.color = folder / "c.ppm";
     request.config.input.calibration.file = folder / "camera";
     request.config.mesh.spacing_px = 4;
-    request.config.exporting.texture = TextureFormat::png;
+    request.config.exporting.texture = exporters::TextureFormat::png;
     request.config.exporting.texture_crop = false;
     request.outputs = {folder / "a.obj"};
     const RunReport report = run_job(request, {});
     EXPECT_EQ(report.width, 32);
     EXPECT_EQ(report.calibration.focal_px, 40);
     EXPECT_EQ(report.calibration.cx, 15.5);
-    EXPECT_EQ(read_image(folder / "a_texture.png").width, 64);
+    EXPECT_EQ(readers::read_image(folder / "a_texture.png").width, 64);
     test::write_text(folder / "c.ppm", "P6\n64 52\n255\n" + std::string(64 * 52 * 3, 'x'));
     EXPECT_THROW(run_job(request, {}), Error);
 }
@@ -256,13 +257,14 @@ TEST(Runner, APairIsRectifiedByItsCalibration) {
     request.config.input.calibration.file = folder / "pair.yml";
     request.stages_folder = folder / "stages";
     EXPECT_THROW(run_job(request, {}), Error) << "would overwrite its input";
-    request.config.input.calibration.rectify = Rectify::never;
+    request.config.input.calibration.rectify = readers::Rectify::never;
     EXPECT_THROW(run_job(request, {}), Error) << "no rectified camera in the file";
 }
 
 TEST(Runner, AStereoFileIsAPair) {
     const test::TemporaryFolder folder;
-    const Image left = read_image(test::sample("left.png")), right = read_image(test::sample("right.png"));
+    const Image left = readers::read_image(test::sample("left.png")),
+                right = readers::read_image(test::sample("right.png"));
     std::string both =
         "P6\n" + std::to_string(2 * left.width) + " " + std::to_string(left.height) + "\n255\n";
     for (int y = 0; y < left.height; ++y)
@@ -283,7 +285,7 @@ TEST(Runner, AStereoFileIsAPair) {
     request.right.clear();
     request.outputs = {folder / "b.ply"};
     EXPECT_THROW(run_job(request, {}), Error) << "the layout is not said";
-    request.config.input.stereo.layout = StereoLayout::side_by_side;
+    request.config.input.stereo.layout = readers::StereoLayout::side_by_side;
     EXPECT_EQ(run_job(request, {}).inputs.at(0).role, "stereo");
     EXPECT_EQ(test::read_text(folder / "a.ply"), test::read_text(folder / "b.ply"));
 }
@@ -294,7 +296,7 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     std::string pgm = "P5\n60 40\n255\n";
     for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(20 + (i % 60) / 7);
     test::write_text(folder / "d.pgm", pgm);
-    const auto run = [&](Dequantization dequantize, double max_error_px) {
+    const auto run = [&](stages::Dequantization dequantize, double max_error_px) {
         RunRequest request;
         request.disparity = folder / "d.pgm";
         request.config.input.disparity.scale = 1;
@@ -304,15 +306,16 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
         request.report = folder / "r.json";
         return run_job(request, {});
     };
-    const RunReport smooth = run(Dequantization::automatic, 0), exact = run(Dequantization::none, 0);
+    const RunReport smooth = run(stages::Dequantization::automatic, 0),
+                    exact = run(stages::Dequantization::none, 0);
     EXPECT_EQ(smooth.quantum_px, 1);
     EXPECT_EQ(nlohmann::json::parse(report_json(smooth))["input"]["quantum_px"], 1);
     EXPECT_NEAR(smooth.surface_quality.flat_rmse_px, 0.29, 0.03);
     EXPECT_EQ(exact.quantum_px, 0);
     EXPECT_TRUE(nlohmann::json::parse(report_json(exact))["input"]["quantum_px"].is_null());
     EXPECT_NE(smooth.outputs[0].sha256, exact.outputs[0].sha256);
-    EXPECT_EQ(run(Dequantization::automatic, 0.9).quantum_px, 0);
-    EXPECT_EQ(run(Dequantization::automatic, 1.5).quantum_px, 1);
+    EXPECT_EQ(run(stages::Dequantization::automatic, 0.9).quantum_px, 0);
+    EXPECT_EQ(run(stages::Dequantization::automatic, 1.5).quantum_px, 1);
 }
 
 // Every fifth row of whole pixels is filled, and still known to be rounded; whole maps have no such stage.
@@ -324,7 +327,8 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     std::string mask = "P5\n60 40\n255\n" + std::string(60 * 40, '\xff');
     std::fill_n(mask.end() - 60 * 40, 60 * 10, '\0');
     test::write_text(folder / "mask.pgm", mask);
-    const auto run = [&](Densification densification, std::string& told, const char* masked = nullptr) {
+    const auto run = [&](config::Densification densification, std::string& told,
+                         const char* masked = nullptr) {
         RunRequest request;
         if (masked) request.mask = folder / masked;
         request.disparity = folder / "d.pgm";
@@ -339,7 +343,7 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
         return run_job(request, observer);
     };
     std::string told;
-    const RunReport filled = run(Densification::automatic, told);
+    const RunReport filled = run(config::Densification::automatic, told);
     EXPECT_EQ(told,
               "densify: 20.0 % of the pixels are known, with unknown ones between them; 100.0 % are known "
               "when filled");
@@ -348,12 +352,12 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     const auto input = nlohmann::json::parse(report_json(filled))["input"];
     EXPECT_NEAR(input["densified"]["measured_share"], 0.2, 1e-9);
     EXPECT_NEAR(input["densified"]["filled_share"], 0.8, 1e-9);
-    const RunReport masked = run(Densification::automatic, told, "mask.pgm");
+    const RunReport masked = run(config::Densification::automatic, told, "mask.pgm");
     ASSERT_TRUE(masked.filling);
     EXPECT_NEAR(masked.filling->measured_share + masked.filling->filled_share, 0.75, 1e-9)
         << "nothing is filled where the mask hides";
     told.clear();
-    EXPECT_FALSE(run(Densification::off, told).filling);
+    EXPECT_FALSE(run(config::Densification::off, told).filling);
     EXPECT_EQ(told, "");
 }
 
@@ -385,4 +389,4 @@ TEST(Runner, WarningsOfTheConfigurationAreToldFirst) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

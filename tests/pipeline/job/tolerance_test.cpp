@@ -10,7 +10,7 @@
 #include "exporters/compression/draco_plan.h"
 #include "exporters/inspect/draco_decode.h"
 
-namespace hexrelief {
+namespace hexrelief::job {
 namespace {
 
 const Calibration kCamera{320, 160, 120, 0.16, 0, true, 320, 240};
@@ -46,12 +46,14 @@ Points sorted(Points points) {
     return points;
 }
 
-Points decoded(const SurfaceMesh& mesh, const ExportConfig& config, GridShape shape) {
-    TexturedMesh untextured;
+Points decoded(const SurfaceMesh& mesh, const exporters::ExportConfig& config, exporters::GridShape shape) {
+    exporters::TexturedMesh untextured;
     untextured.mesh = mesh;
-    const DracoPlan plan = plan_draco(untextured, &kCamera, config, shape);
+    const exporters::DracoPlan plan = exporters::plan_draco(untextured, &kCamera, config, shape);
     Points points;
-    for (const Vec3f& p : decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes, "wave").positions) {
+    for (const Vec3f& p :
+         inspect::decode_draco(exporters::encode_draco(plan.mesh, plan.quantisation).bytes, "wave")
+             .positions) {
         const auto& [scale, offset] = std::pair(plan.transform.scale, plan.transform.translation);
         const double x = p.x * scale[0] + offset[0], y = p.y * scale[1] + offset[1],
                      depth = -(p.z * scale[2] + offset[2]);
@@ -64,12 +66,12 @@ Points decoded(const SurfaceMesh& mesh, const ExportConfig& config, GridShape sh
 
 TEST(AsWritten, IsWhatDracoReadsBack) {
     const SurfaceMesh mesh = wave();
-    ExportConfig coarse;
-    coarse.compression = Compression::draco;
+    exporters::ExportConfig coarse;
+    coarse.compression = exporters::Compression::draco;
     coarse.tolerance_px = 0.6;
-    ExportConfig fixed = coarse;
+    exporters::ExportConfig fixed = coarse;
     fixed.draco.position_bits = 7;
-    for (const ExportConfig& config : {coarse, fixed})
+    for (const exporters::ExportConfig& config : {coarse, fixed})
         for (const char* path : {"a.drc", "a.glb"}) {
             const bool drc = std::string(path) == "a.drc";
             const SurfaceMesh seen = as_written(mesh, kCamera, config, {"b.obj", path});
@@ -78,7 +80,8 @@ TEST(AsWritten, IsWhatDracoReadsBack) {
             for (std::size_t i = 0; i < seen.disparities.size(); ++i)
                 ours.push_back({seen.image_points[i].x, seen.image_points[i].y, seen.disparities[i]});
             ours = sorted(ours);
-            const Points theirs = decoded(mesh, config, drc ? GridShape::cubic : GridShape::per_axis);
+            const Points theirs =
+                decoded(mesh, config, drc ? exporters::GridShape::cubic : exporters::GridShape::per_axis);
             ASSERT_EQ(ours.size(), theirs.size());
             double moved = 0;
             for (std::size_t i = 0; i < ours.size(); ++i)
@@ -96,11 +99,11 @@ TEST(AsWritten, IsTheSurfaceWhereNothingIsCompressed) {
     EXPECT_EQ(seen.disparities, mesh.disparities);
     EXPECT_FALSE(is_compressed("a.glb", {}));
     EXPECT_TRUE(is_compressed("a.drc", {}));
-    ExportConfig meshopt;
-    meshopt.compression = Compression::meshopt;
+    exporters::ExportConfig meshopt;
+    meshopt.compression = exporters::Compression::meshopt;
     EXPECT_TRUE(is_compressed("a.gltf", meshopt));
     EXPECT_FALSE(is_compressed("a.obj", meshopt));
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::job

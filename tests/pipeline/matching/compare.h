@@ -5,13 +5,13 @@
 #include <cstdlib>
 #include <string>
 
-#include "oracle.h"
+#include "matching_oracle.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/volume.h"
-#include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 
 template <typename T>
 Grid grid_of(const Raster<T>& raster) {
@@ -110,4 +110,4 @@ inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, 
     aggregate(input, ends.row(0), ends.row(1), volume, pool);
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "pipeline/matching/matcher.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 StereoPair sample_pair() {
-    return render_sample_scene().pair;
+    return samples::render_sample_scene().pair;
 }
 
 template <typename Change>
@@ -86,4 +86,4 @@ TEST(Light, StaysAsItIsWhereNothingTells) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "pipeline/matching/matcher.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
-namespace hexrelief {
+namespace hexrelief::matching {
 namespace {
 
 Image noisy(Image image, double deviation, unsigned seed = 1) {
@@ -27,7 +27,7 @@ Image plain(int width, int height, int channels, std::uint8_t level) {
 }
 
 TEST(Noise, IsFoundInASmoothAndInATexturedPicture) {
-    const Image scene = render_sample_scene().pair.left;
+    const Image scene = samples::render_sample_scene().pair.left;
     EXPECT_LT(find_noise(scene), 4);
     for (const double deviation : {5.0, 8.0, 13.0}) {
         EXPECT_NEAR(find_noise(noisy(plain(200, 150, 3, 90), deviation)), deviation, 0.1 * deviation);
@@ -107,4 +107,4 @@ TEST(Noise, IsLessAfterwardsAndEdgesStay) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::matching

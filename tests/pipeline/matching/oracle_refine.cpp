@@ -1,12 +1,12 @@
-// Steps 5 to 8, 13 and 14 of the recipe in oracle.h: from winners to a map without unknown pixels.
+// Steps 5 to 8, 13 and 14 of the recipe in matching_oracle.h: from winners to a map without unknown pixels.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // Returns the disparity if the other view agrees with it, else kUnknown.
@@ -298,4 +298,4 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     return {smooth(medians(map), left), is_matched};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

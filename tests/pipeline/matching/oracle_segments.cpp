@@ -1,10 +1,10 @@
-// Step 15 of the recipe in oracle.h: segments of the left picture beside its frame.
+// Step 15 of the recipe in matching_oracle.h: segments of the left picture beside its frame.
 #include <algorithm>
 #include <cmath>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 struct Pair {
@@ -105,4 +105,4 @@ void raise_segments(const Grid& matches, const Picture& left, const Settings& se
     }
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

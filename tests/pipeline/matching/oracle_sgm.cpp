@@ -1,12 +1,13 @@
-// Steps 1 to 4 of the recipe in oracle.h: from a pair and its search windows to the winners of both views.
+// Steps 1 to 4 of the recipe in matching_oracle.h: from a pair and its search windows to the winners of both
+// views.
 #include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstdlib>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // The window has 63 pixels.
@@ -165,4 +166,4 @@ Views winners(const Volume& sums, const Settings& settings) {
     return views;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

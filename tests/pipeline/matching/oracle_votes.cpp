@@ -1,12 +1,12 @@
-// Steps 9 to 12 of the recipe in oracle.h: discontinuities, votes, smoothing, sides.
+// Steps 9 to 12 of the recipe in matching_oracle.h: discontinuities, votes, smoothing, sides.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <utility>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 bool beside_step(const Grid& map, int x, int y) {
@@ -177,4 +177,4 @@ Grid smooth(const Grid& map, const Picture& left) {
     return result;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -1,11 +1,11 @@
-// Steps 14 and 16 of the recipe in oracle.h, as far as they concern the search, with steps 1 to 4.
+// Steps 14 and 16 of the recipe in matching_oracle.h, as far as they concern the search, with steps 1 to 4.
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "oracle.h"
+#include "matching_oracle.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 int fours(int value) {
@@ -92,4 +92,4 @@ Views match_views(const StereoPair& pair, const Settings& settings) {
     return winners(path_sums(left, costs, 0, settings), settings);
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -6,9 +6,9 @@
 #include <set>
 
 #include "compare.h"
-#include "scenes.h"
+#include "matching_scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 TEST(MatcherOracle, FindsTheSame) {
@@ -36,13 +36,15 @@ TEST(MatcherOracle, FindsTheSame) {
 
 TEST(MatcherOracle, IncludesNothingOfTheMatcher) {
     std::set<std::string> seen;
-    for (const std::string name : {"oracle.h", "oracle_sgm.cpp", "oracle_windows.cpp", "oracle_refine.cpp",
-                                   "oracle_segments.cpp", "oracle_votes.cpp", "scenes.h", "scenes.cpp"}) {
+    for (const std::string name :
+         {"matching_oracle.h", "oracle_sgm.cpp", "oracle_windows.cpp", "oracle_refine.cpp",
+          "oracle_segments.cpp", "oracle_votes.cpp", "matching_scenes.h", "matching_scenes.cpp"}) {
         std::ifstream in(std::filesystem::path(HEXRELIEF_SOURCE_DIR "/tests/pipeline/matching") / name);
         for (std::string line; std::getline(in, line);)
             if (line.starts_with("#include \"")) {
                 seen.insert(line);
-                EXPECT_TRUE(line == "#include \"oracle.h\"" || line == "#include \"scenes.h\"" ||
+                EXPECT_TRUE(line == "#include \"matching_oracle.h\"" ||
+                            line == "#include \"matching_scenes.h\"" ||
                             line == "#include \"pipeline/data/disparity_map.h\"")
                     << name << ": " << line;
             }
@@ -51,4 +53,4 @@ TEST(MatcherOracle, IncludesNothingOfTheMatcher) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

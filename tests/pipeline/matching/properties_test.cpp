@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/winners.h"
-#include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // Returns both pictures of a surface with a smooth random texture; its disparity at column x of the left one
@@ -207,7 +207,8 @@ TEST(Matcher, FindsTheSameInBandsOfRows) {
     const ColorPlanes right = split_colors(pair.right, Channels::as_they_are, pool);
     const DisparityRange range{0, 12};
     const SearchWindows windows(width, height, kWholeWindow);
-    const ViewDisparities whole = hexrelief::match_views(left, right, range, windows.view(), {}, pool);
+    const ViewDisparities whole =
+        hexrelief::matching::match_views(left, right, range, windows.view(), {}, pool);
     ViewDisparities bands{Disparities16(width, height, kUnknown16), Disparities16(width, height, kUnknown16)};
     for (int y = 0; y < height; y += kept) {
         const int end = std::min(height, y + kept);
@@ -230,15 +231,16 @@ TEST(Matcher, FindsTheSameInBlocksOfAnySize) {
     const ColorPlanes right = split_colors(pair.right, Channels::as_they_are, pool);
     const DisparityRange range{-2, 19};
     const SearchWindows windows(width, height, kWholeWindow);
-    const ViewDisparities whole = hexrelief::match_views(left, right, range, windows.view(), {}, pool);
+    const ViewDisparities whole =
+        hexrelief::matching::match_views(left, right, range, windows.view(), {}, pool);
     const std::size_t row_bytes = std::size_t{3} * width * kWholeRange;
     for (const std::size_t rows : {0, 33, 115, 229}) {
         const ViewDisparities blocks =
-            hexrelief::match_views(left, right, range, windows.view(), {}, pool, rows * row_bytes);
+            hexrelief::matching::match_views(left, right, range, windows.view(), {}, pool, rows * row_bytes);
         EXPECT_EQ("", difference(grid_of(whole.left), grid_of(blocks.left))) << rows;
         EXPECT_EQ("", difference(grid_of(whole.right), grid_of(blocks.right))) << rows;
     }
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/refine/sides.h"
@@ -9,9 +10,8 @@
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/votes.h"
 #include "pipeline/matching/sgm/sgm.h"
-#include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // A picture, and maps of both views that need not be consistent.
@@ -28,9 +28,9 @@ Views matched_views(const Scene& scene) {
     const MatchingConfig config = config_of(scene.settings);
     const SearchWindows windows = windows_of(search_runs(scene.pair, scene.settings));
     const ViewDisparities views =
-        hexrelief::match_views(split_colors(scene.pair.left, Channels::grey, pool),
-                               split_colors(scene.pair.right, Channels::grey, pool), config.range,
-                               windows.view(), config.penalties, pool);
+        hexrelief::matching::match_views(split_colors(scene.pair.left, Channels::grey, pool),
+                                         split_colors(scene.pair.right, Channels::grey, pool), config.range,
+                                         windows.view(), config.penalties, pool);
     return {grid_of(views.left), grid_of(views.right)};
 }
 
@@ -81,7 +81,7 @@ TEST(RefineOracle, Slopes) {
         const Input input = make_input(number);
         const Grid& map = input.views.left;
         const Planes expected = slopes(map);
-        const hexrelief::Slopes found = find_slopes(map_of(map), pool);
+        const hexrelief::matching::Slopes found = find_slopes(map_of(map), pool);
         EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
         EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
     }
@@ -117,8 +117,8 @@ TEST(RefineOracle, Filling) {
         const Planes planes = slopes(matches.left);
         const TrustedMatches trusted{map_of(matches.left), map_of(matches.right),
                                      raster_of<std::int32_t>(matches.nearest, kAnything)};
-        const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
-                                         raster_of<std::int16_t>(planes.y, 0)};
+        const hexrelief::matching::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
+                                                   raster_of<std::int16_t>(planes.y, 0)};
         const int min_px = input.settings.min_px;
         const Grid filled =
             grid_of(fill_unknown({trusted, slopes16, split_colors(input.pair, pool), min_px}, pool));
@@ -143,8 +143,8 @@ TEST(RefineOracle, WindowsAndVotes) {
         const Planes planes = slopes(map);
         const Voters voters{map, weights, matches.nearest, planes, input.settings.min_px};
         const ColorPlanes colors = split_colors(input.pair.left, Channels::as_they_are, pool);
-        const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
-                                         raster_of<std::int16_t>(planes.y, 0)};
+        const hexrelief::matching::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
+                                                   raster_of<std::int16_t>(planes.y, 0)};
         const auto nearest = raster_of<std::int32_t>(matches.nearest, kAnything);
         const auto own_weights = raster_of<std::uint8_t>(weights, 0);
         const Disparities16 result = take_votes({map_of(map), slopes16, colors, blurred(colors, pool),
@@ -198,4 +198,4 @@ TEST(RefineOracle, TheWhole) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -2,13 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/sgm/costs.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/winners.h"
-#include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 template <typename T>
@@ -112,4 +112,4 @@ TEST(SgmOracle, PathsOfABandOfRows) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

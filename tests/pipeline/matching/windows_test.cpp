@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "compare.h"
+#include "matching_scenes.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/windows.h"
-#include "scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::matching::oracle {
 namespace {
 
 // The numbers of pixels whose runs are adjacent, and of those whose runs are apart.
@@ -113,13 +113,13 @@ TEST(Windows, GiveTheSameInBlocksOfAnySize) {
         const MatchingConfig config = config_of(scene.settings);
         const PairColors colors = split_colors(scene.pair, two);
         const SearchWindows windows = found_windows(scene, map_of(any_half_winners(scene, number)), two);
-        const ViewDisparities whole = hexrelief::match_views(colors.left, colors.right, config.range,
-                                                             windows.view(), config.penalties, two);
+        const ViewDisparities whole = hexrelief::matching::match_views(
+            colors.left, colors.right, config.range, windows.view(), config.penalties, two);
         const std::size_t row_bytes = std::size_t{3} * scene.pair.left.width * 2 * kShortRun;
         for (const std::size_t rows : {0, 5, 10}) {
             const ViewDisparities blocks =
-                hexrelief::match_views(colors.left, colors.right, config.range, windows.view(),
-                                       config.penalties, rows ? two : one, rows * row_bytes);
+                hexrelief::matching::match_views(colors.left, colors.right, config.range, windows.view(),
+                                                 config.penalties, rows ? two : one, rows * row_bytes);
             EXPECT_EQ("", difference(grid_of(whole.left), grid_of(blocks.left)))
                 << scene.name << ", " << rows;
             EXPECT_EQ("", difference(grid_of(whole.right), grid_of(blocks.right)))
@@ -129,4 +129,4 @@ TEST(Windows, GiveTheSameInBlocksOfAnySize) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::matching::oracle

@@ -4,12 +4,12 @@
 
 #include <sstream>
 
-#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/drawing.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"
 #include "tests/mesher/regular_lattice.h"
 
-namespace hexrelief {
+namespace hexrelief::pictures {
 namespace {
 
 TEST(StagePictures, UnknownDisparityIsBlackAndKnownIsNot) {
@@ -56,7 +56,7 @@ TEST(StagePictures, SamplesFollowTheDensity) {
 }
 
 TEST(StagePictures, MeshObjHoldsAllVerticesInOrderAndExactly) {
-    HexMesh2D mesh = regular_lattice(40, 30, 6);
+    HexMesh2D mesh = mesher::regular_lattice(40, 30, 6);
     mesh.positions[3] = {0.1f, 1.0f / 3};
     std::istringstream text(mesh_obj(mesh));
     std::string line;
@@ -77,7 +77,7 @@ TEST(StagePictures, MeshObjHoldsAllVerticesInOrderAndExactly) {
 
 TEST(StagePictures, MeshIsDrawnOverTheBackdrop) {
     Image grey{60, 40, 1, std::vector<std::uint8_t>(60 * 40, 100)};
-    const Image picture = mesh_picture(regular_lattice(60, 40, 6), grey);
+    const Image picture = mesh_picture(mesher::regular_lattice(60, 40, 6), grey);
     EXPECT_EQ(picture.width, 120);
     std::size_t lines = 0;
     for (std::size_t i = 0; i < picture.pixels.size(); i += 3) lines += picture.pixels[i] > 150;
@@ -149,4 +149,4 @@ TEST(ReliefPicture, ShowsTheTextureAndHidesWhatLiesBehind) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::pictures

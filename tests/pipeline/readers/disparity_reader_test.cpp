@@ -6,7 +6,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -162,4 +162,4 @@ TEST(ReadDisparity, RefusesAnImpossibleConfig) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -7,7 +7,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 Image read(const Bytes& bytes) {
@@ -358,4 +358,4 @@ TEST(ReadImage, RefusesUnreadableFiles) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -8,7 +8,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 // Returns a TIFF with one strip that claims a picture of this size and holds 20 zeros.
@@ -55,4 +55,4 @@ TEST(ReadWebp, HeadersAloneTakeNoMemory) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

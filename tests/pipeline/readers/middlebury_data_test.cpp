@@ -7,7 +7,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 class MiddleburyData : public testing::Test {
@@ -58,4 +58,4 @@ TEST_F(MiddleburyData, PairsAndMapsFit) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -7,12 +7,12 @@
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr int kMutations = 400;
@@ -179,4 +179,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, Mutation, testing::ValuesIn(kCases),
                          [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -13,7 +13,7 @@
 #include <cstring>
 #include <fstream>
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 
 Folder::Folder() {
     std::string name = (std::filesystem::temp_directory_path() / "hexrelief-readers-XXXXXX").string();
@@ -145,4 +145,4 @@ Bytes make_pfm(int width, int height, const std::vector<float>& values, bool lit
            samples;
 }
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -11,7 +11,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -93,7 +93,7 @@ std::string error_of(Action&& action, ErrorKind kind = ErrorKind::input) {
     return "";
 }
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers
 
 // Expects that `text` contains `part`; shows both if not.
 #define EXPECT_CONTAINS(text, part)                                                                         \

@@ -3,7 +3,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 std::size_t row_bytes(int width, const TiffKind& kind) {
@@ -90,4 +90,4 @@ Bytes make_tiff(int width, int height, const Bytes& rows, const TiffKind& kind) 
     return read_bytes(path);
 }
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -5,7 +5,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 // 4x4 pixels, each with its own value.
@@ -133,4 +133,4 @@ TEST(ReadStereoFile, MalformedMpoIsRefused) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

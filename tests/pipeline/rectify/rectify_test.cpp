@@ -8,7 +8,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::rectify {
 namespace {
 
 constexpr int kWidth = 320, kHeight = 240, kColumns = 5, kRows = 4;
@@ -230,4 +230,4 @@ TEST(Rectify, SidesThatOpenCvCannotCountAreRefused) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::rectify

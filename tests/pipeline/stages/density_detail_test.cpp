@@ -11,7 +11,7 @@
 #include "pipeline/stages/density.h"
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
@@ -126,4 +126,4 @@ TEST(Density, DetailIsCheckedForItsRange) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

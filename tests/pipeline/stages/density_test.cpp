@@ -9,7 +9,7 @@
 
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -267,4 +267,4 @@ TEST(Density, RefusesImpossibleParameters) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

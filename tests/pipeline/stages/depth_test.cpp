@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr float kNone = kUnknownDepth;
@@ -79,4 +79,4 @@ TEST(Depth, TheBaselineIsSmallerForCoarseSamples) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -11,7 +11,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 // Limits: measured values plus a margin. Most bad pixels are hidden in the right view and correctly unknown.
@@ -24,8 +24,9 @@ struct Sample {
 
 const Sample& sample() {
     static const std::filesystem::path folder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
-    static const Sample files{{read_image(folder / "left.png"), read_image(folder / "right.png")},
-                              read_disparity_map(folder / "disparity.pfm", {})};
+    static const Sample files{
+        {readers::read_image(folder / "left.png"), readers::read_image(folder / "right.png")},
+        readers::read_disparity_map(folder / "disparity.pfm", {})};
     return files;
 }
 
@@ -85,7 +86,7 @@ DisparityConfig sgbm() {
 
 TEST(Disparity, FindsTheSampleScene) {
     const DisparityMap map = compute_disparity(sample().pair, {}, 2);
-    const DisparityEvaluation e = evaluate_disparity(map, sample().disparity);
+    const evaluation::DisparityEvaluation e = evaluation::evaluate_disparity(map, sample().disparity);
     EXPECT_LT(e.bad_percent[1], 8);
     EXPECT_LT(e.bad_percent[2], 6);
     EXPECT_EQ(e.coverage_percent, 100);
@@ -115,10 +116,10 @@ TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
     for (std::uint8_t& level : pair.right.pixels)
         level = static_cast<std::uint8_t>(std::lround(204 * std::pow(level / 255.0, 1.4)));
     const auto bad = [](const DisparityMap& map) {
-        return evaluate_disparity(map, sample().disparity).bad_percent[1];
+        return evaluation::evaluate_disparity(map, sample().disparity).bad_percent[1];
     };
-    const PairMatcher on_cpu = [](const StereoPair& views, const MatchingConfig& matching) {
-        return match_pair(views, matching, 2);
+    const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
+        return matching::match_pair(views, matching, 2);
     };
     const DisparityConfig ranged = with_range(pair, {}, 2);
     const double same = bad(compute_disparity(sample().pair, {}, 2));
@@ -142,12 +143,13 @@ TEST(Disparity, NoiseIsAveragedOut) {
     const RangedPair ranged = find_range(pair, {}, 2);
     EXPECT_GT(ranged.correction.left_noise, 6);
     EXPECT_GT(ranged.correction.right_noise, 6);
-    const PairMatcher on_cpu = [](const StereoPair& views, const MatchingConfig& matching) {
-        return match_pair(views, matching, 2);
+    const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
+        return matching::match_pair(views, matching, 2);
     };
     const auto bad = [&](const PairCorrection& correction) {
-        return evaluate_disparity(match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
-                                  sample().disparity)
+        return evaluation::evaluate_disparity(
+                   match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
+                   sample().disparity)
             .bad_percent[2];
     };
     RecordProperty("bad2", std::to_string(bad(ranged.correction)) + " " + std::to_string(bad({})));
@@ -155,8 +157,8 @@ TEST(Disparity, NoiseIsAveragedOut) {
 }
 
 TEST(Disparity, StereoSgbmFindsTheSampleScene) {
-    const DisparityEvaluation e =
-        evaluate_disparity(compute_disparity(sample().pair, sgbm(), 2), visible_truth());
+    const evaluation::DisparityEvaluation e =
+        evaluation::evaluate_disparity(compute_disparity(sample().pair, sgbm(), 2), visible_truth());
     RecordProperty("bad1", std::to_string(e.bad_percent[1]));
     RecordProperty("coverage", std::to_string(e.coverage_percent));
     EXPECT_LT(e.bad_percent[1], kBad1Limit_percent);
@@ -284,9 +286,11 @@ TEST(Disparity, MatchesGreyWithColour) {
     pair.right = grey;
     DisparityConfig config = sgbm();
     config.color = true;  // impossible with one grey image
-    EXPECT_LT(evaluate_disparity(compute_disparity(pair, {}, 1), sample().disparity).bad_percent[1], 8);
-    EXPECT_LT(evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
-              kBad1Limit_percent);
+    EXPECT_LT(
+        evaluation::evaluate_disparity(compute_disparity(pair, {}, 1), sample().disparity).bad_percent[1], 8);
+    EXPECT_LT(
+        evaluation::evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
+        kBad1Limit_percent);
 }
 
 TEST(Disparity, StereoSgbmWorksInColour) {
@@ -294,7 +298,8 @@ TEST(Disparity, StereoSgbmWorksInColour) {
     config.color = true;
     const DisparityMap colour = compute_disparity(sample().pair, config, 1);
     EXPECT_NE(colour.values, compute_disparity(sample().pair, sgbm(), 1).values);
-    EXPECT_LT(evaluate_disparity(colour, visible_truth()).bad_percent[1], 1.3 * kBad1Limit_percent);
+    EXPECT_LT(evaluation::evaluate_disparity(colour, visible_truth()).bad_percent[1],
+              1.3 * kBad1Limit_percent);
 }
 
 TEST(Disparity, SurvivesTheSmallestAndEmptiestImages) {
@@ -348,7 +353,7 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
 #ifdef HEXRELIEF_HAS_WLS
     const DisparityMap plain = compute_disparity(sample().pair, sgbm(), 1),
                        smooth = compute_disparity(sample().pair, config, 1);
-    const DisparityEvaluation e = evaluate_disparity(smooth, visible_truth());
+    const evaluation::DisparityEvaluation e = evaluation::evaluate_disparity(smooth, visible_truth());
     EXPECT_NE(plain.values, smooth.values);
     EXPECT_LT(e.bad_percent[1], 1.3 * kBad1Limit_percent);
     const auto unknown = std::count(smooth.values.begin(), smooth.values.end(), kUnknownDisparity);
@@ -366,4 +371,4 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

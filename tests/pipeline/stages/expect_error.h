@@ -7,7 +7,7 @@
 
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 
 template <typename Call>
 void expect_error(ErrorKind kind, const std::string& part, Call call) {
@@ -22,4 +22,4 @@ void expect_error(ErrorKind kind, const std::string& part, Call call) {
     }
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

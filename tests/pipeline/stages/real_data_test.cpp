@@ -9,7 +9,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/disparity.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 struct RealPair {
@@ -31,12 +31,13 @@ TEST_P(RealData, MatchesGroundTruth) {
     if (data == nullptr) GTEST_SKIP() << "HEXRELIEF_DATA is not set: no real pairs to match";
     const RealPair& real = GetParam();
     const std::filesystem::path folder = std::filesystem::path(data) / real.folder;
-    const StereoPair pair{read_image(folder / (std::string("left.") + real.images)),
-                          read_image(folder / (std::string("right.") + real.images))};
-    DisparityFileConfig file;
+    const StereoPair pair{readers::read_image(folder / (std::string("left.") + real.images)),
+                          readers::read_image(folder / (std::string("right.") + real.images))};
+    readers::DisparityFileConfig file;
     file.scale = real.scale;
-    const DisparityMap truth = read_disparity_map(folder / real.truth, file);
-    const DisparityEvaluation e = evaluate_disparity(compute_disparity(pair, {}, 2), truth);
+    const DisparityMap truth = readers::read_disparity_map(folder / real.truth, file);
+    const evaluation::DisparityEvaluation e =
+        evaluation::evaluate_disparity(compute_disparity(pair, {}, 2), truth);
     EXPECT_LT(e.bad_percent[1], real.bad1_limit);
     EXPECT_LT(e.bad_percent[2], real.bad2_limit);
 }
@@ -51,4 +52,4 @@ INSTANTIATE_TEST_SUITE_P(
                     RealPair{"middlebury2001/venus", "ppm", "disp.pgm", 8, 2.1, 1.3}));
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

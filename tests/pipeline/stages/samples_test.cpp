@@ -6,19 +6,19 @@
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "samples/scene.h"
+#include "samples/sample_pair.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
 
 TEST(Samples, AreWhatTheGeneratorRenders) {
-    const SampleScene scene = render_sample_scene();
-    EXPECT_EQ(read_image(kFolder / "left.png").pixels, scene.pair.left.pixels);
-    EXPECT_EQ(read_image(kFolder / "right.png").pixels, scene.pair.right.pixels);
-    EXPECT_EQ(read_disparity_map(kFolder / "disparity.pfm", {}).values, scene.disparity.values);
-    const Calibration read = read_calibration(kFolder / "calib.txt");
+    const samples::SampleScene scene = samples::render_sample_scene();
+    EXPECT_EQ(readers::read_image(kFolder / "left.png").pixels, scene.pair.left.pixels);
+    EXPECT_EQ(readers::read_image(kFolder / "right.png").pixels, scene.pair.right.pixels);
+    EXPECT_EQ(readers::read_disparity_map(kFolder / "disparity.pfm", {}).values, scene.disparity.values);
+    const Calibration read = readers::read_calibration(kFolder / "calib.txt");
     EXPECT_DOUBLE_EQ(read.focal_px, scene.calibration.focal_px);
     EXPECT_DOUBLE_EQ(read.cx, scene.calibration.cx);
     EXPECT_DOUBLE_EQ(read.cy, scene.calibration.cy);
@@ -28,8 +28,9 @@ TEST(Samples, AreWhatTheGeneratorRenders) {
 }
 
 TEST(Samples, TruthMovesTheLeftViewOntoTheRight) {
-    const StereoPair pair{read_image(kFolder / "left.png"), read_image(kFolder / "right.png")};
-    const DisparityMap truth = read_disparity_map(kFolder / "disparity.pfm", {});
+    const StereoPair pair{readers::read_image(kFolder / "left.png"),
+                          readers::read_image(kFolder / "right.png")};
+    const DisparityMap truth = readers::read_disparity_map(kFolder / "disparity.pfm", {});
     long long near = 0, all = 0;
     for (int y = 0; y < truth.height; ++y) {
         for (int x = 41; x < truth.width; ++x) {
@@ -49,4 +50,4 @@ TEST(Samples, TruthMovesTheLeftViewOntoTheRight) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -7,7 +7,7 @@
 
 #include "pipeline/stages/surface_quality.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kWidth = 60, kHeight = 40;
@@ -119,4 +119,4 @@ TEST(Silhouettes, NoTriangleTurnsOver) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

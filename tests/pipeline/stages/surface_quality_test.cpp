@@ -12,7 +12,7 @@
 
 #include "pipeline/stages/other_view.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kWidth = 80, kHeight = 20;
@@ -257,4 +257,4 @@ TEST(SurfaceQuality, AMapThatKnowsNothingIsNoError) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

@@ -12,7 +12,7 @@
 #include "pipeline/stages/surface_topology.h"
 #include "tests/pipeline/stages/expect_error.h"
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr int kColumns = 21, kRows = 17;
@@ -311,4 +311,4 @@ TEST(Surface, RefusesImpossibleInput) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

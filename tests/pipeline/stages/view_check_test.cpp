@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace hexrelief {
+namespace hexrelief::stages {
 namespace {
 
 constexpr std::int16_t kNo = kUnmatched;
@@ -32,4 +32,4 @@ TEST(Speckles, AreSmallPatches) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stages

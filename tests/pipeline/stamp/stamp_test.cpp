@@ -10,40 +10,40 @@
 #include "pipeline/job/runner.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::stamp {
 namespace {
 
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
-RunRequest map_request(const TemporaryFolder& folder) {
+job::RunRequest map_request(const TemporaryFolder& folder) {
     fs::copy_file(test::sample("disparity.pfm"), folder / "d.pfm");
-    RunRequest request;
+    job::RunRequest request;
     request.disparity = folder / "d.pfm";
     request.outputs = {folder / "a.drc"};
     request.report = folder / "a.json";
-    apply_setting(request.config, "mesh.spacing_px=24");
+    config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }
 
-void run_stamped(RunRequest& request) {
+void run_stamped(job::RunRequest& request) {
     request.stamp = unit_stamp(request);
-    run_job(request, {});
+    job::run_job(request, {});
 }
 
 TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     const TemporaryFolder folder;
-    const RunRequest request = map_request(folder);
+    const job::RunRequest request = map_request(folder);
     const std::string stamp = unit_stamp(request);
     EXPECT_EQ(stamp.size(), 64u);
 
-    RunRequest other = request;
+    job::RunRequest other = request;
     other.config.run.threads = 7;
-    other.config.run.backend = BackendChoice::cpu;
+    other.config.run.backend = config::BackendChoice::cpu;
     other.outputs = {"elsewhere/a.drc"};
     EXPECT_EQ(unit_stamp(other), stamp) << "threads, backend and folders change no byte";
     other = request;
-    apply_setting(other.config, "mesh.seed=2");
+    config::apply_setting(other.config, "mesh.seed=2");
     EXPECT_NE(unit_stamp(other), stamp);
     other = request;
     other.outputs = {folder / "a.glb"};
@@ -59,7 +59,7 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
 
 TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
     const TemporaryFolder folder;
-    RunRequest request = map_request(folder);
+    job::RunRequest request = map_request(folder);
     const auto refusal = [](const auto& call) {
         try {
             call();
@@ -73,12 +73,12 @@ TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
     EXPECT_EQ(refusal([&] { unit_stamp(request); }), told + "no such file; check the path");
     for (const fs::path& unreadable : {fs::path(missing), folder.path()}) {
         request.disparity = unreadable;
-        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { run_job(request, {}); }));
+        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { job::run_job(request, {}); }));
     }
 }
 
 TEST(Stamp, DoesNotDependOnLimits) {
-    RunRequest request;
+    job::RunRequest request;
     const std::string stamp = unit_stamp(request);
     request.config.limits.max_memory = 1000;
     request.config.limits.reading.max_pixels = 1000;
@@ -88,9 +88,9 @@ TEST(Stamp, DoesNotDependOnLimits) {
 
 TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
     const TemporaryFolder folder;
-    RunRequest request = map_request(folder);
+    job::RunRequest request = map_request(folder);
     EXPECT_EQ(stamp_request(request), UnitState::missing);
-    run_job(request, {});
+    job::run_job(request, {});
     EXPECT_EQ(stamp_request(request), UnitState::current);
     EXPECT_EQ(unit_state(request, "another stamp"), UnitState::changed);
 
@@ -112,12 +112,12 @@ TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
 
 TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
     const TemporaryFolder folder;
-    RunRequest request = map_request(folder);
+    job::RunRequest request = map_request(folder);
     request.outputs = {folder / "one/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
     request.color = test::sample("left.png");  // the last two outputs share its texture
     run_stamped(request);
     EXPECT_EQ(stamp_request(request), UnitState::current);
-    RunRequest elsewhere = request;
+    job::RunRequest elsewhere = request;
     elsewhere.outputs = {folder / "three/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
     EXPECT_EQ(stamp_request(elsewhere), UnitState::changed) << "nothing is there yet";
     fs::copy_file(folder / "two/a.obj", folder / "a.obj");
@@ -131,13 +131,13 @@ TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
 
 TEST(Stamp, FoldersMayBeMovedAndCopied) {
     const TemporaryFolder folder;
-    RunRequest request = map_request(folder);
+    job::RunRequest request = map_request(folder);
     request.outputs = {folder / "old/a.gltf", folder / "old/part/a.gltf"};
     request.report = folder / "old/a.json";
     request.stages_folder = folder / "old/stages";
     run_stamped(request);
     fs::copy(folder / "old", folder / "new", fs::copy_options::recursive);
-    RunRequest copied = request;
+    job::RunRequest copied = request;
     copied.outputs = {folder / "new/a.gltf", folder / "new/part/a.gltf"};
     copied.report = folder / "new/a.json";
     copied.stages_folder = folder / "new/stages";
@@ -154,7 +154,7 @@ TEST(Stamp, FoldersMayBeMovedAndCopied) {
 
 TEST(Stamp, EveryFileOfTheStagesAndTheDepfileAreToBeThere) {
     const TemporaryFolder folder;
-    RunRequest request = map_request(folder);
+    job::RunRequest request = map_request(folder);
     request.stages_folder = folder / "stages";
     request.depfile = folder / "a.d";
     run_stamped(request);
@@ -168,4 +168,4 @@ TEST(Stamp, EveryFileOfTheStagesAndTheDepfileAreToBeThere) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::stamp

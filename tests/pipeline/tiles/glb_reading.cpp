@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-namespace hexrelief::test {
+namespace hexrelief::tiles {
 namespace {
 
 using Json = nlohmann::json;
@@ -125,4 +125,4 @@ SpaceMesh read_glb(const std::filesystem::path& path) {
     return all;
 }
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::tiles

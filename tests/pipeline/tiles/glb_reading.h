@@ -7,7 +7,7 @@
 
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief::test {
+namespace hexrelief::tiles {
 
 struct SpaceMesh {
     std::vector<std::array<double, 3>> positions;  // the node's transform applied
@@ -18,4 +18,4 @@ struct SpaceMesh {
 // many, which are joined.
 SpaceMesh read_glb(const std::filesystem::path& path);
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::tiles

@@ -20,8 +20,11 @@
 #include "tests/mesher/busy_map.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief::test {
+namespace hexrelief::tiles {
 namespace {
+
+using namespace test;
+using namespace testing_mesher;
 
 using testing_mesher::uniform;
 
@@ -104,10 +107,10 @@ void write_pnm(const std::string& path, const Image& image) {
 }
 
 DisparityMap match(const MatchRequest& request, int threads = 2) {
-    const RunObserver observer;
-    RunLog log(observer);
-    match_in_tiles(request, pick_backend(BackendChoice::cpu, threads), threads, log);
-    return read_disparity_map(request.map, {});
+    const job::RunObserver observer;
+    job::RunLog log(observer);
+    match_in_tiles(request, job::pick_backend(config::BackendChoice::cpu, threads), threads, log);
+    return readers::read_disparity_map(request.map, {});
 }
 
 class PairFolder {
@@ -196,7 +199,7 @@ TEST(MatchTiles, OneTileIsTheMapOfThePair) {
     const PairFolder folder(300, 120);
     const MatchRequest request = folder.request();
     const DisparityMap map = match(request);
-    const DisparityMap expected = compute_disparity(folder.made.pair, request.config.disparity, 2);
+    const DisparityMap expected = stages::compute_disparity(folder.made.pair, request.config.disparity, 2);
     EXPECT_EQ(map.values, expected.values);
 }
 
@@ -209,18 +212,18 @@ TEST(MatchTiles, AreTheSameBytesForAnyNumberOfThreads) {
     std::string sum;
     for (const int threads : {1, 4}) {
         match(request, threads);
-        if (sum.empty()) sum = sha256_of_file(request.map);
-        EXPECT_EQ(sha256_of_file(request.map), sum);
+        if (sum.empty()) sum = files::sha256_of_file(request.map);
+        EXPECT_EQ(files::sha256_of_file(request.map), sum);
     }
     request.map = folder / "map.pfm";
-    EXPECT_EQ(match(request).values, read_disparity_map(folder / "map.tif", {}).values);
+    EXPECT_EQ(match(request).values, readers::read_disparity_map(folder / "map.tif", {}).values);
 }
 
 TEST(MatchTiles, WindowsHoldTileCollarAndReach) {
-    DisparityConfig config;
+    stages::DisparityConfig config;
     config.num_disparities_px = 100;  // 112 are searched
     const PairSize whole{5000, 3000};
-    MapRect w = window_of_tile({2048, 1024, 512, 512}, whole, config, 51);
+    mesh_tiles::MapRect w = window_of_tile({2048, 1024, 512, 512}, whole, config, 51);
     EXPECT_EQ(w.x, (2048 - 51 - 112) / 32 * 32);
     EXPECT_EQ(w.x + w.width, 2624);   // 2611 unaligned
     EXPECT_EQ(w.y, 960);              // 973 unaligned
@@ -247,7 +250,7 @@ TEST(MatchTiles, TransparentPixelsAreUnknown) {
                          .right = sample("inputs/right.png"),
                          .map = folder / "map.tif",
                          .tile_px = 64};
-    const Image left = read_image(request.left);
+    const Image left = readers::read_image(request.left);
     ASSERT_EQ(left.alpha.size(), left.pixels.size() / left.channels);
     std::vector<bool> seen;
     for (const std::uint8_t alpha : left.alpha) seen.push_back(alpha >= kOpaque);
@@ -264,20 +267,20 @@ TEST(MatchTiles, TransparentPixelsAreUnknown) {
 // The range is that of the calibration, else that of the pair as a whole; for a larger pair, nearly so.
 TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const PairFolder folder(400, 300);
-    const auto left = PictureWindows::open(folder / "left.pgm"),
-               right = PictureWindows::open(folder / "right.pgm");
+    const auto left = windows::PictureWindows::open(folder / "left.pgm"),
+               right = windows::PictureWindows::open(folder / "right.pgm");
     std::vector<std::string> told;
-    RunObserver observer;
+    job::RunObserver observer;
     observer.decides = [&](const std::string& decision) { told.push_back(decision); };
-    RunLog log(observer);
-    const auto range = [&](const Calibration& calibration, const DisparityConfig& config) {
+    job::RunLog log(observer);
+    const auto range = [&](const Calibration& calibration, const stages::DisparityConfig& config) {
         return look_at_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
-    EXPECT_EQ(range({}, {}), with_range(folder.made.pair, {}, 2).num_disparities_px);
+    EXPECT_EQ(range({}, {}), stages::with_range(folder.made.pair, {}, 2).num_disparities_px);
     Calibration calibration;
     calibration.ndisp_px = 77;
     EXPECT_EQ(range(calibration, {}), 77);
-    DisparityConfig given;
+    stages::DisparityConfig given;
     given.num_disparities_px = 96;
     EXPECT_EQ(range(calibration, given), 96);
     ASSERT_EQ(told.size(), 3u);
@@ -297,14 +300,14 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     };
     write_pnm(folder / "left.pgm", enlarged(folder.made.pair.left));
     write_pnm(folder / "right.pgm", enlarged(folder.made.pair.right));
-    const auto left = PictureWindows::open(folder / "left.pgm"),
-               right = PictureWindows::open(folder / "right.pgm");
+    const auto left = windows::PictureWindows::open(folder / "left.pgm"),
+               right = windows::PictureWindows::open(folder / "right.pgm");
     std::string told;
-    RunObserver observer;
+    job::RunObserver observer;
     observer.decides = [&](const std::string& decision) { told = decision; };
-    RunLog log(observer);
+    job::RunLog log(observer);
     const int count = look_at_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
-    const int small = with_range(folder.made.pair, {}, 2).num_disparities_px;
+    const int small = stages::with_range(folder.made.pair, {}, 2).num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));
     EXPECT_LT(count, 7 * (small + 16));
     EXPECT_NE(told.find("chosen from the pair at 1/2 of its size"), std::string::npos) << told;
@@ -380,4 +383,4 @@ TEST(MatchTiles, MapsArePlannedAndSolved) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::tiles

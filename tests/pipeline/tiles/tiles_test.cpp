@@ -30,8 +30,11 @@
 #include "tests/pipeline/process.h"
 #include "tests/pipeline/tiles/glb_reading.h"
 
-namespace hexrelief::test {
+namespace hexrelief::tiles {
 namespace {
+
+using namespace test;
+using namespace testing_mesher;
 
 using testing_mesher::busy_map;
 using testing_mesher::busy_picture;
@@ -41,16 +44,16 @@ constexpr int kWidth_px = 372, kHeight_px = 290, kTile = 78;  // 2 x 1 tiles, or
 constexpr int kTall_px = 372;
 
 void write_map(const std::string& path, const DisparityMap& map) {
-    OutputSet files;
+    files::OutputSet files;
     files.place(path);
-    MapWriter writer(files.files(), path, map.width, map.height, 64);
+    windows::MapWriter writer(files.files(), path, map.width, map.height, 64);
     writer.write(map.values.data(), map.height);
     writer.finish();
     files.commit();
 }
 
-Config small_config(Compression compression) {
-    Config config;
+config::Config small_config(exporters::Compression compression) {
+    config::Config config;
     config.mesh.spacing_px = 3;
     config.exporting.compression = compression;
     config.input.calibration.focal_px = 400;
@@ -58,18 +61,19 @@ Config small_config(Compression compression) {
     return config;
 }
 
-Backend cpu(int threads) {
-    return pick_backend(BackendChoice::cpu, threads);
+job::Backend cpu(int threads) {
+    return job::pick_backend(config::BackendChoice::cpu, threads);
 }
 
 class PlannedFolder {
   public:
-    explicit PlannedFolder(const DisparityMap& map, Compression compression = Compression::none,
+    explicit PlannedFolder(const DisparityMap& map,
+                           exporters::Compression compression = exporters::Compression::none,
                            bool with_picture = false) {
         write_map(folder_ / "map.tif", map);
         PlanRequest request{folder_ / "map.tif", {}, folder_ / "p", {}, kTile, small_config(compression)};
         if (with_picture) {
-            write_png(folder_ / "left.png", busy_picture(map, 1));
+            exporters::write_png(folder_ / "left.png", busy_picture(map, 1));
             request.color = folder_ / "left.png";
         }
         plan = make_plan(request, cpu(2), 2, log_);
@@ -85,7 +89,7 @@ class PlannedFolder {
         std::map<std::string, std::string> found;
         for (const auto& entry : std::filesystem::recursive_directory_iterator(plan.folder))
             if (entry.is_regular_file())
-                found[entry.path().lexically_relative(plan.folder)] = sha256_of_file(entry.path());
+                found[entry.path().lexically_relative(plan.folder)] = files::sha256_of_file(entry.path());
         return found;
     }
     std::string operator/(const std::string& name) const { return folder_ / name; }
@@ -94,18 +98,18 @@ class PlannedFolder {
 
   private:
     TemporaryFolder folder_;
-    RunObserver observer_;
-    RunLog log_{observer_};
+    job::RunObserver observer_;
+    job::RunLog log_{observer_};
 };
 
-Point in_space(const TilePlan& plan, const TileCorner& corner) {
-    Point p = position_in_space(corner.place.x / 1024.0, corner.place.y / 1024.0, corner.disparity,
-                                plan.calibration);
+Point in_space(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
+    Point p = stages::position_in_space(corner.place.x / 1024.0, corner.place.y / 1024.0, corner.disparity,
+                                        plan.calibration);
     for (double& x : p) x = std::round(x / plan.grid_step_m) * plan.grid_step_m;
     return p;
 }
 
-class TileFormats : public ::testing::TestWithParam<Compression> {};
+class TileFormats : public ::testing::TestWithParam<exporters::Compression> {};
 
 TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
     PlannedFolder folder(busy_map(kTall_px, kTall_px, 1), GetParam());
@@ -115,7 +119,7 @@ TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
     std::size_t borders = 0;
     for (int level = 0; level <= plan.finest_level(); ++level)
         for (const TileNumber& tile : tiles_of_level(plan, level)) {
-            const TileMesh mesh = read_tile(tile_file(plan, tile, ".mesh"));
+            const mesh_tiles::TileMesh mesh = read_tile(tile_file(plan, tile, ".mesh"));
             const SpaceMesh file = read_glb(tile_file(plan, tile, ".glb"));
             EXPECT_EQ(file.triangles.size(), mesh.triangles.size());
             std::set<Point> expected, found(file.positions.begin(), file.positions.end());
@@ -129,12 +133,12 @@ TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TileFormats,
-                         ::testing::Values(Compression::none, Compression::quantized, Compression::meshopt,
-                                           Compression::draco));
+                         ::testing::Values(exporters::Compression::none, exporters::Compression::quantized,
+                                           exporters::Compression::meshopt, exporters::Compression::draco));
 
 TEST(Tiles, AreTheSameBytesInAnyOrderAndByAnyNumberOfWorkers) {
     const DisparityMap map = busy_map(kWidth_px, kHeight_px, 2);
-    PlannedFolder one(map, Compression::none, true), many(map, Compression::none, true);
+    PlannedFolder one(map, exporters::Compression::none, true), many(map, exporters::Compression::none, true);
     one.solve(one.tiles(), 1, 1);
     std::vector<TileNumber> backwards = many.tiles();
     std::reverse(backwards.begin(), backwards.end());
@@ -167,7 +171,8 @@ TEST(Tiles, OnlyWhatIsMissingOrDamagedIsSolvedAgain) {
 }
 
 TEST(Tiles, AsOneGlbHaveTheTrianglesOfAll) {
-    for (const Compression compression : {Compression::none, Compression::meshopt, Compression::draco}) {
+    for (const exporters::Compression compression :
+         {exporters::Compression::none, exporters::Compression::meshopt, exporters::Compression::draco}) {
         PlannedFolder folder(busy_map(kWidth_px, kHeight_px, 1), compression, true);
         folder.solve();
         const MergedTiles merged = folder.merge("scene.glb");
@@ -198,19 +203,19 @@ TEST(Tiles, OfMapsThatAreMostlyUnknown) {
 
 TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
     const TemporaryFolder folder;
-    const Image picture = read_image(sample("inputs/cut_out.png"));
+    const Image picture = readers::read_image(sample("inputs/cut_out.png"));
     const DisparityMap map = busy_map(picture.width, picture.height, 1);
     write_map(folder / "map.tif", map);
-    const MapRect window{10, 5, 60, 50};
-    RunObserver observer;
-    RunLog log(observer);
+    const mesh_tiles::MapRect window{10, 5, 60, 50};
+    job::RunObserver observer;
+    job::RunLog log(observer);
     const auto unknown_pixels = [&](bool alpha) {
         PlanRequest request{folder / "map.tif",
                             sample("inputs/cut_out.png"),
                             folder / "p",
                             {},
                             kTile,
-                            small_config(Compression::none)};
+                            small_config(exporters::Compression::none)};
         request.config.input.mask.alpha = alpha;
         const DisparityMap read = PlannedMap(make_plan(request, cpu(1), 1, log), false).read(window);
         std::vector<std::uint8_t> unknown;
@@ -263,11 +268,11 @@ TEST(TilesByCommand, KilledWorkersLoseNothing) {
     std::map<std::string, std::string> sums;
     for (const TileNumber& tile : tiles_of_level(plan, plan.finest_level()))
         for (const char* ending : {".mesh", ".glb", ".json"})
-            sums[tile_file(plan, tile, ending)] = sha256_of_file(tile_file(plan, tile, ending));
+            sums[tile_file(plan, tile, ending)] = files::sha256_of_file(tile_file(plan, tile, ending));
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "p"))
         EXPECT_FALSE(entry.path().filename().string().ends_with(".tmp")) << entry.path();
     ASSERT_EQ(run_program({"tiles", "solve", folder / "p", "--force", "--quiet"}).exit_code, 0);
-    for (const auto& [name, sum] : sums) EXPECT_EQ(sha256_of_file(name), sum) << name;
+    for (const auto& [name, sum] : sums) EXPECT_EQ(files::sha256_of_file(name), sum) << name;
 }
 
 TEST(TilesByCommand, APlanIsTheSameByAnyThreadsAndBackend) {
@@ -353,4 +358,4 @@ TEST(TilesByCommand, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::tiles

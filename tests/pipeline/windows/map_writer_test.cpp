@@ -6,7 +6,7 @@
 #include "pipeline/windows/map_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ DisparityMap sample_map(int width, int height) {
 }
 
 void write_map(const fs::path& path, const DisparityMap& map, int tile_px, int rows_at_once) {
-    FileTransaction files;
+    exporters::FileTransaction files;
     MapWriter writer(files, path, map.width, map.height, tile_px);
     for (int y = 0; y < map.height; y += rows_at_once)
         writer.write(&map.values[static_cast<std::size_t>(y) * map.width],
@@ -37,10 +37,10 @@ TEST(MapWriter, MapsAreReadBack) {
             for (const char* const name : {"map.tif", "map.tiff", "map.pfm"}) {
                 SCOPED_TRACE(std::string(name) + " " + std::to_string(width) + " tile " +
                              std::to_string(tile));
-                const Folder folder;
+                const readers::Folder folder;
                 const fs::path path = folder.path() / name;
                 write_map(path, map, tile, tile == 7 ? 4 : 9);
-                EXPECT_EQ(read_disparity_map(path, {}).values, map.values);
+                EXPECT_EQ(readers::read_disparity_map(path, {}).values, map.values);
                 const auto windows = MapWindows::open(path);
                 EXPECT_EQ(windows->read(0, 0, width, height).values, map.values);
                 EXPECT_EQ(windows->read(width / 2, height / 2, 1, 1).values[0],
@@ -51,23 +51,23 @@ TEST(MapWriter, MapsAreReadBack) {
 }
 
 TEST(MapWriter, LeavesNothingWithoutCommit) {
-    const Folder folder;
+    const readers::Folder folder;
     folder.write("map.pfm", "old");
     {
-        FileTransaction files;
+        exporters::FileTransaction files;
         MapWriter writer(files, folder.path() / "map.pfm", 2, 2);
         const float row[2] = {1, 2};
         writer.write(row, 1);
     }
-    EXPECT_EQ(read_bytes(folder.path() / "map.pfm"), to_bytes("old"));
+    EXPECT_EQ(readers::read_bytes(folder.path() / "map.pfm"), readers::to_bytes("old"));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
 }
 
 TEST(MapWriter, RefusesOtherNamesAndSizes) {
-    const Folder folder;
-    FileTransaction files;
+    const readers::Folder folder;
+    exporters::FileTransaction files;
     const auto failure = [&](const char* name, int width, int height, ErrorKind kind) {
-        return error_of([&] { MapWriter(files, folder.path() / name, width, height); }, kind);
+        return readers::error_of([&] { MapWriter(files, folder.path() / name, width, height); }, kind);
     };
     EXPECT_CONTAINS(failure("map.png", 2, 2, ErrorKind::usage), ".pfm");
     EXPECT_CONTAINS(failure("map.tif", 0, 2, ErrorKind::usage), "not 0x2");
@@ -78,4 +78,4 @@ TEST(MapWriter, RefusesOtherNamesAndSizes) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::windows

@@ -6,7 +6,7 @@
 #include "pipeline/windows/map_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::windows {
 namespace {
 
 std::vector<float> block(int x, int y, int width, int height, std::uint32_t seed) {
@@ -50,17 +50,17 @@ TEST(Terrain, HasGroundRoofsAndHoles) {
 }
 
 TEST(Terrain, FilesAreTheSameForAnyNumberOfThreads) {
-    const Folder folder;
-    Bytes first;
+    const readers::Folder folder;
+    readers::Bytes first;
     for (const int threads : {1, 3}) {
         for (const char* const name : {"map.tif", "map.pfm"}) {
-            FileTransaction files;
+            exporters::FileTransaction files;
             MapWriter writer(files, folder.path() / name, 130, 70, 32);
             write_terrain(writer, 130, 70, 9, threads);
             writer.finish();
             files.commit();
         }
-        const Bytes bytes = read_bytes(folder.path() / "map.tif");
+        const readers::Bytes bytes = readers::read_bytes(folder.path() / "map.tif");
         if (first.empty()) first = bytes;
         EXPECT_EQ(bytes, first);
         EXPECT_EQ(MapWindows::open(folder.path() / "map.tif")->read(0, 0, 130, 70).values,
@@ -69,4 +69,4 @@ TEST(Terrain, FilesAreTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::windows

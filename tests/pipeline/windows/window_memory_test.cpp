@@ -10,7 +10,7 @@
 #include "pipeline/windows/picture_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::windows {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,11 +33,11 @@ long peak_MiB(const std::function<void()>& work) {
 }
 
 TEST(MapWindows, TakeTheMemoryOfAWindow) {
-    const Folder folder;
+    const readers::Folder folder;
     const fs::path rows = folder.write("map.raw", ""), tiles = folder.path() / "map.tif";
     fs::resize_file(rows, std::uintmax_t{4} << 30);  // a sparse file
     {
-        FileTransaction files;
+        exporters::FileTransaction files;
         MapWriter writer(files, tiles, 4096, 4096);
         const std::vector<float> row(4096, 5.0f);
         for (int y = 0; y < 4096; ++y) writer.write(row.data(), 1);
@@ -54,7 +54,7 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
 }
 
 TEST(PictureWindows, TakeTheMemoryOfAWindow) {
-    const Folder folder;
+    const readers::Folder folder;
     // Above the limit for pictures read as a whole.
     const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");
     fs::resize_file(rows, fs::file_size(rows) + std::uintmax_t{3} * 40000 * 30000);
@@ -68,4 +68,4 @@ TEST(PictureWindows, TakeTheMemoryOfAWindow) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::windows

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct FitPixel {
@@ -159,4 +159,4 @@ std::vector<float> fit_disparities(const Surfaces& s, const Labels& labels, cons
     return {values.begin(), values.end()};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -4,9 +4,9 @@
 #include <map>
 #include <numeric>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct Votes {
@@ -152,4 +152,4 @@ CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const
     return result;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

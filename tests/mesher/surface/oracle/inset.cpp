@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 constexpr float kHighStep_px = 2.3f;
@@ -132,4 +132,4 @@ void inset_silhouettes(const Surfaces& s, const DisparityMap& map, double by_px,
         if (!held[v]) mesh.points[v] = targets[v];
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

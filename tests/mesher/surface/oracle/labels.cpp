@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 // The pixels of a row whose centres lie in a triangle: first .. end - 1.
@@ -187,4 +187,4 @@ Labels label_triangles(const Surfaces& s, const PlaneMesh& mesh, double cell_px)
     return labels;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -3,9 +3,9 @@
 #include <map>
 #include <optional>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 // Returns the neighbour in direction k, east first, then by rising row: clockwise as the image shows it.
@@ -114,4 +114,4 @@ std::vector<bool> snap_vertices(const Surfaces& s, HexMesh2D& lattice) {
     return on_silhouette;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

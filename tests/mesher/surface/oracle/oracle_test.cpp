@@ -9,11 +9,11 @@
 #include <fstream>
 #include <string>
 
-#include "mesher/surface/disparity_mesh.h"
-#include "oracle.h"
-#include "scenes.h"
+#include "mesher/surface/cut_disparity_mesh.h"
+#include "surface_oracle.h"
+#include "surface_scenes.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 constexpr double kPosition_px = 1e-4, kDisparity_px = 1e-3;
@@ -26,7 +26,7 @@ Mesh production_mesh(const Scene& scene, int threads) {
     config.color_shift_px = scene.config.color_shift_px;
     config.split_rounds = scene.config.split_rounds;
     config.silhouette_inset_px = scene.config.inset_px;
-    const DisparityMesh mesh = hexrelief::cut_disparity_mesh(
+    const DisparityMesh mesh = hexrelief::surface::cut_disparity_mesh(
         {&scene.lattice, &scene.map, scene.background_px, scene.has_color ? &scene.color : nullptr}, config,
         threads);
     return {mesh.points, mesh.disparities, mesh.triangles};
@@ -111,4 +111,4 @@ TEST(SurfaceOracle, IncludesNothingOfTheMesher) {
 }
 
 }  // namespace
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

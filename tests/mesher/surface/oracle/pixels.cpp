@@ -4,9 +4,9 @@
 #include <limits>
 #include <set>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 using Region = std::vector<std::size_t>;  // pixels
@@ -219,4 +219,4 @@ Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image
     return s;
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

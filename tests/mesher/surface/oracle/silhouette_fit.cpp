@@ -3,9 +3,9 @@
 #include <cmath>
 #include <optional>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct BorderEdge {
@@ -187,4 +187,4 @@ void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const Cut
     }
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 struct Pixel {
@@ -154,4 +154,4 @@ Vec2f nearest_silhouette_point(const Surfaces& s, const Vec2f& p, const Vec2f& c
     return {moved(line.x, -kept * line.ny), moved(line.y, kept * line.nx)};
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <map>
 
-#include "parts.h"
+#include "oracle_parts.h"
 
-namespace hexrelief::oracle {
+namespace hexrelief::surface::oracle {
 namespace {
 
 using Corners = std::array<Vec2f, 3>;
@@ -119,4 +119,4 @@ void split_straddling(const Surfaces& s, const std::vector<bool>& straddling, Pl
     });
 }
 
-}  // namespace hexrelief::oracle
+}  // namespace hexrelief::surface::oracle

@@ -4,7 +4,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 Calibration read(std::string_view text) {
@@ -192,4 +192,4 @@ TEST(ReadCalibration, RefusesWhatIsNoCalibration) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

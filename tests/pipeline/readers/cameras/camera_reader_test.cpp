@@ -2,7 +2,7 @@
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 CalibrationFile read(std::string_view text) {
@@ -202,4 +202,4 @@ TEST(ReadColmapCamera, RefusesOthers) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

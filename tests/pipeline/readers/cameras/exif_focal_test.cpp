@@ -6,7 +6,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr std::uint16_t kShort = 3, kLong = 4, kRational = 5;
@@ -113,4 +113,4 @@ TEST(ReadExifFocal, DamagedDataAreNoneOrALens) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

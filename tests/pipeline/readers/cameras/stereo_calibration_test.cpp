@@ -3,7 +3,7 @@
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 std::string matrix(const std::string& name, int rows, int columns, const std::string& data) {
@@ -106,4 +106,4 @@ TEST(ReadStereoCalibration, NamesTheKeyThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -5,12 +5,12 @@
 
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/heic_derivations.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr int kWidth = 64, kHeight = 64;
@@ -168,4 +168,4 @@ TEST(HeicDerivations, PicturesAreCounted) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

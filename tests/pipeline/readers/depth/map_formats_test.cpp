@@ -1,12 +1,12 @@
 // Tests NPY, NPZ and EXR, and TIFF's unknown samples, as disparity and depth maps.
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/depth_reader.h"
-#include "pipeline/readers/describe.h"
+#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -222,4 +222,4 @@ TEST(TiffNodata, IsUnknown) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -2,7 +2,7 @@
 
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 std::string kept_text(const PixelMask& mask) {
@@ -75,4 +75,4 @@ TEST(Mask, AnotherSizeTakesWhatLiesUnderEachCentre) {
 }
 
 }  // namespace
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

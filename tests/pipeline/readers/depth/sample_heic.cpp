@@ -12,7 +12,7 @@ extern "C" const char* __lsan_default_suppressions() {
     return "leak:libx265";
 }
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 heif_error take(heif_context*, const void* data, size_t size, void* user) {
@@ -89,4 +89,4 @@ Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::st
     return file;
 }
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 namespace {
 
 // Appends a number, little endian.
@@ -155,4 +155,4 @@ Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, c
     return exr;
 }
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

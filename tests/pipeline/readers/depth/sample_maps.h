@@ -7,7 +7,7 @@
 
 #include "tests/pipeline/readers/sample_files.h"
 
-namespace hexrelief::test {
+namespace hexrelief::readers {
 
 // Makes an NPY file. header: the dictionary's text.
 Bytes make_npy(const std::string& header, const Bytes& samples, int version = 1);
@@ -35,4 +35,4 @@ struct ExrKind {
 // order of their names.
 Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, const ExrKind& kind = {});
 
-}  // namespace hexrelief::test
+}  // namespace hexrelief::readers

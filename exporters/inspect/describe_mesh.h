@@ -1,0 +1,43 @@
+// Describes the contents of a mesh file.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::inspect {
+
+struct LevelDescription {
+    long long vertices = 0, triangles = 0;
+};
+
+struct MeshDescription {
+    std::string format;  // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz", "html"
+    // Sum over all meshes of the file, without coarser levels of detail; for .stl, which has no vertices, the
+    // number of different corners.
+    long long vertices = 0;
+    long long triangles = 0;                // polygons count as the triangles that they split into
+    std::vector<LevelDescription> coarser;  // levels of detail of MSFT_lod, fine to coarse
+    bool normals = false;
+    bool texcoords = false;
+    bool colors = false;
+    std::string compression = "none";  // of the geometry, in the terms of export.compression
+    // "POSITION" .. "indices", or one entry "Draco"
+    std::vector<std::pair<std::string, long long>> geometry_bytes;
+    long long texture_bytes = 0;  // encoded images inside or beside the file; missing ones count 0
+    bool has_bounds = false;  // min, max: bounds of the positions, in glTF as the default scene places them
+    Vec3f min, max;
+    std::string generator;  // asset.generator, or the first comment; may be empty
+};
+
+// Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order) .stl (binary) .usdz (with USD text)
+// .html (written by this program), chosen by the extension. A .glb file is read without its buffer. Never
+// allocates more than a small multiple of the file's size (for .drc: than its decoder does). Throws
+// Error(usage) if the extension is another one; Error(input) if the file is missing, empty, above 2 GiB (for
+// .glb: without its buffer), truncated or malformed.
+MeshDescription describe_mesh(const std::filesystem::path& path);
+
+}  // namespace hexrelief::inspect

@@ -1,0 +1,55 @@
+// Decoded samples, which may be a picture or a disparity map.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pipeline/data/image.h"
+
+namespace hexrelief::readers::codec {
+
+// Returns the float whose bytes are those of `value` in reverse.
+inline float in_other_byte_order(float value) {
+    const auto v = std::bit_cast<std::uint32_t>(value);
+    return std::bit_cast<float>(v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24);
+}
+
+inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
+
+// A format's own statement about a depth map's samples.
+struct StatedDepth {
+    // depth: metres; inverse_depth: 1 / metres.
+    enum class Kind { nothing, depth, inverse_depth, relative_inverse };
+    Kind kind = Kind::nothing;
+    double step = 0;        // between adjacent samples, if these were converted to floats
+    std::string told = {};  // the source of this information
+};
+
+struct PixelWindow {
+    std::uint32_t x, y, width, height;
+};
+
+// Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
+// neither 1-2-4-bit samples nor those of a PGM with its own maxval are stretched, because the samples of a
+// map mean the numbers themselves.
+struct Raster {
+    int width = 0;
+    int height = 0;
+    int channels = 1;
+    unsigned max_value = 255;  // value of full white in integer samples, 1..65535; unused for floats
+    // Sample value that the file itself declares to mean "unknown"; NaN = none.
+    double nodata = kNoData;
+    std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
+    std::vector<std::uint8_t> alpha = {};  // 0..255 per pixel; empty = all are opaque
+    StatedDepth stated = {};
+};
+
+// Moves the last of the raster's 2 or 4 channels, of 8 or 16 bits, to its alpha, which stays empty if
+// no pixel is transparent.
+void split_alpha(Raster& raster);
+
+}  // namespace hexrelief::readers::codec

@@ -1,0 +1,20 @@
+// A small synthetic rectified pair whose disparities are known exactly.
+#pragma once
+
+#include "pipeline/data/calibration.h"
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::samples {
+
+struct SampleScene {
+    StereoPair pair;          // colour
+    DisparityMap disparity;   // of the left view at the pixels' centres, known also where the right is blind
+    Calibration calibration;  // metric
+};
+
+// 320x240, disparities of about 4 to 40 px: a far background, a slanted floor and a slanted wall, three
+// spheres, thin upright and leaning bars. Needs only + - * / sqrt and integer hashes: the same bytes wherever
+// doubles are IEEE.
+SampleScene render_sample_scene();
+
+}  // namespace hexrelief::samples
