@@ -18,7 +18,7 @@ struct MatchingInput {
     step::PathPenalties penalties;
 };
 
-// The costs of vertical paths at the pixels of row y, as those of a row of a MatchingVolume.
+// The costs of vertical paths at the pixels of row y, p1 larger, in the order of a row of a MatchingVolume.
 struct PathRow {
     std::uint16_t* costs;
     int y;
@@ -30,7 +30,7 @@ class PathRows {
     PathRows(int rows, std::size_t row_entries);  // not initialised
     PathRow& row(int index) { return rows_[static_cast<std::size_t>(index)]; }
     // Paths that begin at row y: before it they cost nothing, in the windows of its pixels.
-    void begin(int index, int y);
+    void begin(int index, int y, const step::PathPenalties& penalties);
 
   private:
     std::size_t row_entries_;

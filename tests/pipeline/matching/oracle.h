@@ -16,10 +16,10 @@
 //     the one, cut down.
 //  3. Paths come from the left, the right, above and below. A path's cost at a disparity is the match's cost,
 //     and the least of these at the pixel before, less the least cost there: the cost at this disparity; p1
-//     more than at one 1 px away; p2 more than the least. Disparities that the window there has not cost
-//     30000 there, and are none of the least. Nothing comes before the first pixel. p2 falls with the colour
-//     step c between the two pixels in the left picture: p2 - (p2 - (p1 + 1)) c / 25, the quotient without
-//     its fraction, and at least p1 + 1.
+//     more than at one 1 px away; p2 more than the least. No path comes from disparities that the window
+//     there has not. Nothing comes before the first pixel. p2 falls with the colour step c between the two
+//     pixels in the left picture: p2 - (p2 - (p1 + 1)) c / 25, the quotient without its fraction, and at
+//     least p1 + 1.
 //  4. Winners have the least sum of four paths' costs, and the smaller disparity where two have, of those of
 //     the range that the window has. For the right view, candidates are the left pixels that match the right
 //     one; unknown where there is none. Between 16ths of a px lies the vertex of the parabola through the
