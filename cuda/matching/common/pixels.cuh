@@ -7,6 +7,7 @@
 
 #include "cuda/matching/common/launch.cuh"
 #include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/common/halves_step.h"
 
 namespace hexrelief::cuda {
 
@@ -19,8 +20,8 @@ __device__ inline int2 pixel_of_thread() {
     return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
 }
 
-// 1 in either half of a word: kernels keep two numbers of 16 bits in one.
-inline constexpr std::uint32_t kBoth = 0x00010001u;
+// Kernels keep two numbers of 16 bits in a word.
+using step::kBoth;
 
 HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));

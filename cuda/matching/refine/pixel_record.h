@@ -22,9 +22,9 @@ using PixelRecords = RasterView<const PixelRecord>;
 
 // For smoothing. All bits of colour are set where the disparity is unknown, and so are all of the border.
 struct alignas(16) PlaneRecord {
-    std::int32_t disparity;  // 1/512 px
+    std::int32_t disparity;  // 1/16 px
     std::uint32_t slopes;    // as PixelRecord
-    std::uint32_t color;     // see PlaneColor
+    std::uint32_t color;     // see step::PlaneColor
     std::uint32_t unused;
 };
 using PlaneRecords = RasterView<const PlaneRecord>;

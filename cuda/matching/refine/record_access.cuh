@@ -36,7 +36,7 @@ __device__ inline int slope_y(const PixelRecord& record) {
 __device__ inline int packed_steps(int dx, int dy) {
     return (dx & 0xff) | (dy & 0xff) << 8;
 }
-// By how much the plane changes to there, in 1/256 px, and `more`.
+// step::plane_change() to there, and `more`.
 __device__ inline int plane_change(std::uint32_t slopes, int steps, int more = 0) {
     return __dp2a_lo(static_cast<int>(slopes), steps, more);
 }

@@ -87,7 +87,7 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
     const unsigned likeness =
         kKind == kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
     // an unknown one is of no colour, so it has no weight anyway
-    Vote vote{max(from.disparity - (plane_change(from.slopes, voter.steps) >> 4), 0),
+    Vote vote{step::vote<int>(from.disparity, plane_change(from.slopes, voter.steps)),
               step::vote_weight<unsigned>(likeness, voter.at_distance, from.vote_weight, true)};
     const auto column = static_cast<unsigned>(step::matching_column(middle.x, in.min_px, vote.disparity));
     if (column < static_cast<unsigned>(in.map.width) &&
@@ -108,15 +108,12 @@ struct LaneVotes {
           weights(votes[0].weight | votes[1].weight << 8 | votes[2].weight << 16) {}
     // Of those that are at least as large as a disparity. complement: its bits turned, in both halves.
     __device__ unsigned weight_from(std::uint32_t complement) const {
-        const auto counts = [&](std::uint32_t pair) {
-            return __viaddmin_s16x2_relu(pair, complement, kBoth);
-        };
-        return __dp2a_lo(counts(more_by_two[0]), weights, __dp2a_hi(counts(more_by_two[1]), weights, 0u));
+        return __dp2a_lo(step::reaching(more_by_two[0], complement), weights,
+                         __dp2a_hi(step::reaching(more_by_two[1], complement), weights, 0u));
     }
 };
 
-// The weighted median of a warp's votes: the largest disparity that more than half of the weight reaches,
-// found bit by bit; that is where step::narrow() leads to. `otherwise` where none has a weight.
+// The weighted median of a warp's votes; `otherwise` where none has a weight.
 __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll
@@ -129,11 +126,10 @@ __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     const unsigned total = sum_of_lanes(weight), least = least_of_lanes(lowest),
                    range = most_of_lanes(highest) - least;
     const LaneVotes lane(votes);
-    std::uint32_t complement = (0xffffu - least) * kBoth;
-    for (std::uint32_t step = (1u << (32 - __clz(static_cast<int>(range))) >> 1) * kBoth; step >= kBoth;
-         step /= 2)
-        if (sum_of_lanes(lane.weight_from(complement - step)) > total / 2) complement -= step;
-    return total ? static_cast<int>(~complement & 0xffffu) : otherwise;
+    const unsigned median = step::median_by_bits(
+        least, 1u << (32 - __clz(static_cast<int>(range))) >> 1, total,
+        [&](unsigned disparity) { return sum_of_lanes(lane.weight_from(~(disparity * kBoth))); });
+    return total ? static_cast<int>(median) : otherwise;
 }
 
 // A warp takes a pixel at a time.

@@ -1,12 +1,10 @@
 // How a surface is inclined at a pixel: disparity per pixel along x and y, in 1/256.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/common/halves_step.h"
 
 namespace hexrelief::step {
 
@@ -20,7 +18,7 @@ inline constexpr int kSlopeSurface =
 
 // All of these numbers have 16 bits at most. CPUs keep them in as many, so that a vector holds more of them;
 // devices in Int = int, as their registers have 32 bits, and cutting each result would cost an instruction,
-// or two of them in a word (cuda/matching/refine/slopes.cu).
+// or two of them in a word.
 
 // Every other pixel of a window, as the dark squares of a chessboard: what they lack, smoothing does not
 // show.
@@ -31,34 +29,46 @@ HEXRELIEF_HD constexpr bool is_dark(int i, int j) {
 // All bits where true, none where false: selects numbers in loops that become vectors.
 template <typename Int = std::int16_t>
 HEXRELIEF_HD Int mask_of(bool condition) {
-    return condition ? Int{-1} : Int{0};
-}
-template <typename Int>
-HEXRELIEF_HD Int distance_between(Int a, Int b) {
-    return static_cast<Int>((a > b ? a : b) - (a > b ? b : a));
+    return condition ? static_cast<Int>(-1) : Int{0};
 }
 
-// A line fitted through the disparities beside a pixel: how many samples there are on either side, at
-// distances t = -1, -2, .. and 1, 2, .. from it; sums of their disparities v relative to the pixel's own.
-template <typename Int>
-struct LineSums {
-    Int before = 0, behind = 0, v = 0, tv = 0;
+// Set in disparities that a line may reach: an unknown one, which has it, is then far above all others, which
+// are below 2^15 - kLineStep - 1 (see DisparityRange).
+inline constexpr std::uint32_t kUnknownBit = 0x8000;
+
+// The samples of a line on one side of a pixel, at distances k = 1, 2, .. kSamples, as far as the run of one
+// surface reaches. v: the sum of their disparities above the pixel's own, tv: the same of k times these. Each
+// sample also adds kOneSample to v, and kMoreThanOwn, so that no sum is negative. A word holds one line's, or
+// two lines' (see halves_step.h).
+inline constexpr std::uint32_t kOneSample = 4096, kMoreThanOwn = 128;
+static_assert(kSamples * kLineStep < static_cast<int>(kMoreThanOwn));
+template <typename Word>
+struct SideSums {
+    Word on;  // 1: the run goes on; at first, that the pixel's own disparity is known
+    Word v = 0, tv = 0;
+
+    // here: the disparity at distance k, with kUnknownBit. before: the one before it, own: the pixel's own,
+    // both without.
+    HEXRELIEF_HD void add(std::uint32_t k, Word here, Word before, Word own) {
+        constexpr std::uint32_t kLeast = kUnknownBit - kLineStep, kBeyond = 2 * kLineStep + 1;
+        // the step from the one before, 0 .. kBeyond - 1 if it is small enough
+        const Word step = least_of_sum(static_cast<Word>(here - before), in_halves<Word>(0x10000u - kLeast),
+                                       in_halves<Word>(kBeyond));
+        on = least_of(on, static_cast<Word>(in_halves<Word>(kBeyond) - step));
+        const auto counted = static_cast<Word>((here - own) & on * 0xffffu);
+        const auto sample = static_cast<Word>(counted - on * (kUnknownBit - kMoreThanOwn - kOneSample));
+        v = static_cast<Word>(v + sample);
+        tv = static_cast<Word>(tv + k * sample);
+    }
 };
+// A half of such a sum.
+struct SideSum {
+    int count, sum;  // of v: how many samples there are; of tv: the sum of k
 
-// Whether the run of one surface reaches the next sample; `on`: whether it reached the one before.
-template <typename Int>
-HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before) {
-    return on & mask_of<Int>((value >= 0) & (distance_between<Int>(value, before) <= kLineStep));
-}
-
-// v: how much larger the disparity t px away is; counts where `on`. side: of the sums' counts.
-template <typename Int>
-HEXRELIEF_HD void add_sample(Int& side, Int& sum_v, Int& sum_tv, Int t, Int v, Int on) {
-    const auto counted = static_cast<Int>(v & on);
-    side = static_cast<Int>(side - on);
-    sum_v = static_cast<Int>(sum_v + counted);
-    sum_tv = static_cast<Int>(sum_tv + t * counted);
-}
+    HEXRELIEF_HD explicit SideSum(std::uint32_t half)
+        : count(static_cast<int>(half / kOneSample)),
+          sum(static_cast<int>(half % kOneSample) - count * static_cast<int>(kMoreThanOwn)) {}
+};
 
 // floor(sum / count + 1/2), count > 0. Floats of whole numbers below 2^24, one division: the same everywhere.
 HEXRELIEF_HD int rounded_quotient(float sum, float count) {
@@ -67,99 +77,47 @@ HEXRELIEF_HD int rounded_quotient(float sum, float count) {
     return whole - (static_cast<float>(whole) > quotient);
 }
 
-// What the places of a line's samples alone tell: their number, the pixel's own among them, the sum of t, and
-// n times that of its squares less the square of the sum.
+// What the places of a line's samples alone tell: their number, the pixel's own among them, the sum of t
+// (-1, -2, .. before the pixel, 1, 2, .. behind it), and n times that of its squares less the square of the
+// sum.
 struct LinePlaces {
-    int n, t, denominator;
+    std::int16_t n, t;
+    float denominator;
 
+    LinePlaces() = default;
     HEXRELIEF_HD constexpr LinePlaces(int before, int behind)
-        : n(1 + before + behind),
-          t((behind * (behind + 1) - before * (before + 1)) / 2),
-          denominator(n * (squares(before) + squares(behind)) - t * t) {}
+        : n(static_cast<std::int16_t>(1 + before + behind)),
+          t(static_cast<std::int16_t>((behind * (behind + 1) - before * (before + 1)) / 2)),
+          denominator(static_cast<float>(n * (squares(before) + squares(behind)) - t * t)) {}
 
   private:
     HEXRELIEF_HD static constexpr int squares(int k) { return k * (k + 1) * (2 * k + 1) / 6; }
 };
 
-// The slope of the least squares line, in 1/256.
-template <typename Int>
-HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
-    const LinePlaces places(s.before, s.behind);
-    const int slope = rounded_quotient(static_cast<float>(16 * (places.n * s.tv - places.t * s.v)),
-                                       static_cast<float>(places.denominator > 1 ? places.denominator : 1));
+// The slope of the least squares line, in 1/256; v and tv: sums over both sides.
+HEXRELIEF_HD int line_slope(const LinePlaces& places, int v, int tv) {
+    const int slope = rounded_quotient(static_cast<float>(16 * (places.n * tv - places.t * v)),
+                                       places.n >= kLeastSamples ? places.denominator : 1.0f);
     const int cut = slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    return places.n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
-}
-
-// floor(x / divisor + 1/2) for whole numbers x with |x| <= 512 divisors, divisor < 2^11, without a division:
-// a quarter of 1 / divisor more, so that no whole quotient falls below itself.
-struct Reciprocal {
-    float scale, half;
-
-    Reciprocal() = default;
-    HEXRELIEF_HD constexpr Reciprocal(int factor, int divisor)
-        : scale(static_cast<float>(factor) / static_cast<float>(divisor)),
-          half(0.5f + 0.25f / static_cast<float>(divisor)) {}
-    // factor * x / divisor, rounded.
-    HEXRELIEF_HD int rounded(int x) const {
-        return static_cast<int>(floorf(fmaf(static_cast<float>(x), scale, half)));
-    }
-};
-// slope_of() by what is known of each of the few ways in which samples can lie.
-struct alignas(16) LineFit {
-    std::int16_t n, t;
-    Reciprocal reciprocal;
-
-    LineFit() = default;
-    HEXRELIEF_HD constexpr LineFit(int before, int behind) : n(0), t(0), reciprocal(0, 1) {
-        const LinePlaces places(before, behind);
-        if (places.n < kLeastSamples) return;
-        n = static_cast<std::int16_t>(places.n);
-        t = static_cast<std::int16_t>(places.t);
-        reciprocal = Reciprocal(16, places.denominator);
-    }
-    HEXRELIEF_HD int slope(int v, int tv) const {
-        const int slope = reciprocal.rounded(n * tv - t * v);
-        return slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    }
-};
-struct LineFits {
-    LineFit fits[kSamples + 1][kSamples + 1];  // by the samples before and behind
-};
-HEXRELIEF_HD constexpr LineFits line_fits() {
-    LineFits all{};
-    for (int before = 0; before <= kSamples; ++before)
-        for (int behind = 0; behind <= kSamples; ++behind) all.fits[before][behind] = LineFit(before, behind);
-    return all;
+    return places.n >= kLeastSamples ? cut : 0;
 }
 
 // The mean slope of the pixels on the same surface, of the dark ones of a 5x5 window.
-template <typename Int>
-HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
-    return static_cast<std::int16_t>(
-        rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1)));
+HEXRELIEF_HD int mean_slope(int sum, int count) {
+    return rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1));
 }
-// The same by the count's reciprocal, of as many as a window has at most.
-inline constexpr int kMostSlopes = 13;
-struct MeanSlopes {
-    Reciprocal of_count[kMostSlopes + 1];
-};
-HEXRELIEF_HD constexpr MeanSlopes mean_slopes() {
-    MeanSlopes all{};
-    for (int count = 0; count <= kMostSlopes; ++count)
-        all.of_count[count] = Reciprocal(1, count > 1 ? count : 1);
-    return all;
-}
+// Of two known disparities.
 template <typename Int>
-HEXRELIEF_HD Int on_same_surface(Int value, Int own) {
-    return mask_of<Int>((value >= 0) & (distance_between<Int>(value, own) <= kSlopeSurface));
+HEXRELIEF_HD bool is_same_surface(Int value, Int own) {
+    const auto difference = static_cast<Int>(value - own);
+    return (difference <= kSlopeSurface) & (difference >= -kSlopeSurface);
 }
 
-// What a plane's disparity changes by from a pixel with these slopes to one that lies (dx, dy) px away. |dx|,
-// |dy| <= 30, so that 16 bits hold it.
+// What a plane's disparity changes by from a pixel with these slopes to one that lies (dx, dy) px away, in
+// 1/256 px. |dx|, |dy| <= 30, so that 16 bits hold it.
 template <typename Int>
-HEXRELIEF_HD Int plane_offset(Int slope_x, Int slope_y, Int dx, Int dy) {
-    return static_cast<Int>(static_cast<Int>(slope_x * dx + slope_y * dy) >> 4);
+HEXRELIEF_HD Int plane_change(Int slope_x, Int slope_y, Int dx, Int dy) {
+    return static_cast<Int>(slope_x * dx + slope_y * dy);
 }
 
 }  // namespace hexrelief::step
