@@ -171,29 +171,5 @@ TEST(CudaSmall, Matching) {
         expect_equal({67, 43, 3, 3, 20, 2, seed}, with_range({-2, 30}));
 }
 
-TEST(CudaMatching, PairsOfPathCostsAreTwoPathCosts) {
-    std::mt19937 random(7);
-    const auto below = [&](unsigned end) { return static_cast<std::uint16_t>(random() % end); };
-    const auto pair = [](unsigned low, unsigned high) { return low | high << 16; };
-    for (int k = 0; k < 100000; ++k) {
-        const std::uint16_t least = below(16207), p1 = static_cast<std::uint16_t>(1 + below(16000)),
-                            p2 = static_cast<std::uint16_t>(1 + below(16000));
-        std::uint16_t values[6];
-        for (std::uint16_t& value : values)
-            value = k % 5 == 0 ? step::kNoPath : static_cast<std::uint16_t>(least + below(16207));
-        const std::uint8_t costs[2] = {static_cast<std::uint8_t>(below(207)),
-                                       static_cast<std::uint8_t>(below(207))};
-        const auto raised = [&](int i) { return pair(values[i], values[i + 1]) + step::pair_of(p1); };
-        const std::uint32_t both =
-            step::path_costs_of_pair(raised(0), raised(2), raised(4),
-                                     step::pair_steps(step::pair_of(least) + step::pair_of(p1),
-                                                      step::pair_penalty(p1), step::pair_of(p2)),
-                                     pair(costs[0], costs[1]));
-        for (unsigned i = 0; i < 2; ++i)
-            ASSERT_EQ((both >> (16 * i) & 0xffffu) - p1,
-                      step::path_cost(values[i], values[2 + i], values[4 + i], least, p1, p2, costs[i]));
-    }
-}
-
 }  // namespace
 }  // namespace hexrelief::testing_cuda

@@ -7,6 +7,7 @@
 
 #include "cuda/matching/common/launch.cuh"
 #include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/common/halves_step.h"
 
 namespace hexrelief::cuda {
 
@@ -20,8 +21,8 @@ __device__ inline int2 pixel_of_thread() {
     return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
 }
 
-// 1 in both halves of a word: kernels keep two 16-bit numbers in one.
-inline constexpr std::uint32_t kBoth = 0x00010001u;
+// Kernels keep two 16-bit numbers in a word.
+using step::kBoth;
 
 // Returns one channel of a packed colour.
 HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {

@@ -22,9 +22,9 @@ using PixelRecords = matching::RasterView<const PixelRecord>;
 
 // A pixel for smoothing. All bits of the colour are set if the disparity is unknown, and in the border.
 struct alignas(16) PlaneRecord {
-    std::int32_t disparity;  // 1/512 px
+    std::int32_t disparity;  // 1/16 px
     std::uint32_t slopes;    // as in PixelRecord
-    std::uint32_t color;     // see PlaneColor
+    std::uint32_t color;     // see step::PlaneColor
     std::uint32_t unused;
 };
 using PlaneRecords = matching::RasterView<const PlaneRecord>;

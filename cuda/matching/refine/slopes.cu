@@ -1,75 +1,58 @@
 #include "cuda/matching/common/pixels.cuh"
-#include "cuda/matching/refine/plane_color.cuh"
 #include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/slopes.h"
 #include "pipeline/matching/refine/slope_step.h"
+#include "pipeline/matching/refine/smooth_step.h"
 #include "pipeline/matching/refine/vote_step.h"
 
 namespace hexrelief::cuda {
 namespace {
 
-// Lines along x and y are fitted together: each word is two numbers of 16 bits, the one of x in the
-// lower half, whose sums and differences stay within their halves. The word of a side's samples holds
-// their number times kOne plus their disparities above the pixel's own, each increased by kMoreThanOwn
-// so that none is negative. An unknown disparity is far above any other, which are below 2^15 -
-// kLineStep - 1 (see DisparityRange).
-constexpr std::uint32_t kUnknownBits = 0x8000u * kBoth;
-constexpr std::uint32_t kMoreThanOwn = 128, kOne = 4096;
-static_assert(step::kSamples * step::kLineStep < static_cast<int>(kMoreThanOwn));
-struct SideSums {
-    std::uint32_t v = 0, tv = 0, beside;  // beside: the disparities of the first samples, with kUnknownBits
+// Lines along x and y are fitted together: each word holds two numbers, the one of x in the lower half.
+constexpr std::uint32_t kUnknownBits = step::in_halves<std::uint32_t>(step::kUnknownBit);
 
-    // along_x, along_y: entries to a neighbour along x and along y.
-    __device__ SideSums(const std::int16_t* pixel, std::uint32_t own, int along_x, std::ptrdiff_t along_y) {
-        constexpr std::uint32_t kLeast = 0x8000u - step::kLineStep, kBeyond = 2 * step::kLineStep + 1;
-        std::uint32_t on = kBoth, before = own;
+// Sums up the samples on one side of the pixel. along_x, along_y: entries to a neighbour on that side.
+__device__ step::SideSums<std::uint32_t> side_sums(const std::int16_t* pixel, std::uint32_t own, int along_x,
+                                                   std::ptrdiff_t along_y) {
+    step::SideSums<std::uint32_t> sums{kBoth};
+    std::uint32_t before = own;
 #pragma unroll
-        for (int k = 1; k <= step::kSamples; ++k) {
-            const std::uint32_t here =
-                __byte_perm(pixel[k * along_x], pixel[k * along_y], 0x5410) | kUnknownBits;
-            if (k == 1) beside = here;
-            // the step from the preceding sample, 0 .. kBeyond - 1 if it is small enough
-            const std::uint32_t step =
-                __viaddmin_u16x2(here - before, (0x10000u - kLeast) * kBoth, kBeyond * kBoth);
-            on = __vminu2(on, kBeyond * kBoth - step);
-            before = here & ~kUnknownBits;
-            const std::uint32_t counted = (here - own) & on * 0xffffu;
-            const std::uint32_t sample = counted - on * (0x8000u - kMoreThanOwn - kOne);
-            v += sample;
-            tv += static_cast<std::uint32_t>(k) * sample;
-        }
+    for (unsigned k = 1; k <= step::kSamples; ++k) {
+        const std::uint32_t here =
+            __byte_perm(pixel[static_cast<int>(k) * along_x], pixel[k * along_y], 0x5410) | kUnknownBits;
+        sums.add(k, here, before, own);
+        before = here & ~kUnknownBits;
     }
-};
-
-// True if step::discontinuous() holds for the pixel and one of its four neighbours.
-__device__ bool any_discontinuous(std::uint32_t own, std::uint32_t before, std::uint32_t behind) {
-    constexpr std::uint32_t kBeyond = 2 * step::kDiscontinuity + 1;
-    const auto where = [&](std::uint32_t beside) {  // more than kBeyond if it holds
-        const std::uint32_t difference =
-            __viaddmin_u16x2(beside - own, (0x8000u + step::kDiscontinuity) * kBoth, kBeyond * kBoth);
-        return difference + __vminu2(~beside, kBoth);
-    };
-    const std::uint32_t both = __vmaxu2(where(before), where(behind));
-    return (both & 0xffffu) > kBeyond || both >> 16 > kBeyond;
+    return sums;
 }
 
-__device__ constexpr step::LineFits kLineFits = step::line_fits();
-__device__ constexpr step::MeanSlopes kMeanSlopes = step::mean_slopes();
+// True if there is a discontinuity beside a known pixel.
+__device__ bool any_discontinuous(const std::int16_t* pixel, std::ptrdiff_t stride) {
+    const int own = *pixel;
+    return step::discontinuous(own, pixel[-1]) | step::discontinuous(own, pixel[1]) |
+           step::discontinuous(own, pixel[-stride]) | step::discontinuous(own, pixel[stride]);
+}
 
-// Returns the slope of the lower half of the words.
+struct AllLinePlaces {
+    step::LinePlaces places[step::kSamples + 1]
+                           [step::kSamples + 1];  // by the numbers of samples before and behind
+};
+constexpr AllLinePlaces all_line_places() {
+    AllLinePlaces all{};
+    for (int before = 0; before <= step::kSamples; ++before)
+        for (int behind = 0; behind <= step::kSamples; ++behind)
+            all.places[before][behind] = step::LinePlaces(before, behind);
+    return all;
+}
+__device__ constexpr AllLinePlaces kLinePlaces = all_line_places();
+
+// Returns the slope that the lower halves of the words tell.
 __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std::uint32_t v_behind,
                            std::uint32_t tv_behind) {
-    struct Sums {
-        int count, sum;
-        __device__ Sums(std::uint32_t word) {
-            const int half = static_cast<int>(word & 0xffffu);
-            count = half / static_cast<int>(kOne);
-            sum = half % static_cast<int>(kOne) - count * static_cast<int>(kMoreThanOwn);
-        }
-    };
-    const Sums before(v_before), behind(v_behind), t_before(tv_before), t_behind(tv_behind);
-    return kLineFits.fits[before.count][behind.count].slope(before.sum + behind.sum,
-                                                            t_behind.sum - t_before.sum);
+    const step::SideSum before(v_before & 0xffffu), behind(v_behind & 0xffffu), t_before(tv_before & 0xffffu),
+        t_behind(tv_behind & 0xffffu);
+    return step::line_slope(kLinePlaces.places[before.count][behind.count], before.sum + behind.sum,
+                            t_behind.sum - t_before.sum);
 }
 
 // Both slopes are packed, each increased by kSteepest, with a 1 above them, so that the sum of 15 words holds
@@ -100,13 +83,14 @@ __global__ void fit_slopes(RecordInput in, SlopeArrays out) {
     FittedPixel fitted{0, *pixel};
     if (inside && *pixel >= 0) {
         const std::uint32_t own = static_cast<std::uint32_t>(*pixel) * kBoth;
-        const SideSums before(pixel, own, -1, -map.stride), behind(pixel, own, 1, map.stride);
+        const auto before = side_sums(pixel, own, -1, -static_cast<std::ptrdiff_t>(map.stride)),
+                   behind = side_sums(pixel, own, 1, map.stride);
         const int x = slope_along(before.v, before.tv, behind.v, behind.tv),
                   y = slope_along(before.v >> 16, before.tv >> 16, behind.v >> 16, behind.tv >> 16);
         fitted.slopes = static_cast<std::uint32_t>(x + step::kSteepest) |
                         static_cast<std::uint32_t>(y + step::kSteepest) << kSlopeBits |
                         1u << (2 * kSlopeBits);
-        if (out.discontinuous.origin) discontinuous = any_discontinuous(own, before.beside, behind.beside);
+        if (out.discontinuous.origin) discontinuous = any_discontinuous(pixel, map.stride);
     }
     if (inside) out.fitted.at(at.x, at.y) = fitted;
     if (!out.discontinuous.origin) return;
@@ -136,7 +120,8 @@ __device__ void write_mean(const RecordInput& in, int2 at, int disparity, std::u
                            PlaneRecord* to) {
     const std::uint32_t color = in.colors.at(at.x, at.y);
     write_record(
-        {32 * disparity, slopes, disparity < 0 ? PlaneColor::kUnknown : PlaneColor::packed(color), 0}, to);
+        {disparity, slopes, disparity < 0 ? step::PlaneColor::kUnknown : step::PlaneColor::packed(color), 0},
+        to);
 }
 
 template <typename Record>
@@ -153,14 +138,14 @@ __global__ void average_slopes(RecordInput in, matching::RasterView<const Fitted
         const FittedPixel* const row = fitted.row(at.y + j) + at.x;
 #pragma unroll
         for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i)  // an unknown pixel adds nothing
-            if (step::is_dark(i, j) && abs(row[i].disparity - own) <= step::kSlopeSurface)
+            if (step::is_dark(i, j) && step::is_same_surface<int>(row[i].disparity, own))
                 sums += row[i].slopes;
     }
     const int count = static_cast<int>(sums >> (2 * kSlopeBits)), more = count * step::kSteepest;
     const int sum_x = static_cast<int>(sums & kSlopeMask) - more,
               sum_y = static_cast<int>(sums >> kSlopeBits & kSlopeMask) - more;
-    const step::Reciprocal& mean = kMeanSlopes.of_count[count];
-    write_mean(in, at, own, packed_slopes(mean.rounded(sum_x), mean.rounded(sum_y)), &out.at(at.x, at.y));
+    write_mean(in, at, own, packed_slopes(step::mean_slope(sum_x, count), step::mean_slope(sum_y, count)),
+               &out.at(at.x, at.y));
 }
 
 }  // namespace

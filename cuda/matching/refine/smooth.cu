@@ -1,5 +1,4 @@
 #include "cuda/matching/common/pixels.cuh"
-#include "cuda/matching/refine/plane_color.cuh"
 #include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/smooth.h"
 #include "pipeline/matching/refine/smooth_step.h"
@@ -7,51 +6,44 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kReach = step::kSmoothReach;
-
 // A pixel that is smoothed. It takes two opposite pixels of its window at a time, in the two halves of words.
 class SmoothedPixel {
   public:
     __device__ explicit SmoothedPixel(const PlaneRecord& own)
-        : own_(own),
-          color_(own.color),
-          more_(static_cast<unsigned>(15 + 32 * kReach - own.disparity) << 11) {}
+        : own_(own), color_(own.color), own_less_reach_(own.disparity - step::kSmoothReach) {}
 
     // Adds pixel a, (a_dx, a_dy) px away, and pixel b. kernel: step::smoothing_kernel() of both.
     __device__ void add(const PlaneRecord& a, int a_dx, int a_dy, const PlaneRecord& b, int b_dx, int b_dy,
                         unsigned kernel) {
-        // the upper half is step::off_plane() + kReach
+        // step::off_plane() + step::kSmoothReach
         const auto off = [&](const PlaneRecord& other, int steps) {
-            return static_cast<unsigned>(
-                       plane_change(own_.slopes, steps, plane_change(other.slopes, steps, other.disparity))) *
-                       2048u +
-                   more_;
+            const int change = plane_change(own_.slopes, steps, plane_change(other.slopes, steps));
+            return static_cast<unsigned>(step::off_plane(own_less_reach_, other.disparity, change));
         };
         const std::uint32_t offs =
-            __byte_perm(off(a, packed_steps(-a_dx, -a_dy)), off(b, packed_steps(-b_dx, -b_dy)), 0x7632);
-        // step::smoothing_weight() without the kernel, at most kReach
-        std::uint32_t nearness = __viaddmin_s16x2_relu(~offs, (2 * kReach + 1) * kBoth, offs);
-        if (color_.unlike(a.color)) nearness &= 0xffff0000u;
-        if (color_.unlike(b.color)) nearness &= 0x0000ffffu;
-        weights_ += kernel * nearness;
-        // if a nearness is not 0, its half of offs fits into a byte
-        offs_ += kernel * __dp4a(nearness, offs, 0u);
+            __byte_perm(off(a, packed_steps(a_dx, a_dy)), off(b, packed_steps(b_dx, b_dy)), 0x5410);
+        std::uint32_t near = step::nearness(offs);
+        if (color_.unlike(a.color)) near &= 0xffff0000u;
+        if (color_.unlike(b.color)) near &= 0x0000ffffu;
+        sums_.add(kernel, near, offs);
     }
     __device__ std::int16_t disparity() const {
-        constexpr int kMiddle = step::smoothing_kernel<int>(0, 0) * kReach;
-        const int others = static_cast<int>((weights_ & 0xffffu) + (weights_ >> 16));
-        return step::smoothed(static_cast<std::int16_t>(own_.disparity >> 5),
-                              static_cast<int>(offs_) - kReach * others, kMiddle + others);
+        // the pixel itself lies on its plane
+        constexpr int kMiddle = step::smoothing_kernel<int>(0, 0) * step::kSmoothReach;
+        const int weights = kMiddle + static_cast<int>((sums_.weights & 0xffffu) + (sums_.weights >> 16));
+        return step::smoothed(static_cast<std::int16_t>(own_.disparity),
+                              sums_.offs + kMiddle * step::kSmoothReach, weights);
     }
 
   private:
     const PlaneRecord& own_;
-    PlaneColor color_;
-    unsigned more_, weights_ = 0, offs_ = 0;
+    step::PlaneColor color_;
+    int own_less_reach_;
+    step::SmoothSums<std::uint32_t> sums_;
 };
 
 __device__ void write_smoothed(const PlaneRecord& own, std::int16_t disparity, PlaneRecord* to) {
-    write_record({32 * disparity, own.slopes, own.color, 0}, to);
+    write_record({disparity, own.slopes, own.color, 0}, to);
 }
 __device__ void write_smoothed(const PlaneRecord&, std::int16_t disparity, std::int16_t* to) {
     *to = disparity;

@@ -88,7 +88,7 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
     const unsigned likeness =
         kKind == kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
     // an unknown pixel has no colour, so its weight is 0 anyway
-    Vote vote{max(from.disparity - (plane_change(from.slopes, voter.steps) >> 4), 0),
+    Vote vote{step::vote<int>(from.disparity, plane_change(from.slopes, voter.steps)),
               step::vote_weight<unsigned>(likeness, voter.at_distance, from.vote_weight, true)};
     const auto column = static_cast<unsigned>(step::matching_column(middle.x, in.min_px, vote.disparity));
     if (column < static_cast<unsigned>(in.map.width) &&
@@ -110,15 +110,13 @@ struct LaneVotes {
     // Returns the weight of the votes that are at least as large as a disparity. complement: the disparity's
     // inverted bits, in both halves.
     __device__ unsigned weight_from(std::uint32_t complement) const {
-        const auto counts = [&](std::uint32_t pair) {
-            return __viaddmin_s16x2_relu(pair, complement, kBoth);
-        };
-        return __dp2a_lo(counts(more_by_two[0]), weights, __dp2a_hi(counts(more_by_two[1]), weights, 0u));
+        return __dp2a_lo(step::reaching(more_by_two[0], complement), weights,
+                         __dp2a_hi(step::reaching(more_by_two[1], complement), weights, 0u));
     }
 };
 
 // Returns the weighted median of a warp's votes: the largest disparity that more than half of the
-// weight reaches, found bit by bit, which gives the same as step::narrow(). Returns `otherwise` if
+// weight reaches, found by step::median_by_bits(). Returns `otherwise` if
 // all weights are 0.
 __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     unsigned weight = 0, lowest = INT16_MAX, highest = 0;
@@ -132,11 +130,10 @@ __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     const unsigned total = sum_of_lanes(weight), least = least_of_lanes(lowest),
                    range = most_of_lanes(highest) - least;
     const LaneVotes lane(votes);
-    std::uint32_t complement = (0xffffu - least) * kBoth;
-    for (std::uint32_t step = (1u << (32 - __clz(static_cast<int>(range))) >> 1) * kBoth; step >= kBoth;
-         step /= 2)
-        if (sum_of_lanes(lane.weight_from(complement - step)) > total / 2) complement -= step;
-    return total ? static_cast<int>(~complement & 0xffffu) : otherwise;
+    const unsigned median = step::median_by_bits(
+        least, 1u << (32 - __clz(static_cast<int>(range))) >> 1, total,
+        [&](unsigned disparity) { return sum_of_lanes(lane.weight_from(~(disparity * kBoth))); });
+    return total ? static_cast<int>(median) : otherwise;
 }
 
 // Votes on the listed pixels, one pixel at a time per warp.

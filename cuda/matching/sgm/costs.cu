@@ -59,15 +59,19 @@ struct Columns {
     }
 };
 
-// Returns the costs of two neighbouring disparities, side by side.
+// Returns the costs of two neighbouring disparities, in the halves of a word.
 template <int kChannels>
 __device__ std::uint32_t costs_of_pair(const Pixel& own, const Pixel& first, const Pixel& second) {
     const auto hamming = [&](const Pixel& other) {
         return static_cast<std::uint32_t>(__popcll(own.census ^ other.census));
     };
-    return step::matching_costs_of_pair(
-        hamming(first) | hamming(second) << 16,
-        step::cut_differences_of_pair(own.color, first.color, second.color, kChannels), kChannels);
+    const std::uint32_t of_first = __vabsdiffu4(own.color, first.color),
+                        of_second = __vabsdiffu4(own.color, second.color);
+    std::uint32_t differences = 0;
+#pragma unroll
+    for (int c = 0; c < kChannels; ++c)  // byte c of both, with the fourth, which is 0, above each
+        differences += step::cut_difference(__byte_perm(of_first, of_second, 0x3430 + 0x101 * c));
+    return step::matching_cost(hamming(first) | hamming(second) << 16, differences, kChannels);
 }
 
 // Exchanges costs between two neighbouring threads, of which one has disparities of the far run and the

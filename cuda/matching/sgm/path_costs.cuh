@@ -5,8 +5,9 @@
 
 namespace hexrelief::cuda {
 
-// Pairs of costs of disparities outside a window: more than any path costs.
-inline constexpr std::uint32_t kNoPaths = 0xffffffffu;
+// The words of the steps hold two neighbouring disparities.
+using PairStep = step::SmallStep<std::uint32_t>;
+inline constexpr auto kNoPaths = step::in_halves<std::uint32_t>(step::kNoPath);
 
 template <int kRun>
 using LaneCosts = std::uint32_t[kPart<kRun> / 2];  // matching costs, a byte each
@@ -63,7 +64,7 @@ struct PairSource {
     }
 };
 
-// The costs of a path. All are larger by p1 (see step::path_costs_of_pair) until sums are made of them. All
+// The costs of a path. All are larger by p1 (see path_step.h) until sums are made of them. All
 // lanes of a warp call each function together.
 template <int kRun>
 struct PathCosts {
@@ -100,7 +101,7 @@ struct PathCosts {
 
     // Advances to the next pixel, which has these matching costs. small_step: of all paths. may_move: a
     // constant, true if the pixel's window may differ.
-    __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step, PathPixel next,
+    __device__ void advance(const LaneCosts<kRun>& costs, const PairStep& small_step, PathPixel next,
                             bool may_move) {
         const Beside beside =
             kMoves && may_move && __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
@@ -109,7 +110,7 @@ struct PathCosts {
     // Advances two paths, whose instructions need not wait for each other.
     __device__ static void advance_both(PathCosts& a, const LaneCosts<kRun>& a_costs, PathPixel a_next,
                                         PathCosts& b, const LaneCosts<kRun>& b_costs, PathPixel b_next,
-                                        const step::PairPenalty& small_step, bool may_move) {
+                                        const PairStep& small_step, bool may_move) {
         Beside beside_a, beside_b;
         if (kMoves && may_move && __any_sync(~0u, a.moves_to(a_next) || b.moves_to(b_next))) {
             beside_a = a.move(a_next);
@@ -145,15 +146,16 @@ struct PathCosts {
         return {permuted(from_lane_at(-1, pairs[kPairs - 1]), kNoPaths, below),
                 permuted(from_lane_at(1, pairs[0]), kNoPaths, above)};
     }
-    __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step, PathPixel next,
+    __device__ void advance(const LaneCosts<kRun>& costs, const PairStep& small_step, PathPixel next,
                             const Beside& beside) {
-        const step::PairSteps steps = step::pair_steps(least, small_step, step::pair_of(next & kPenalty));
+        const auto steps =
+            step::path_steps(least, small_step, step::in_halves<std::uint32_t>(next & kPenalty));
         std::uint32_t lower = beside.lower;
 #pragma unroll
         for (int k = 0; k < kPairs; ++k) {
             const std::uint32_t before = pairs[k], upper = k + 1 < kPairs ? pairs[k + 1] : beside.upper;
             const std::uint32_t two = __byte_perm(costs[k / 2], 0, k % 2 ? 0x4342 : 0x4140);
-            pairs[k] = step::path_costs_of_pair(before, lower, upper, steps, two);
+            pairs[k] = step::path_cost(before, lower, upper, steps, two);
             lower = before;
         }
         find_least();
@@ -163,17 +165,17 @@ struct PathCosts {
     }
     __device__ void find_least() {
         static_assert(kPairs == 4 || kPairs == 8);
-        least = step::min_of_pairs(pairs[0], pairs[1], pairs[2]);
+        least = step::least_of(pairs[0], pairs[1], pairs[2]);
         if constexpr (kPairs == 4) {
-            least = step::min_of_pairs(least, pairs[3]);
+            least = step::least_of(least, pairs[3]);
         } else {
-            const std::uint32_t others = step::min_of_pairs(pairs[3], pairs[4], pairs[5]);
-            least = step::min_of_pairs(step::min_of_pairs(pairs[6], pairs[7], least), others);
+            const std::uint32_t others = step::least_of(pairs[3], pairs[4], pairs[5]);
+            least = step::least_of(step::least_of(pairs[6], pairs[7], least), others);
         }
-        least = step::min_of_pairs(least, __byte_perm(least, 0, 0x1032));
+        least = step::least_of(least, __byte_perm(least, 0, 0x1032));
 #pragma unroll
         for (int step = kGroup / 2; step > 0; step /= 2)
-            least = step::min_of_pairs(least, __shfl_xor_sync(~0u, least, step, kGroup));
+            least = step::least_of(least, __shfl_xor_sync(~0u, least, step, kGroup));
     }
 };
 

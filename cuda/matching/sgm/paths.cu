@@ -13,7 +13,7 @@ constexpr int kBlock = 32;  // paths are few and long: the smallest blocks sprea
 struct Axes {
     HalfPaths rows[2], columns[2];
     unsigned row_blocks;
-    step::PairPenalty small_step;
+    PairStep small_step;
 };
 template <int kRun>
 __device__ LanePath<kRun> path_of_thread(const Axes& axes) {
@@ -227,7 +227,7 @@ void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const K
     set_half_paths(volume,
                    {width, rows, 1, width, volume.pixels.along_columns + first, volume.sums_of_columns},
                    kept.columns, axes.columns);
-    axes.small_step = step::pair_penalty(p1);
+    axes.small_step = step::small_step<std::uint32_t>(p1);
     const auto blocks = [](int paths) {
         return static_cast<unsigned>(blocks_for(static_cast<std::size_t>(paths) * kGroup, kBlock));
     };

@@ -6,6 +6,7 @@
 #include "mesher/common/host_device.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/match_color_step.h"
+#include "pipeline/matching/refine/slope_step.h"
 
 namespace hexrelief::step {
 
@@ -31,7 +32,8 @@ HEXRELIEF_HD int cut_extension(int distance_px) {
 // Returns the disparity that the plane through a known pixel has (dx, dy) px away from it.
 HEXRELIEF_HD int on_plane(std::int16_t disparity, std::int16_t slope_x, std::int16_t slope_y, int dx,
                           int dy) {
-    const int at = disparity + ((slope_x * cut_extension(dx) + slope_y * cut_extension(dy)) >> 4);
+    const int at =
+        disparity + (plane_change<int>(slope_x, slope_y, cut_extension(dx), cut_extension(dy)) >> 4);
     return at > 0 ? at : 0;
 }
 

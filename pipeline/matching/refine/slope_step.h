@@ -1,12 +1,10 @@
 // The slope of a surface at a pixel: disparity per pixel along x and y, in 1/256.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/common/halves_step.h"
 
 namespace hexrelief::step {
 
@@ -20,7 +18,7 @@ inline constexpr int kSlopeSurface = 24;
 
 // All of these numbers fit into 16 bits. CPUs keep them in 16 bits, so that a vector holds more of them;
 // devices use Int = int, because their registers have 32 bits and truncating each result would cost an
-// instruction, or keep two of them in a word (cuda/matching/refine/slopes.cu).
+// instruction, or keep two of them in a word (halves_step.h).
 
 // True for every other pixel of a window, as the dark squares of a chessboard. The result without the other
 // pixels looks the same after smoothing.
@@ -31,37 +29,46 @@ HEXRELIEF_HD constexpr bool is_dark(int i, int j) {
 // Returns all bits set if true, none if false: selects numbers in vectorised loops.
 template <typename Int = std::int16_t>
 HEXRELIEF_HD Int mask_of(bool condition) {
-    return condition ? Int{-1} : Int{0};
-}
-template <typename Int>
-HEXRELIEF_HD Int distance_between(Int a, Int b) {
-    return static_cast<Int>((a > b ? a : b) - (a > b ? b : a));
+    return condition ? static_cast<Int>(-1) : Int{0};
 }
 
-// The sums of a line fitted through the disparities beside a pixel: numbers of samples before and behind
-// it, at distances t = -1, -2, .. and 1, 2, ..; sums of v, their disparities relative to the pixel's own,
-// and of t v.
-template <typename Int>
-struct LineSums {
-    Int before = 0, behind = 0, v = 0, tv = 0;
+// This bit is set in the disparities of a line's samples. An unknown disparity, which is negative and so has
+// it already, is then far above all others, which are below 2^15 - kLineStep - 1 (see DisparityRange).
+inline constexpr std::uint32_t kUnknownBit = 0x8000;
+
+// The sums over a line's samples on one side of a pixel, at distances k = 1, 2, .. kSamples, as far as the
+// run of one surface reaches: v, of their disparities less the pixel's own, and tv, of k times these. Each
+// sample also adds kOneSample, which counts it, and kMoreThanOwn, so that no sum is negative. A word holds
+// the sums of one line or of two (see halves_step.h).
+inline constexpr std::uint32_t kOneSample = 4096, kMoreThanOwn = 128;
+static_assert(kSamples * kLineStep < static_cast<int>(kMoreThanOwn));
+template <typename Word>
+struct SideSums {
+    Word on;  // 1: the run goes on; at first, the pixel's own disparity is known
+    Word v = 0, tv = 0;
+
+    // Adds the sample at distance k. here: its disparity, with kUnknownBit; before: that of the preceding
+    // sample, own: the pixel's own, both without.
+    HEXRELIEF_HD void add(std::uint32_t k, Word here, Word before, Word own) {
+        constexpr std::uint32_t kLeast = kUnknownBit - kLineStep, kBeyond = 2 * kLineStep + 1;
+        // the step from the preceding sample, 0 .. kBeyond - 1 if it is small enough
+        const Word step = least_of_sum(static_cast<Word>(here - before), in_halves<Word>(0x10000u - kLeast),
+                                       in_halves<Word>(kBeyond));
+        on = least_of(on, static_cast<Word>(in_halves<Word>(kBeyond) - step));
+        const auto counted = static_cast<Word>((here - own) & on * 0xffffu);
+        const auto sample = static_cast<Word>(counted - on * (kUnknownBit - kMoreThanOwn - kOneSample));
+        v = static_cast<Word>(v + sample);
+        tv = static_cast<Word>(tv + k * sample);
+    }
 };
+// One of these sums, unpacked.
+struct SideSum {
+    int count, sum;  // count: for v the number of samples, for tv the sum of k
 
-// Returns whether the run of one surface reaches the next sample, as a mask; `on` is the mask
-// of the sample before.
-template <typename Int>
-HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before) {
-    return on & mask_of<Int>((value >= 0) & (distance_between<Int>(value, before) <= kLineStep));
-}
-
-// Adds a sample if the mask `on` is set. v: its disparity, t px away, less the pixel's own. side: the number
-// of samples on its side.
-template <typename Int>
-HEXRELIEF_HD void add_sample(Int& side, Int& sum_v, Int& sum_tv, Int t, Int v, Int on) {
-    const auto counted = static_cast<Int>(v & on);
-    side = static_cast<Int>(side - on);
-    sum_v = static_cast<Int>(sum_v + counted);
-    sum_tv = static_cast<Int>(sum_tv + t * counted);
-}
+    HEXRELIEF_HD explicit SideSum(std::uint32_t half)
+        : count(static_cast<int>(half / kOneSample)),
+          sum(static_cast<int>(half % kOneSample) - count * static_cast<int>(kMoreThanOwn)) {}
+};
 
 // Returns floor(sum / count + 1/2), count > 0. The floats hold integers below 2^24 and are divided once: the
 // result is the same everywhere.
@@ -74,98 +81,43 @@ HEXRELIEF_HD int rounded_quotient(float sum, float count) {
 // The terms of a line's fit that depend only on the samples' positions, the pixel's own included: their
 // number n, the sum of t, and n times the sum of t^2 less the square of the sum of t.
 struct LinePlaces {
-    int n, t, denominator;
+    std::int16_t n, t;
+    float denominator;
 
+    LinePlaces() = default;
     HEXRELIEF_HD constexpr LinePlaces(int before, int behind)
-        : n(1 + before + behind),
-          t((behind * (behind + 1) - before * (before + 1)) / 2),
-          denominator(n * (squares(before) + squares(behind)) - t * t) {}
+        : n(static_cast<std::int16_t>(1 + before + behind)),
+          t(static_cast<std::int16_t>((behind * (behind + 1) - before * (before + 1)) / 2)),
+          denominator(static_cast<float>(n * (squares(before) + squares(behind)) - t * t)) {}
 
   private:
     HEXRELIEF_HD static constexpr int squares(int k) { return k * (k + 1) * (2 * k + 1) / 6; }
 };
 
-// Returns the slope of the least squares line, in 1/256.
-template <typename Int>
-HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
-    const LinePlaces places(s.before, s.behind);
-    const int slope = rounded_quotient(static_cast<float>(16 * (places.n * s.tv - places.t * s.v)),
-                                       static_cast<float>(places.denominator > 1 ? places.denominator : 1));
+// Returns the slope of the least squares line, in 1/256. v, tv: the sums over both sides.
+HEXRELIEF_HD int line_slope(const LinePlaces& places, int v, int tv) {
+    const int slope = rounded_quotient(static_cast<float>(16 * (places.n * tv - places.t * v)),
+                                       places.n >= kLeastSamples ? places.denominator : 1.0f);
     const int cut = slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    return places.n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
-}
-
-// Computes floor(x / divisor + 1/2) for integers x with |x| <= 512 * divisor and divisor < 2^11,
-// without a division. A quarter of 1 / divisor is added, so that rounding errors never put an exact
-// quotient below its value.
-struct Reciprocal {
-    float scale, half;
-
-    Reciprocal() = default;
-    HEXRELIEF_HD constexpr Reciprocal(int factor, int divisor)
-        : scale(static_cast<float>(factor) / static_cast<float>(divisor)),
-          half(0.5f + 0.25f / static_cast<float>(divisor)) {}
-    // Returns factor * x / divisor, rounded.
-    HEXRELIEF_HD int rounded(int x) const {
-        return static_cast<int>(floorf(fmaf(static_cast<float>(x), scale, half)));
-    }
-};
-// The terms of slope_of(), precomputed for one of the few possible numbers of samples before and behind.
-struct alignas(16) LineFit {
-    std::int16_t n, t;
-    Reciprocal reciprocal;
-
-    LineFit() = default;
-    HEXRELIEF_HD constexpr LineFit(int before, int behind) : n(0), t(0), reciprocal(0, 1) {
-        const LinePlaces places(before, behind);
-        if (places.n < kLeastSamples) return;
-        n = static_cast<std::int16_t>(places.n);
-        t = static_cast<std::int16_t>(places.t);
-        reciprocal = Reciprocal(16, places.denominator);
-    }
-    HEXRELIEF_HD int slope(int v, int tv) const {
-        const int slope = reciprocal.rounded(n * tv - t * v);
-        return slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    }
-};
-struct LineFits {
-    LineFit fits[kSamples + 1][kSamples + 1];  // indexed by the numbers of samples before and behind
-};
-HEXRELIEF_HD constexpr LineFits line_fits() {
-    LineFits all{};
-    for (int before = 0; before <= kSamples; ++before)
-        for (int behind = 0; behind <= kSamples; ++behind) all.fits[before][behind] = LineFit(before, behind);
-    return all;
+    return places.n >= kLeastSamples ? cut : 0;
 }
 
 // Returns the mean slope of `count` pixels on one surface, those among the dark pixels of a 5x5 window.
-template <typename Int>
-HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
-    return static_cast<std::int16_t>(
-        rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1)));
+HEXRELIEF_HD int mean_slope(int sum, int count) {
+    return rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1));
 }
-// Reciprocals of all possible counts, for the same mean without a division; a window has
-// at most kMostSlopes pixels.
-inline constexpr int kMostSlopes = 13;
-struct MeanSlopes {
-    Reciprocal of_count[kMostSlopes + 1];
-};
-HEXRELIEF_HD constexpr MeanSlopes mean_slopes() {
-    MeanSlopes all{};
-    for (int count = 0; count <= kMostSlopes; ++count)
-        all.of_count[count] = Reciprocal(1, count > 1 ? count : 1);
-    return all;
-}
+// True if two known disparities belong to one surface.
 template <typename Int>
-HEXRELIEF_HD Int on_same_surface(Int value, Int own) {
-    return mask_of<Int>((value >= 0) & (distance_between<Int>(value, own) <= kSlopeSurface));
+HEXRELIEF_HD bool is_same_surface(Int value, Int own) {
+    const auto difference = static_cast<Int>(value - own);
+    return (difference <= kSlopeSurface) & (difference >= -kSlopeSurface);
 }
 
 // Returns the change of a plane's disparity from a pixel with these slopes to the pixel (dx, dy) px away;
 // both offsets must be in -30 .. 30, so that 16 bits hold the result.
 template <typename Int>
-HEXRELIEF_HD Int plane_offset(Int slope_x, Int slope_y, Int dx, Int dy) {
-    return static_cast<Int>(static_cast<Int>(slope_x * dx + slope_y * dy) >> 4);
+HEXRELIEF_HD Int plane_change(Int slope_x, Int slope_y, Int dx, Int dy) {
+    return static_cast<Int>(slope_x * dx + slope_y * dy);
 }
 
 }  // namespace hexrelief::step

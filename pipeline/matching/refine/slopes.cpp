@@ -9,30 +9,38 @@
 namespace hexrelief::matching {
 namespace {
 
-struct LineSumsBlock {
-    std::int16_t sides[2][kBlock] = {}, v[kBlock] = {}, tv[kBlock] = {}, on[kBlock];
+using Word = std::uint16_t;
+
+struct LineSums {
+    Word on[kBlock], v[2][kBlock] = {}, tv[2][kBlock] = {};
 };
 
 // Fits lines at pixels[0 .. count - 1], along x (along = 1) or y (along = stride).
 HEXRELIEF_INLINED void fit_lines(const std::int16_t* pixels, std::ptrdiff_t along, int count,
                                  std::int16_t* __restrict slopes) {
-    LineSumsBlock s;
+    LineSums s;
     for (int side = 0; side < 2; ++side) {
-        const int way = side == 0 ? -1 : 1;
-        std::int16_t* const samples = s.sides[side];
-        for (int x = 0; x < count; ++x) s.on[x] = step::mask_of(pixels[x] >= 0);
+        const std::ptrdiff_t onward = side == 0 ? -along : along;
+        Word *const v = s.v[side], *const tv = s.tv[side];
+        for (int x = 0; x < count; ++x) s.on[x] = pixels[x] >= 0;
         for (int k = 1; k <= step::kSamples; ++k) {
-            const auto t = static_cast<std::int16_t>(way * k);
-            const std::int16_t *here = pixels + t * along, *before = here - way * along;
+            const std::int16_t *here = pixels + k * onward, *before = here - onward;
             for (int x = 0; x < count; ++x) {
-                s.on[x] = step::run_reaches(s.on[x], here[x], before[x]);
-                step::add_sample(samples[x], s.v[x], s.tv[x], t,
-                                 static_cast<std::int16_t>(here[x] - pixels[x]), s.on[x]);
+                step::SideSums<Word> sums{s.on[x], v[x], tv[x]};
+                sums.add(static_cast<unsigned>(k), static_cast<Word>(here[x] | step::kUnknownBit),
+                         static_cast<Word>(before[x] & ~step::kUnknownBit), static_cast<Word>(pixels[x]));
+                s.on[x] = sums.on;
+                v[x] = sums.v;
+                tv[x] = sums.tv;
             }
         }
     }
-    for (int x = 0; x < count; ++x)
-        slopes[x] = step::slope_of<std::int16_t>({s.sides[0][x], s.sides[1][x], s.v[x], s.tv[x]});
+    for (int x = 0; x < count; ++x) {
+        const step::SideSum before(s.v[0][x]), behind(s.v[1][x]), t_before(s.tv[0][x]), t_behind(s.tv[1][x]);
+        slopes[x] =
+            static_cast<std::int16_t>(step::line_slope(step::LinePlaces(before.count, behind.count),
+                                                       before.sum + behind.sum, t_behind.sum - t_before.sum));
+    }
 }
 
 HEXRELIEF_SMALL_VECTORS void fit_row(DisparityView map, int y, Slopes& slopes) {
@@ -58,7 +66,8 @@ HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes
             const std::int16_t *slope_x = slopes.x.row(y + j) + x0 + i,
                                *slope_y = slopes.y.row(y + j) + x0 + i;
             for (int x = 0; x < count; ++x) {
-                const std::int16_t on = step::on_same_surface(other[x], own[x]);
+                const std::int16_t on =
+                    step::mask_of((other[x] >= 0) & step::is_same_surface(other[x], own[x]));
                 n[x] = static_cast<std::int16_t>(n[x] - on);
                 sum_x[x] = static_cast<std::int16_t>(sum_x[x] + (slope_x[x] & on));
                 sum_y[x] = static_cast<std::int16_t>(sum_y[x] + (slope_y[x] & on));
@@ -66,8 +75,8 @@ HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes
         }
     std::int16_t* __restrict mean_x = means.x.view().row(y) + x0, * __restrict mean_y =
                                                                       means.y.view().row(y) + x0;
-    for (int x = 0; x < count; ++x) mean_x[x] = step::mean_slope(sum_x[x], n[x]);
-    for (int x = 0; x < count; ++x) mean_y[x] = step::mean_slope(sum_y[x], n[x]);
+    for (int x = 0; x < count; ++x) mean_x[x] = static_cast<std::int16_t>(step::mean_slope(sum_x[x], n[x]));
+    for (int x = 0; x < count; ++x) mean_y[x] = static_cast<std::int16_t>(step::mean_slope(sum_y[x], n[x]));
 }
 
 HEXRELIEF_SMALL_VECTORS void average_row(DisparityView map, const SlopeViews& slopes, int y, Slopes& means) {

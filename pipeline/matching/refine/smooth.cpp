@@ -15,16 +15,18 @@ struct SmoothViews {
     ColorView colors;
 };
 
-struct SmoothSums {
-    std::int32_t offs[kBlock] = {};
-    std::int16_t weights[kBlock] = {};
+using Word = std::uint16_t;
+
+struct Sums {
+    std::uint32_t offs[kBlock] = {};
+    Word weights[kBlock] = {};
 };
 
 // Adds the pixels (i, j) * stride px away.
 HEXRELIEF_INLINED void add_pixels(const SmoothViews& in, int stride, int i, int j, int x0, int y, int count,
-                                  SmoothSums& sums) {
+                                  Sums& sums) {
     const auto dx = static_cast<std::int16_t>(i * stride), dy = static_cast<std::int16_t>(j * stride);
-    const auto kernel = step::smoothing_kernel<std::int16_t>(i, j);
+    const auto kernel = step::smoothing_kernel<Word>(i, j);
     const std::int16_t *own = in.map.row(y) + x0, *own_x = in.slope_x.row(y) + x0,
                        *own_y = in.slope_y.row(y) + x0;
     const std::int16_t *other = in.map.row(y + dy) + x0 + dx, *other_x = in.slope_x.row(y + dy) + x0 + dx,
@@ -32,12 +34,16 @@ HEXRELIEF_INLINED void add_pixels(const SmoothViews& in, int stride, int i, int 
     std::uint8_t steps[kBlock];
     color_steps(in.colors, x0, y, dx, dy, count, steps);
     for (int x = 0; x < count; ++x) {
-        const std::int16_t off = step::off_plane<std::int16_t>({own[x], own_x[x], own_y[x]},
-                                                               {other[x], other_x[x], other_y[x]}, dx, dy);
-        const std::int16_t weight =
-            step::smoothing_weight(off, kernel, (steps[x] <= step::kSmoothColor) & (other[x] >= 0));
-        sums.offs[x] += std::int32_t{weight} * off;
-        sums.weights[x] = static_cast<std::int16_t>(sums.weights[x] + weight);
+        const auto change =
+            step::plane_change<std::int16_t>(static_cast<std::int16_t>(own_x[x] + other_x[x]),
+                                             static_cast<std::int16_t>(own_y[x] + other_y[x]), dx, dy);
+        const auto off =
+            static_cast<Word>(step::kSmoothReach + step::off_plane<std::int16_t>(own[x], other[x], change));
+        const bool alike = (steps[x] <= step::kSmoothColor) & (other[x] >= 0);
+        step::SmoothSums<Word> both{sums.weights[x], sums.offs[x]};
+        both.add(kernel, step::nearness(off) & step::mask_of<Word>(alike), off);
+        sums.weights[x] = both.weights;
+        sums.offs[x] = both.offs;
     }
 }
 
@@ -45,7 +51,7 @@ HEXRELIEF_SMALL_VECTORS void smooth_row(const SmoothViews& in, int stride, int y
                                         std::int16_t* __restrict out) {
     for (int x0 = 0; x0 < in.map.width; x0 += kBlock) {
         const int count = std::min(kBlock, in.map.width - x0);
-        SmoothSums sums;
+        Sums sums;
         for (int j = -step::kSmoothRadius; j <= step::kSmoothRadius; ++j)
             for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i)
                 add_pixels(in, stride, i, j, x0, y, count, sums);

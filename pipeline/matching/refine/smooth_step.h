@@ -14,39 +14,64 @@ inline constexpr int kSmoothRadius = 2, kSmoothLevels = 3;
 inline constexpr int kSmoothReach = 44;  // 1/16 px: pixels this far off the plane have no weight
 inline constexpr int kSmoothColor = 20;  // a larger colour step ends a surface
 
-// The disparity and the slopes of a pixel.
+// Returns the distance of another pixel from the plane through the own one. change: the sum of the changes of
+// both pixels' planes from the own pixel to the other.
 template <typename Int>
-struct PlanePoint {
-    Int disparity, slope_x, slope_y;
-};
-// Returns the distance of a pixel (dx, dy) px away from the plane through this one; the plane has the mean
-// of both pixels' slopes.
-template <typename Int>
-HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& other, Int dx, Int dy) {
-    const auto along_x = static_cast<Int>(static_cast<Int>(own.slope_x + other.slope_x) * dx);
-    const auto along_y = static_cast<Int>(static_cast<Int>(own.slope_y + other.slope_y) * dy);
-    const auto offset = static_cast<Int>(static_cast<Int>(along_x + along_y + 16) >> 5);
-    return static_cast<Int>(other.disparity - offset - own.disparity);
+HEXRELIEF_HD Int off_plane(Int own, Int other, Int change) {
+    return static_cast<Int>(other - static_cast<Int>(static_cast<Int>(change + 16) >> 5) - own);
 }
 
-// Returns the weight of a pixel, at most 9 * 44. kernel: 1..9, by its position in the window. alike: it is
-// known and its colour step is at most kSmoothColor.
-template <typename Int>
-HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike) {
-    const auto below = static_cast<Int>(kSmoothReach + off), above = static_cast<Int>(kSmoothReach - off);
-    const Int nearness = below < above ? below : above;
-    const Int counted = nearness > 0 ? nearness : Int{0};
-    return static_cast<Int>(kernel * counted) & mask_of<Int>(alike);
+// Returns a pixel's weight without the factor of its position in the window; it decreases with the distance
+// from the plane. off: kSmoothReach + off_plane(). A word holds one pixel's or two (see halves_step.h).
+template <typename Word>
+HEXRELIEF_HD Word nearness(Word off) {
+    return least_of_sum_or_0(static_cast<Word>(~off), in_halves<Word>(2 * kSmoothReach + 1), off);
 }
+// Tells in few instructions whether two colours are alike: the largest step of a channel is at most
+// kSmoothColor. Channels lie in fields of 10 bits, and the whole is subtracted from the largest 31-bit
+// number, so that a colour with all bits set becomes 2^31, which is like no other colour.
+struct PlaneColor {
+    static constexpr std::uint32_t kFields = 1u | 1u << 10 | 1u << 20, kLimit = 1u << 9,
+                                   kUnknown = 0xffffffffu;
+    std::uint32_t less, more;
+
+    // color: one byte per channel.
+    HEXRELIEF_HD static std::uint32_t packed(std::uint32_t color) {
+        return 0x7fffffffu - ((color & 0xffu) | (color & 0xff00u) << 2 | (color & 0xff0000u) << 4);
+    }
+    // own: the packed colour of the pixel that others are compared with.
+    HEXRELIEF_HD explicit PlaneColor(std::uint32_t own)
+        : less((kLimit - 1 - kSmoothColor) * kFields - own),
+          more((kLimit - 1 - kSmoothColor) * kFields + own) {}
+    // A channel that differs by more than kSmoothColor reaches kLimit in one of the two.
+    HEXRELIEF_HD bool unlike(std::uint32_t other) const {
+        return ((less + other) | (more - other)) & (kLimit * kFields | 1u << 31);
+    }
+};
+
+// Returns the factor of the position in the window, 1..9.
 template <typename Int>
 HEXRELIEF_HD constexpr Int smoothing_kernel(int i, int j) {
     return static_cast<Int>((3 - (i < 0 ? -i : i)) * (3 - (j < 0 ? -j : j)));
 }
 
-template <typename Int>
-HEXRELIEF_HD std::int16_t smoothed(std::int16_t disparity, std::int32_t weighted_offs, Int weights) {
+// The sums over a window: of weights, at most 81 * kSmoothReach, and of weights times
+// kSmoothReach + off_plane().
+template <typename Word>
+struct SmoothSums {
+    Word weights = 0;
+    std::uint32_t offs = 0;
+
+    // near: nearness(off); 0 if the pixel is unknown or of another colour (see kSmoothColor).
+    HEXRELIEF_HD void add(Word kernel, Word near, Word off) {
+        weights = static_cast<Word>(weights + kernel * near);
+        offs += sum_of_products(kernel, near, off);
+    }
+};
+HEXRELIEF_HD std::int16_t smoothed(std::int16_t disparity, std::uint32_t offs, int weights) {
+    const int weighted = static_cast<int>(offs) - kSmoothReach * weights;
     const int mean =
-        rounded_quotient(static_cast<float>(weighted_offs), static_cast<float>(weights > 1 ? weights : 1));
+        rounded_quotient(static_cast<float>(weighted), static_cast<float>(weights > 1 ? weights : 1));
     const auto moved = static_cast<std::int16_t>(disparity + mean);
     return disparity < 0 ? disparity : moved > 0 ? moved : std::int16_t{0};
 }

@@ -68,10 +68,11 @@ HEXRELIEF_HD Weight vote_weight(Weight likeness, Weight at_distance, Weight own,
     return known ? static_cast<Weight>(weight >> 5) : Weight{0};
 }
 
-// Returns the disparity that a voter (dx, dy) px away votes for.
+// Returns the disparity that a voter votes for. change: plane_change() from the pixel in the middle to the
+// voter.
 template <typename Int>
-HEXRELIEF_HD Int vote(Int voter, Int slope_x, Int slope_y, Int dx, Int dy) {
-    const auto disparity = static_cast<Int>(voter - plane_offset<Int>(slope_x, slope_y, dx, dy));
+HEXRELIEF_HD Int vote(Int voter, Int change) {
+    const auto disparity = static_cast<Int>(voter - static_cast<Int>(change >> 4));
     return disparity > 0 ? disparity : Int{0};
 }
 
@@ -90,6 +91,24 @@ HEXRELIEF_HD void narrow(Weight up_to_middle, Weight total, Int& lo, Int& hi) {
     const bool reached = up_to_middle >= static_cast<Weight>(total - up_to_middle);
     lo = reached ? lo : above;
     hi = reached ? mid : hi;
+}
+
+// Returns the same median bit by bit: the largest disparity that more than half of the weight reaches.
+// weight_from(disparity) returns the weight of the votes that are at least `disparity`. least: the least vote
+// that has a weight; highest_bit: of the largest vote's difference from it, 0 if they are equal.
+template <typename WeightFrom>
+HEXRELIEF_HD unsigned median_by_bits(unsigned least, unsigned highest_bit, unsigned total,
+                                     const WeightFrom& weight_from) {
+    unsigned median = least;
+    for (unsigned bit = highest_bit; bit > 0; bit /= 2)
+        if (weight_from(median + bit) > total / 2) median += bit;
+    return median;
+}
+// Returns 1 in each half whose vote is at least as large as a disparity. more_by_two: the votes plus 2;
+// complement: the bitwise complement of the disparity.
+template <typename Word>
+HEXRELIEF_HD Word reaching(Word more_by_two, Word complement) {
+    return least_of_sum_or_0(more_by_two, complement, in_halves<Word>(1));
 }
 
 }  // namespace hexrelief::step

@@ -55,7 +55,8 @@ HEXRELIEF_INLINED void cast_votes(const VoteViews& in, int x0, int y, int dx, in
             step::vote_weight<std::uint16_t>(likeness[x], at_distance, own_weights[x], voters[x] >= 0);
     const auto along_x = static_cast<std::int16_t>(dx), along_y = static_cast<std::int16_t>(dy);
     for (int x = 0; x < kLanes; ++x)
-        disparities[x] = step::vote<std::int16_t>(voters[x], slope_x[x], slope_y[x], along_x, along_y);
+        disparities[x] =
+            step::vote<std::int16_t>(voters[x], step::plane_change(slope_x[x], slope_y[x], along_x, along_y));
     alignas(64) std::int32_t columns[kLanes], seen[kLanes];
     for (int x = 0; x < kLanes; ++x) {
         const int column = step::matching_column(x0 + x, in.min_px, disparities[x]);

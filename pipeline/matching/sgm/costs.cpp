@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mesher/common/simd.h"
+#include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/sgm/cost_step.h"
 
 namespace hexrelief::matching {
@@ -101,15 +102,17 @@ HEXRELIEF_INLINED void add_colors(const OwnBytes& own, const Byte* __restrict ri
         const Byte* __restrict blue = green + stride;
         const Byte own_red = own.colors[0], own_green = own.colors[1], own_blue = own.colors[2];
         for (int d = 0; d < kRun; ++d) {
-            const Byte differences = static_cast<Byte>(step::cut_difference(own_red, red[d]) +
-                                                       step::cut_difference(own_green, green[d]) +
-                                                       step::cut_difference(own_blue, blue[d]));
+            const Byte differences =
+                static_cast<Byte>(step::cut_difference(step::distance(own_red, red[d])) +
+                                  step::cut_difference(step::distance(own_green, green[d])) +
+                                  step::cut_difference(step::distance(own_blue, blue[d])));
             costs[d] = step::matching_cost(costs[d], differences, 3);
         }
     } else {
         const Byte own_grey = own.colors[0];
         for (int d = 0; d < kRun; ++d)
-            costs[d] = step::matching_cost(costs[d], step::cut_difference(own_grey, right[d]), 1);
+            costs[d] =
+                step::matching_cost(costs[d], step::cut_difference(step::distance(own_grey, right[d])), 1);
     }
 }
 

@@ -16,8 +16,11 @@ namespace {
 using Cost = std::uint16_t;
 using PenaltyTable = std::array<Cost, 256>;  // penalties of large steps, indexed by the colour step
 
-// The costs of several paths at their previous and current pixels, side by side: one entry per disparity of
-// the range, kNoPath where the pixel's window has none, so that windows may differ from pixel to pixel.
+using SmallStep = step::SmallStep<Cost>;
+
+// The costs of several paths at their previous and current pixels, increased by p1 (see path_step.h), side by
+// side: one entry per disparity of the range, kNoPath where the pixel's window has none, so that windows may
+// differ from pixel to pixel.
 class PathCosts {
   public:
     PathCosts(int paths, int count)
@@ -38,11 +41,11 @@ class PathCosts {
     }
     // Begins a path: its costs before the first pixel are 0.
     template <int kRun>
-    void begin(int path, int parity, SearchWindow window) {
+    void begin(int path, int parity, SearchWindow window, Cost p1) {
         enter<kRun>(path, parity, window);
         for (const int first : {window.far_run, window.near_run})
-            std::fill_n(at(path, parity) + first, kRun, Cost{0});
-        least(path, parity) = 0;
+            std::fill_n(at(path, parity) + first, kRun, p1);
+        least(path, parity) = p1;
     }
     // Sets a path's costs; `costs` holds both runs.
     template <int kRun>
@@ -77,14 +80,16 @@ enum class Sums { none, set, add };
 // Advances one run of a path from the previous pixel's costs to the current ones, which are put into the
 // sums. Returns the least of them.
 template <int kRun, Sums kSums>
-HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, Cost least,
-                                   const std::uint8_t* __restrict costs, Cost p1, Cost p2,
-                                   Cost* __restrict here, Cost* __restrict sums) {
-    Cost best = 0xffff;
+HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, const step::PathSteps<Cost>& steps,
+                                   const std::uint8_t* __restrict costs, Cost* __restrict here,
+                                   Cost* __restrict sums) {
+    const Cost p1 = steps.small_step.p1;
+    Cost best = step::kNoPath;
     for (int d = 0; d < kRun; ++d) {
-        const Cost cost = step::path_cost(before[d], before[d - 1], before[d + 1], least, p1, p2, costs[d]);
+        const Cost cost = step::path_cost<Cost>(before[d], before[d - 1], before[d + 1], steps, costs[d]);
         here[d] = cost;
-        if (kSums != Sums::none) sums[d] = kSums == Sums::set ? cost : static_cast<Cost>(sums[d] + cost);
+        if (kSums != Sums::none)
+            sums[d] = static_cast<Cost>((kSums == Sums::set ? cost : sums[d] + cost) - p1);
         best = best < cost ? best : cost;
     }
     return best;
@@ -92,15 +97,15 @@ HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, Cost least,
 
 template <int kRun, Sums kSums>
 HEXRELIEF_INLINED void advance(PathCosts& paths, int path, int here, SearchWindow window,
-                               const std::uint8_t* costs, Cost p1, Cost p2, Cost* sums) {
+                               const std::uint8_t* costs, const SmallStep& small_step, Cost p2, Cost* sums) {
     const int before = here ^ 1, far_run = window.far_run, near_run = window.near_run;
     paths.enter<kRun>(path, here, window);
-    const Cost least = paths.least(path, before);
+    const auto steps = step::path_steps(paths.least(path, before), small_step, p2);
     const Cost* from = paths.at(path, before);
     Cost* to = paths.at(path, here);
-    const Cost best_far = advance_run<kRun, kSums>(from + far_run, least, costs, p1, p2, to + far_run, sums);
+    const Cost best_far = advance_run<kRun, kSums>(from + far_run, steps, costs, to + far_run, sums);
     const Cost best_near =
-        advance_run<kRun, kSums>(from + near_run, least, costs + kRun, p1, p2, to + near_run, sums + kRun);
+        advance_run<kRun, kSums>(from + near_run, steps, costs + kRun, to + near_run, sums + kRun);
     paths.least(path, here) = std::min(best_far, best_near);
 }
 
@@ -109,22 +114,22 @@ struct PathRowView {
     const std::uint8_t* costs;
     const SearchWindow* windows;
     const Cost* p2;
-    Cost p1;
+    SmallStep small_step;
     int width;
 };
 template <int kRun>
 HEXRELIEF_INLINED void follow_row(const PathRowView& row, PathCosts& paths, Cost* sums) {
     const auto at = [](int x) { return static_cast<std::size_t>(x) * 2 * kRun; };
     const int width = row.width;
-    paths.begin<kRun>(0, 1, row.windows[0]);
+    paths.begin<kRun>(0, 1, row.windows[0], row.small_step.p1);
     for (int x = 0; x < width; ++x)
-        advance<kRun, Sums::set>(paths, 0, x & 1, row.windows[x], row.costs + at(x), row.p1, row.p2[x],
-                                 sums + at(x));
-    paths.begin<kRun>(0, 1, row.windows[width - 1]);
+        advance<kRun, Sums::set>(paths, 0, x & 1, row.windows[x], row.costs + at(x), row.small_step,
+                                 row.p2[x], sums + at(x));
+    paths.begin<kRun>(0, 1, row.windows[width - 1], row.small_step.p1);
     for (int i = 0; i < width; ++i) {
         const int x = width - 1 - i;
-        advance<kRun, Sums::add>(paths, 0, i & 1, row.windows[x], row.costs + at(x), row.p1, row.p2[x + 1],
-                                 sums + at(x));
+        advance<kRun, Sums::add>(paths, 0, i & 1, row.windows[x], row.costs + at(x), row.small_step,
+                                 row.p2[x + 1], sums + at(x));
     }
 }
 HEXRELIEF_SMALL_VECTORS void paths_along_row(const PathRowView& row, bool searched_wholly, PathCosts& paths,
@@ -158,7 +163,7 @@ template <int kRun, Sums kSums>
 HEXRELIEF_INLINED void follow_columns(const MatchingInput& input, const ColorView& colors,
                                       const PenaltyTable& p2, const Columns& columns, PathCosts& paths,
                                       MatchingVolume& volume) {
-    const auto p1 = static_cast<Cost>(input.penalties.p1);
+    const auto small_step = step::small_step<Cost>(input.penalties.p1);
     const auto at = [](int x) { return static_cast<std::size_t>(x) * 2 * kRun; };
     const bool down = columns.direction == Direction::down;
     const int first = down ? volume.first_row : volume.first_row + volume.rows - 1, onward = down ? 1 : -1;
@@ -169,7 +174,7 @@ HEXRELIEF_INLINED void follow_columns(const MatchingInput& input, const ColorVie
         const int y = first + i * onward;
         for (int x = columns.first; x < columns.end; ++x)
             advance<kRun, kSums>(
-                paths, x - columns.first, i & 1, input.windows.at(x, y), volume.costs_at(x, y), p1,
+                paths, x - columns.first, i & 1, input.windows.at(x, y), volume.costs_at(x, y), small_step,
                 p2[static_cast<std::size_t>(color_step(colors, x, y, x, y - onward))], volume.sums_at(x, y));
     }
     if (!columns.last) return;
@@ -231,9 +236,9 @@ PathRows::PathRows(int rows, std::size_t row_entries)
     for (int i = 0; i < rows; ++i) rows_.push_back({costs_.data() + i * row_entries_, 0});
 }
 
-void PathRows::begin(int index, int y) {
+void PathRows::begin(int index, int y, const step::PathPenalties& penalties) {
     row(index).y = y;
-    std::fill_n(row(index).costs, row_entries_, Cost{0});
+    std::fill_n(row(index).costs, row_entries_, static_cast<Cost>(penalties.p1));
 }
 
 void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below, MatchingVolume& volume,
@@ -256,7 +261,7 @@ void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below,
             row.p2[static_cast<std::size_t>(x)] =
                 large_step[static_cast<std::size_t>(color_step(colors, x, y, x - 1, y))];
         paths_along_row({volume.costs_at(0, y), input.windows.row(y), row.p2.data(),
-                         static_cast<Cost>(input.penalties.p1), volume.width},
+                         step::small_step<Cost>(input.penalties.p1), volume.width},
                         is_searched_wholly(input.range), row.paths, volume.sums_at(0, y));
     });
     for_each_strip(volume, input.range.count, pool, [&](PathCosts& paths, int first, int end) {

@@ -18,7 +18,8 @@ struct MatchingInput {
     step::PathPenalties penalties;
 };
 
-// The costs of vertical paths at the pixels of row y, in the layout of a row of a MatchingVolume.
+// The costs of vertical paths at the pixels of row y, increased by p1, in the layout of a row of a
+// MatchingVolume.
 struct PathRow {
     std::uint16_t* costs;
     int y;
@@ -30,7 +31,7 @@ class PathRows {
     PathRows(int rows, std::size_t row_entries);  // costs are not initialised
     PathRow& row(int index) { return rows_[static_cast<std::size_t>(index)]; }
     // Sets the row to paths that begin at row y: their costs before it are 0, in the windows of its pixels.
-    void begin(int index, int y);
+    void begin(int index, int y, const step::PathPenalties& penalties);
 
   private:
     std::size_t row_entries_;

@@ -38,12 +38,12 @@ void match_band(const MatchingInput& input, const Band& matched, std::size_t blo
         volume.first_row = band.first + block * rows;
         volume.rows = std::min(rows, band.end - volume.first_row);
     };
-    above.begin(0, band.first);
+    above.begin(0, band.first, input.penalties);
     for (int block = 0; block + 1 < blocks; ++block) {
         move_to(block);
         descend(input, above.row(block), above.row(block + 1), volume, pool);
     }
-    below.begin(0, band.end - 1);
+    below.begin(0, band.end - 1, input.penalties);
     for (int block = blocks - 1; block >= 0; --block) {
         move_to(block);
         aggregate(input, above.row(block), below.row(0), volume, pool);

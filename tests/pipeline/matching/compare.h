@@ -105,8 +105,8 @@ inline Grid any_half_winners(const Scene& scene, int number) {
 // Aggregates a volume of a picture's rows as if vertical paths began at its first and last row.
 inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, ThreadPool& pool) {
     PathRows ends(2, static_cast<std::size_t>(volume.width) * volume.searched);
-    ends.begin(0, volume.first_row);
-    ends.begin(1, volume.first_row + volume.rows - 1);
+    ends.begin(0, volume.first_row, input.penalties);
+    ends.begin(1, volume.first_row + volume.rows - 1, input.penalties);
     aggregate(input, ends.row(0), ends.row(1), volume, pool);
 }
 

@@ -28,7 +28,7 @@
 //     - the same at d - 1 or d + 1, plus p1;
 //     - L, plus max(p1 + 1, p2 - trunc((p2 - (p1 + 1)) c / 25)), with the colour step c between the two
 //       pixels in the left picture.
-//     Disparities outside the previous pixel's window cost 30000 there, and do not count for L.
+//     No path comes from disparities outside the previous pixel's window; they do not count for L.
 //  4. Winners. A pixel's winner is the disparity d below count with the least sum of the four paths'
 //     costs; of equal ones, the smallest. Candidates of a left pixel are the disparities of its window.
 //     Candidates of right pixel (x, y) are the d for which left pixel (x + min_px + d, y) is inside and

@@ -26,6 +26,8 @@ int large_step_penalty(const Settings& settings, int step) {
     return std::max(least, settings.p2 - (settings.p2 - least) * step / 25);
 }
 
+constexpr int kNothing = 1 << 20;  // more than any path costs
+
 // Adds to the sums the costs of the paths that come from (x - dx, y - dy). Rows above first_row do not belong
 // to the picture here.
 void add_path(const Picture& left, const Volume& costs, int first_row, const Settings& settings, int dx,
@@ -39,7 +41,7 @@ void add_path(const Picture& left, const Volume& costs, int first_row, const Set
             if (px >= 0 && px < w && py >= 0 && py < h) {
                 const auto before = [&](int d) {
                     const bool searched = d >= 0 && d < path.count && path.at(px, py, d) != kNotSearched;
-                    return searched ? path.at(px, py, d) : 30000;
+                    return searched ? path.at(px, py, d) : kNothing;
                 };
                 int least = before(0);
                 for (int d = 1; d < path.count; ++d) least = std::min(least, before(d));

@@ -6,7 +6,6 @@
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/refine/sides.h"
-#include "pipeline/matching/refine/slope_step.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/votes.h"
 #include "pipeline/matching/sgm/sgm.h"
@@ -85,26 +84,6 @@ TEST(RefineOracle, Slopes) {
         EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
         EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
     }
-}
-
-// Covers all sums that a line's samples can have, and more: the samples of each side differ by at
-// most kLineStep per step.
-TEST(Slopes, ByReciprocalsAsByDivisions) {
-    constexpr int kMost_v = 2 * step::kLineStep * 10, kMost_tv = 2 * step::kLineStep * 30;
-    const step::LineFits fits = step::line_fits();
-    long different = 0;
-    for (int before = 0; before <= step::kSamples; ++before)
-        for (int behind = 0; behind <= step::kSamples; ++behind)
-            for (int v = -kMost_v; v <= kMost_v; ++v)
-                for (int tv = -kMost_tv; tv <= kMost_tv; ++tv)
-                    different += fits.fits[before][behind].slope(v, tv) !=
-                                 step::slope_of<int>({before, behind, v, tv});
-    EXPECT_EQ(different, 0);
-    const step::MeanSlopes means = step::mean_slopes();
-    for (int count = 1; count <= step::kMostSlopes; ++count)
-        for (int sum = -count * step::kSteepest; sum <= count * step::kSteepest; ++sum)
-            ASSERT_EQ(means.of_count[count].rounded(sum), step::mean_slope(sum, count))
-                << sum << " of " << count;
 }
 
 TEST(RefineOracle, Filling) {
