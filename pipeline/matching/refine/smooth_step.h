@@ -49,6 +49,13 @@ struct PlaneColor {
     }
 };
 
+// floor(sum / count + 1/2), count > 0. Floats of whole numbers below 2^24, one division: the same everywhere.
+HEXRELIEF_HD int rounded_quotient(float sum, float count) {
+    const float quotient = (sum + 0.5f * count) / count;
+    const int whole = static_cast<int>(quotient);
+    return whole - (static_cast<float>(whole) > quotient);
+}
+
 // By the place in the window: 1..9.
 template <typename Int>
 HEXRELIEF_HD constexpr Int smoothing_kernel(int i, int j) {
