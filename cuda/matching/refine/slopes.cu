@@ -33,25 +33,27 @@ __device__ bool any_discontinuous(const std::int16_t* pixel, std::ptrdiff_t stri
            step::discontinuous(own, pixel[-stride]) | step::discontinuous(own, pixel[stride]);
 }
 
-struct AllLinePlaces {
-    step::LinePlaces places[step::kSamples + 1]
-                           [step::kSamples + 1];  // by the numbers of samples before and behind
+// Tables by the numbers of samples before and behind a pixel, and by the number of pixels on its surface.
+struct SlopeTables {
+    step::LinePlaces places[step::kSamples + 1][step::kSamples + 1];
+    float shares[step::kMostSlopes + 1];
 };
-constexpr AllLinePlaces all_line_places() {
-    AllLinePlaces all{};
+constexpr SlopeTables slope_tables() {
+    SlopeTables tables{};
     for (int before = 0; before <= step::kSamples; ++before)
         for (int behind = 0; behind <= step::kSamples; ++behind)
-            all.places[before][behind] = step::LinePlaces(before, behind);
-    return all;
+            tables.places[before][behind] = step::LinePlaces(before, behind);
+    for (int count = 0; count <= step::kMostSlopes; ++count) tables.shares[count] = step::share_of(count);
+    return tables;
 }
-__device__ constexpr AllLinePlaces kLinePlaces = all_line_places();
+__device__ constexpr SlopeTables kTables = slope_tables();
 
 // Returns the slope that the lower halves of the words tell.
 __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std::uint32_t v_behind,
                            std::uint32_t tv_behind) {
     const step::SideSum before(v_before & 0xffffu), behind(v_behind & 0xffffu), t_before(tv_before & 0xffffu),
         t_behind(tv_behind & 0xffffu);
-    return step::line_slope(kLinePlaces.places[before.count][behind.count], before.sum + behind.sum,
+    return step::line_slope(kTables.places[before.count][behind.count], before.sum + behind.sum,
                             t_behind.sum - t_before.sum);
 }
 
@@ -144,7 +146,9 @@ __global__ void average_slopes(RecordInput in, matching::RasterView<const Fitted
     const int count = static_cast<int>(sums >> (2 * kSlopeBits)), more = count * step::kSteepest;
     const int sum_x = static_cast<int>(sums & kSlopeMask) - more,
               sum_y = static_cast<int>(sums >> kSlopeBits & kSlopeMask) - more;
-    write_mean(in, at, own, packed_slopes(step::mean_slope(sum_x, count), step::mean_slope(sum_y, count)),
+    const float share = kTables.shares[count];
+    write_mean(in, at, own,
+               packed_slopes(step::rounded_slope(sum_x, share), step::rounded_slope(sum_y, share)),
                &out.at(at.x, at.y));
 }
 

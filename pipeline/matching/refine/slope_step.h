@@ -70,25 +70,33 @@ struct SideSum {
           sum(static_cast<int>(half % kOneSample) - count * static_cast<int>(kMoreThanOwn)) {}
 };
 
-// Returns floor(sum / count + 1/2), count > 0. The floats hold integers below 2^24 and are divided once: the
-// result is the same everywhere.
-HEXRELIEF_HD int rounded_quotient(float sum, float count) {
-    const float quotient = (sum + 0.5f * count) / count;
-    const int whole = static_cast<int>(quotient);
-    return whole - (static_cast<float>(whole) > quotient);
+// Returns x * scale, rounded (halves up) and limited to kSteepest. scale: a quotient of integers whose
+// divisor is at most 540. kMore exceeds the rounding error of floats and is less than the distance between
+// two quotients, so that no exact half falls below itself.
+HEXRELIEF_HD int rounded_slope(int x, float scale) {
+    constexpr float kMore = 1.0f / 2560, kOffset = static_cast<float>(kSteepest) + 0.5f + kMore;
+    const float from_steepest = static_cast<float>(x) * scale + kOffset;
+    constexpr float kMost = 2 * kSteepest;
+    const float least = from_steepest < kMost ? from_steepest : kMost;
+    return static_cast<int>(least > 0 ? least : 0.0f) - kSteepest;
 }
 
 // The terms of a line's fit that depend only on the samples' positions, the pixel's own included: their
-// number n, the sum of t, and n times the sum of t^2 less the square of the sum of t.
+// number n; the sum of t (-1, -2, .. before the pixel, 1, 2, .. behind it); and 16 over n times the sum of
+// t^2 less the square of the sum of t, or 0 for too few samples.
 struct LinePlaces {
     std::int16_t n, t;
-    float denominator;
+    float scale;
 
     LinePlaces() = default;
     HEXRELIEF_HD constexpr LinePlaces(int before, int behind)
         : n(static_cast<std::int16_t>(1 + before + behind)),
           t(static_cast<std::int16_t>((behind * (behind + 1) - before * (before + 1)) / 2)),
-          denominator(static_cast<float>(n * (squares(before) + squares(behind)) - t * t)) {}
+          scale(0) {
+        const int denominator = n * (squares(before) + squares(behind)) - t * t;
+        const float quotient = 16.0f / static_cast<float>(denominator > 1 ? denominator : 1);
+        scale = n >= kLeastSamples ? quotient : 0.0f;
+    }
 
   private:
     HEXRELIEF_HD static constexpr int squares(int k) { return k * (k + 1) * (2 * k + 1) / 6; }
@@ -96,15 +104,14 @@ struct LinePlaces {
 
 // Returns the slope of the least squares line, in 1/256. v, tv: the sums over both sides.
 HEXRELIEF_HD int line_slope(const LinePlaces& places, int v, int tv) {
-    const int slope = rounded_quotient(static_cast<float>(16 * (places.n * tv - places.t * v)),
-                                       places.n >= kLeastSamples ? places.denominator : 1.0f);
-    const int cut = slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    return places.n >= kLeastSamples ? cut : 0;
+    return rounded_slope(places.n * tv - places.t * v, places.scale);
 }
 
-// Returns the mean slope of `count` pixels on one surface, those among the dark pixels of a 5x5 window.
-HEXRELIEF_HD int mean_slope(int sum, int count) {
-    return rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1));
+// A window has at most this many pixels whose slopes are averaged: the dark ones of 5x5. Their mean is the
+// sum times share_of() their number.
+inline constexpr int kMostSlopes = 13;
+HEXRELIEF_HD constexpr float share_of(int count) {
+    return 1.0f / static_cast<float>(count > 1 ? count : 1);
 }
 // True if two known disparities belong to one surface.
 template <typename Int>

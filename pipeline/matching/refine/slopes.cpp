@@ -75,8 +75,10 @@ HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes
         }
     std::int16_t* __restrict mean_x = means.x.view().row(y) + x0, * __restrict mean_y =
                                                                       means.y.view().row(y) + x0;
-    for (int x = 0; x < count; ++x) mean_x[x] = static_cast<std::int16_t>(step::mean_slope(sum_x[x], n[x]));
-    for (int x = 0; x < count; ++x) mean_y[x] = static_cast<std::int16_t>(step::mean_slope(sum_y[x], n[x]));
+    for (int x = 0; x < count; ++x)
+        mean_x[x] = static_cast<std::int16_t>(step::rounded_slope(sum_x[x], step::share_of(n[x])));
+    for (int x = 0; x < count; ++x)
+        mean_y[x] = static_cast<std::int16_t>(step::rounded_slope(sum_y[x], step::share_of(n[x])));
 }
 
 HEXRELIEF_SMALL_VECTORS void average_row(DisparityView map, const SlopeViews& slopes, int y, Slopes& means) {

@@ -49,6 +49,14 @@ struct PlaneColor {
     }
 };
 
+// Returns floor(sum / count + 1/2), count > 0. The floats hold integers below 2^24 and are divided once: the
+// result is the same everywhere.
+HEXRELIEF_HD int rounded_quotient(float sum, float count) {
+    const float quotient = (sum + 0.5f * count) / count;
+    const int whole = static_cast<int>(quotient);
+    return whole - (static_cast<float>(whole) > quotient);
+}
+
 // Returns the factor of the position in the window, 1..9.
 template <typename Int>
 HEXRELIEF_HD constexpr Int smoothing_kernel(int i, int j) {

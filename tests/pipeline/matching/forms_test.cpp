@@ -203,14 +203,13 @@ TEST(LineSamples, AreThoseOfARunInEitherWord) {
     EXPECT_EQ(different, 0);
 }
 
-// Covers all sums that a line's samples, or a window's slopes, can have: their quotients are floats.
+// Products of floats equal quotients of integers for all sums that a line's samples, or a window's slopes,
+// can have, and more.
 TEST(Slopes, AreQuotientsOfWholeNumbers) {
     const auto rounded = [](int sum, int count) {
         const int twice = 2 * sum + count, divisor = 2 * count;
         return twice / divisor - (twice % divisor < 0);
     };
-    constexpr int kMost_v = 2 * step::kLineStep * 10, kMost_tv = 2 * step::kLineStep * 30;
-    long different = 0;
     for (int before = 0; before <= step::kSamples; ++before)
         for (int behind = 0; behind <= step::kSamples; ++behind) {
             const step::LinePlaces places(before, behind);
@@ -220,18 +219,22 @@ TEST(Slopes, AreQuotientsOfWholeNumbers) {
                 t += k;
                 squares += k * k;
             }
-            for (int v = -kMost_v; v <= kMost_v; v += 3)
-                for (int tv = -kMost_tv; tv <= kMost_tv; ++tv) {
-                    const int slope =
-                        n < 4 ? 0
-                              : std::clamp(rounded(16 * (n * tv - t * v), n * squares - t * t), -512, 512);
-                    different += step::line_slope(places, v, tv) != slope;
-                }
+            ASSERT_EQ(places.n, n);
+            ASSERT_EQ(places.t, t);
+            constexpr int kMost_v = 2 * step::kLineStep * 10, kMost_tv = 2 * step::kLineStep * 30,
+                          kMost = 9 * kMost_tv + 10 * kMost_v;
+            for (int x = -kMost; x <= kMost; ++x) {
+                const int slope = n < step::kLeastSamples ? 0
+                                                          : std::clamp(rounded(16 * x, n * squares - t * t),
+                                                                       -step::kSteepest, step::kSteepest);
+                ASSERT_EQ(step::rounded_slope(x, places.scale), slope)
+                    << x << ", " << before << " before, " << behind << " behind";
+            }
         }
-    EXPECT_EQ(different, 0);
-    for (int count = 1; count <= 13; ++count)
+    for (int count = 1; count <= step::kMostSlopes; ++count)
         for (int sum = -count * step::kSteepest; sum <= count * step::kSteepest; ++sum)
-            ASSERT_EQ(step::mean_slope(sum, count), rounded(sum, count)) << sum << " of " << count;
+            ASSERT_EQ(step::rounded_slope(sum, step::share_of(count)), rounded(sum, count))
+                << sum << " of " << count;
 }
 
 // Covers every distance off the plane, in either half.
