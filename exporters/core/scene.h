@@ -17,10 +17,12 @@ enum class Compression { none, draco, quantized, meshopt };
 
 // Bits of 0 = as many as the tolerances ask for.
 struct DracoConfig {
-    int position_bits = 0;  // 1..30; of the widest side of the mesh's box
-    int normal_bits = 0;    // 2..30
-    int texcoord_bits = 0;  // 1..30
-    int level = 10;         // 0 (fast) .. 10 (small)
+    // The coder takes 0.2 GB for so many bits of any attribute, four times that for each two bits more.
+    static constexpr int kMostBits = 24;
+    int position_bits = 0;  // of the widest side of the mesh's box
+    int normal_bits = 0;
+    int texcoord_bits = 0;
+    int level = 10;  // 0 = fast, 10 = small
 };
 
 // Coarser levels of detail: a file each, or inside .glb and .gltf by MSFT_lod, which programs that do not
@@ -39,6 +41,7 @@ enum class NormalsKind { automatic, always, never };
 
 enum class TextureFormat { none, jpeg, png, webp };
 
+// The field table of pipeline/config has the ranges.
 struct ExportConfig {
     Compression compression = Compression::none;
     // Largest errors of compressed attributes: of positions, projected back, in x, in y and in disparity; of
@@ -52,7 +55,7 @@ struct ExportConfig {
     MaterialKind material = MaterialKind::emissive;
     bool texcoords = true;  // false leaves the texture out as well, where it cannot be mapped without them
     TextureFormat texture = TextureFormat::jpeg;
-    int texture_quality = 90;  // 1..100, of JPEG and WebP
+    int texture_quality = 90;  // of JPEG and WebP
     int texture_max_px = 0;    // longest side of the texture; 0 = as it is
     bool texture_crop = true;  // to what the mesh shows
     bool camera = true;        // the left camera in glTF, where its image's size is known

@@ -30,7 +30,6 @@ struct UnitRules {
     RequestParser parse;
     bool force = false;    // what is up to date is done again
     bool dry_run = false;  // nothing is written
-    bool strict = false;   // as --strict for each unit
     int threads = 1;       // of a unit that names none
     int jobs = 1;          // that a process is likely to do: they share a device's start-up
 };

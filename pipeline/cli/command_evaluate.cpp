@@ -13,15 +13,18 @@ namespace hexrelief {
 namespace {
 
 struct MapOptions {
-    std::optional<double> scale, offset_px, unknown;
+    std::string scale, offset_px, unknown;
 
     // Through the field table, which knows the ranges.
     DisparityFileConfig file_config(const std::string& prefix) const {
         Config config;
-        if (scale) apply_option(config, prefix + "scale", "input.disparity.scale", shortest(*scale));
-        if (offset_px)
-            apply_option(config, prefix + "offset", "input.disparity.offset_px", shortest(*offset_px));
-        if (unknown) apply_option(config, prefix + "unknown", "input.disparity.unknown", shortest(*unknown));
+        const auto take = [&](const char* option, const char* key, const std::string& text) {
+            if (!text.empty())
+                apply_option(config, prefix + option, std::string("input.disparity.") + key, text);
+        };
+        take("scale", "scale", scale);
+        take("offset", "offset_px", offset_px);
+        take("unknown", "unknown", unknown);
         config.input.disparity.scale_option = prefix + "scale";
         config.input.disparity.unknown_option = prefix + "unknown";
         return config.input.disparity;

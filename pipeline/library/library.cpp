@@ -185,7 +185,7 @@ Picture read_picture(const std::string& path) {
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {
-    const Config config = config_of(options, {});
+    const Config config = config_of(options, {}, {"--disparity"});
     DisparityMap map = read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }
@@ -214,7 +214,7 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     auto state = std::make_unique<Mesh::State>();
     state->observer = observer_of(options);
     RunRequest& request = state->request;
-    request.config = config_of(options, camera, is_depth);
+    request.config = config_of(options, camera, {is_depth ? "--depth" : "--disparity"});
     request.outputs = {"relief.glb"};
     if (is_depth) request.depth = "depth";
     state->relief = make_relief(

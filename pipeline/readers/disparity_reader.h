@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/value_range.h"
 #include "pipeline/readers/limits.h"
 #include "pipeline/readers/raster.h"
 
@@ -20,7 +21,9 @@ inline constexpr double kLargestDisparity_px = 1e6;
 struct DisparityFileConfig {
     // 0 = not given: an integer map of 8 bits is then an error that lists Middlebury's scales, one of 16 bits
     // is read as KITTI (scale 256, 0 unknown), PFM and float TIFF are pixels already (scale 1).
+    static constexpr ValueRange kScale{0, 65536};
     double scale = 0;
+    static constexpr ValueRange kOffset_px{-65536, 65536};
     double offset_px = 0;
     // raw value that means "not known", compared before scale and offset. NaN = the format's own, which is 0
     // in integer maps; another value given replaces that 0, so 0 is then a disparity like any other. In float
@@ -37,8 +40,8 @@ struct DisparityFileConfig {
 // float or integer TIFF (GDAL's nodata is unknown), NPY, NPZ and EXR, recognised by content. Throws
 // Error(input): missing, malformed, truncated, zero or too large, colour where channels differ, no known
 // pixel at all, no scale for an 8-bit map, floats that only make sense in the other byte order, or a format
-// that loses (JPEG) or has no room for (WebP) disparities. Throws Error(usage) for a scale that is negative
-// or not finite and an offset that is not finite.
+// that loses (JPEG) or has no room for (WebP) disparities. Throws Error(usage) for a scale or an offset out
+// of range.
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config,
                                 const ReaderLimits& limits = {});
 // The same of samples of one channel that were read already; errors name `path`.

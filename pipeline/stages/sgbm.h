@@ -22,7 +22,5 @@ void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image&
 
 // A multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
-inline constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
-inline constexpr int kLargestRange_px = 1920;  // 16 bits hold 1/16 px, on planes that go beyond the range
 
 }  // namespace hexrelief
