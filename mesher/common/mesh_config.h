@@ -1,4 +1,5 @@
-// Parameters of the mesh stage, by the paper's names (Table 1 and section 4).
+// Parameters of the mesh stage, by the paper's names (Table 1 and section 4). The field table of
+// pipeline/config has their ranges.
 #pragma once
 
 #include <cstdint>
@@ -22,22 +23,21 @@ struct BalanceConfig {
     bool enabled = true;
     // Iterations planned for the finest level and the next coarser; twice as many for all others. A level
     // that is far from balance takes up to eight times as many; one that is near balance, or comes no nearer,
-    // ends earlier. 1..300
+    // ends earlier.
     int iterations = 20;
-    int sweeps = 8;  // of the linear solver in each iteration; 2..100
+    int sweeps = 8;  // of the linear solver in each iteration
     // Balance against shape: 1 % of the triangles may be thinner than this. Smaller = better balanced, larger
-    // = better shaped. 1..30
+    // = better shaped.
     double least_angle_deg = 8.15;
-    double floor =
-        0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
+    double floor = 0.005;  // density of empty pixels while balancing, as a share of the others' mean
 };
 
 struct MeshConfig {
-    double spacing_px = 6;                     // g: lattice of W/g x H/g vertices; 2..256
+    double spacing_px = 6;                     // g: lattice of W/g x H/g vertices
     MeshMethod method = MeshMethod::cellular;  // sequential: the paper's CPU counterpart, one level only
     int levels = 0;               // lattice levels, coarse to fine; 1 = the paper's, 0 = chosen from the size
     int t_max = 10;               // parallel iterations of each level; 60 where no balance follows
-    double alpha_init = 1;        // learning rate at the first iteration of all, 0..1
+    double alpha_init = 1;        // learning rate at the first iteration of all
     double alpha_final = 0.01;    // and after the last
     double sigma_init = 6;        // neighbourhood radius (lattice steps) at the first iteration of all
     double sigma_level_init = 4;  // and at the first iteration of each finer level
