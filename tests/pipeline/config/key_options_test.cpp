@@ -43,21 +43,23 @@ std::string error_of(const std::string& flag, const std::vector<std::string>& fi
 
 TEST(KeyOptions, StandInHelpManualCompletionsAndDocuments) {
     const std::string help = run_program({"run", "--help"}).out, manual = run_program({"manual", "run"}).out,
-                      keys = config_markdown();
+                      keys = config_yaml({});
+    std::map<std::string, std::string> scripts;
+    for (const char* const shell : {"bash", "zsh", "fish"})
+        scripts[shell] = run_program({"completion", shell}).out;
     for (const Field& row : rows_with_options()) {
         const std::string &flag = row.option.flag, value = option_value(row);
-        const std::string shown = flag + (value.empty() ? "" : " " + value) + " ";
+        const std::string shown = flag + " " + value;
         const std::size_t at = help.find("\n  " + shown);
         ASSERT_NE(at, std::string::npos) << flag;
         const std::size_t end = help.find("\n  --", at + 1);
         EXPECT_NE(help.substr(at, end - at).find(option_help(row)), std::string::npos) << flag;
-        EXPECT_NE(keys.find("also " + flag), std::string::npos) << flag;
+        EXPECT_NE(keys.find("; also " + flag + "  ["), std::string::npos) << flag;
         std::string dashed;
         for (const char c : flag) dashed += c == '-' ? "\\-" : std::string(1, c);
         EXPECT_NE(manual.find("\\fB" + dashed + "\\fR"), std::string::npos) << flag;
-        for (const char* const shell : {"bash", "zsh", "fish"}) {
-            const std::string script = run_program({"completion", shell}).out;
-            const std::string name = std::string(shell) == "fish" ? "-l " + flag.substr(2) : flag;
+        for (const auto& [shell, script] : scripts) {
+            const std::string name = shell == "fish" ? "-l " + flag.substr(2) : flag;
             EXPECT_NE(script.find(name), std::string::npos) << shell << " " << flag;
             std::string words;
             for (const std::string& choice : row.choices) words += (words.empty() ? "" : " ") + choice;
