@@ -16,10 +16,13 @@ enum class Compression { none, draco, quantized, meshopt };
 
 // The bits of Draco's attributes; 0 = as many as the tolerances need.
 struct DracoConfig {
-    int position_bits = 0;  // 1..30; along the widest side of the mesh's bounding box
-    int normal_bits = 0;    // 2..30
-    int texcoord_bits = 0;  // 1..30
-    int level = 10;         // 0 (fast) .. 10 (small)
+    // The coder takes 0.2 GB for this many bits of any attribute, and four times that for every two more
+    // bits.
+    static constexpr int kMostBits = 24;
+    int position_bits = 0;  // along the widest side of the mesh's bounding box
+    int normal_bits = 0;
+    int texcoord_bits = 0;
+    int level = 10;  // 0 (fast) .. 10 (small)
 };
 
 // The storage of coarser levels of detail: a file each, or inside .glb and .gltf by MSFT_lod. Programs that
@@ -40,6 +43,7 @@ enum class NormalsKind { automatic, always, never };
 
 enum class TextureFormat { none, jpeg, png, webp };
 
+// The field table of pipeline/config has the ranges.
 struct ExportConfig {
     Compression compression = Compression::none;
     // Largest errors of compressed attributes. tolerance_px: of positions, projected back to the image, in x,
@@ -53,7 +57,7 @@ struct ExportConfig {
     MaterialKind material = MaterialKind::emissive;
     bool texcoords = true;  // false leaves the texture out as well, which cannot be mapped without them
     TextureFormat texture = TextureFormat::jpeg;
-    int texture_quality = 90;  // 1..100, for JPEG and WebP
+    int texture_quality = 90;  // for JPEG and WebP
     int texture_max_px = 0;    // longest side of the texture; 0 = unlimited
     bool texture_crop = true;  // crops the texture to the part that the mesh shows
     bool camera = true;        // writes the left camera to glTF if the image's size is known

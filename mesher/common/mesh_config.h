@@ -1,4 +1,5 @@
-// Parameters of the mesh stage, named as in the paper (Table 1 and section 4).
+// Parameters of the mesh stage, named as in the paper (Table 1 and section 4). The field table in
+// pipeline/config has their ranges.
 #pragma once
 
 #include <cstdint>
@@ -21,22 +22,22 @@ struct BalanceConfig {
     bool enabled = true;
     // Iterations planned for the finest level and the next coarser; all others get twice as many. A level
     // that is far from balance takes up to eight times as many; one that is close to balance, or no longer
-    // improves, ends earlier. 1..300
+    // improves, ends earlier.
     int iterations = 20;
-    int sweeps = 8;  // sweeps of the linear solver in each iteration; 2..100
+    int sweeps = 8;  // sweeps of the linear solver in each iteration
     // Trades balance for shape: up to 1 % of the triangles may have a smaller least angle than this. A
-    // smaller value gives better balance, a larger one better shapes. 1..30
+    // smaller value gives better balance, a larger one better shapes.
     double least_angle_deg = 8.15;
-    // Density that empty pixels get while balancing, as a share of the other pixels' mean; > 0..0.5
+    // Density that empty pixels get while balancing, as a share of the other pixels' mean.
     double floor = 0.005;
 };
 
 struct MeshConfig {
-    double spacing_px = 6;                     // g: the lattice has W/g x H/g vertices; 2..256
+    double spacing_px = 6;                     // g: the lattice has W/g x H/g vertices
     MeshMethod method = MeshMethod::cellular;  // sequential: the paper's CPU counterpart, one level only
     int levels = 0;             // lattice levels, coarse to fine; 1 = the paper's, 0 = chosen from the size
     int t_max = 10;             // parallel iterations of each level; 60 if no balancing follows
-    double alpha_init = 1;      // learning rate at the first iteration of the first level, 0..1
+    double alpha_init = 1;      // learning rate at the first iteration of the first level
     double alpha_final = 0.01;  // learning rate after the last iteration of the last level
     double sigma_init = 6;  // neighbourhood radius (lattice steps) at the first iteration of the first level
     double sigma_level_init = 4;   // radius at the first iteration of each finer level

@@ -1,4 +1,5 @@
 // Parameters of the surface stage, which cuts the lattice along silhouettes and fits it to the disparities.
+// The field table of pipeline/config has their ranges.
 #pragma once
 
 namespace hexrelief {
@@ -14,17 +15,17 @@ struct SurfaceConfig {
     double least_discontinuity_px = 0;
     // Largest shift of a silhouette from the crack edges of the map towards a clear edge in the colour image.
     // It changes matched maps hardly at all and worsens maps that are exact to the pixel.
-    double color_shift_px = 0;  // 0..0.5; 0 = colours are not used
+    double color_shift_px = 0;  // 0 = colours are not used
     // Number of rounds in which triangles that still straddle two surfaces are split at their boundary and
     // all silhouettes are fitted again.
-    int split_rounds = 3;  // 1..8
+    int split_rounds = 3;
     // Distance by which the two mesh borders at a high depth discontinuity are inset into their own surfaces.
     // The map determines the exact position only to half a pixel; a border on the discontinuity itself shows
     // the nearer surface up to a part of a pixel too wide to the other camera.
-    double silhouette_inset_px = 0;  // 0..0.5
+    double silhouette_inset_px = 0;
     // Number of rounds in which border vertices are then moved, by up to 0.75 px, if that lowers the error of
     // the pixels around them; done after the mesher, on the CPU (pipeline/stages/silhouettes.h).
-    int silhouette_rounds = 0;  // 0..8
+    int silhouette_rounds = 0;
     // Smaller connected components, in triangles, are dropped from the surface in space; 0 = keep all.
     int min_component = 0;
 };

@@ -1,17 +1,16 @@
 #include "pipeline/batch/manifest.h"
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <sstream>
 #include <string_view>
-#include <utility>
 
 #include "exporters/core/file_names.h"
 #include "pipeline/batch/manifest_rows.h"
 #include "pipeline/batch/shell_words.h"
+#include "pipeline/config/key_options.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/suggest.h"
 #include "pipeline/readers/parse_text.h"
@@ -23,27 +22,20 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostBytes = 256 << 20, kMostYamlBytes = 16 << 20;
 
-// The keys that are options of `hexrelief run`; '_' may stand for '-'.
-constexpr std::array<std::string_view, 9> kFileKeys = {"left",  "right", "stereo",     "disparity", "depth",
-                                                       "color", "mask",  "confidence", "calib"};
-constexpr std::array<std::string_view, 14> kValueKeys = {
-    "layout", "depth-unit", "depth-kind", "disparity-scale", "disparity-offset", "unknown", "key",
-    "fov-x",  "vertices",   "max-bytes",  "max-error-px",    "backend",          "threads", "seed"};
 const std::map<std::string, std::string> kOtherNames = {
     {"colour", "color"}, {"calibration", "calib"}, {"output", "name"}, {"format", "formats"}};
 
-template <typename Keys>
-bool holds(const Keys& keys, const std::string& key) {
-    return std::find(keys.begin(), keys.end(), key) != keys.end();
+bool holds(const std::vector<std::string>& words, const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-std::string unknown_key(const std::string& key) {
-    std::vector<std::string> names = {"name", "formats", "config", "strict"};
-    names.insert(names.end(), kFileKeys.begin(), kFileKeys.end());
-    names.insert(names.end(), kValueKeys.begin(), kValueKeys.end());
-    const std::string near = config::nearest_name(key, names);
+std::string unknown_key(const std::string& key, const ManifestOptions& options) {
+    std::vector<std::string> flags = {"--name", "--formats", "--config"};
+    flags.insert(flags.end(), options.file_options.begin(), options.file_options.end());
+    for (const Field& field : config_fields()) flags.push_back(field.option.flag);
+    const std::string near = config::nearest_name("--" + key, flags);
     return "unknown key " + readers::codec::excerpt(key) +
-           (near.empty() ? "" : " (did you mean '" + near + "'?)") +
+           (near.empty() ? "" : " (did you mean '" + near.substr(2) + "'?)") +
            "; keys of the configuration are written as mesh.spacing_px";
 }
 
@@ -79,20 +71,22 @@ struct RowReader {
     // Appends the options that one value stands for. Returns the error; empty if there is none.
     std::string read_value(const std::string& key, const std::string& value, BatchUnit& unit) const {
         auto& words = unit.words;
-        if (holds(kFileKeys, key)) {
-            words.insert(words.end(), {"--" + key, placed(value)});
-        } else if (holds(kValueKeys, key)) {
-            words.push_back("--" + key + "=" + value);  // one word, because a value may begin with a dash
+        const std::string flag = "--" + key;
+        const std::vector<const Field*> rows = rows_of_option(flag);
+        if (holds(options.file_options, flag) || (!rows.empty() && rows[0]->type == FieldType::file)) {
+            words.insert(words.end(), {flag, placed(value)});
+        } else if (!rows.empty() && rows[0]->type == FieldType::boolean) {
+            if (value != "true" && value != "false")
+                return key + " must be true or false, not " + codec::excerpt(value);
+            if (value == "true") words.push_back(flag);
+        } else if (!rows.empty()) {
+            words.push_back(flag + "=" + value);  // one word: a value may begin with a dash
         } else if (key == "config") {
             words.insert(words.end(), {"--config", config::find_preset(value) ? value : placed(value)});
-        } else if (key == "strict") {
-            if (value != "true" && value != "false")
-                return "strict must be true or false, not " + readers::codec::excerpt(value);
-            if (value == "true") words.push_back("--strict");
         } else if (key.find('.') != std::string::npos) {
             words.insert(words.end(), {"--set", key + "=" + value});
         } else {
-            return unknown_key(key);
+            return unknown_key(key, options);
         }
         return {};
     }
@@ -108,26 +102,24 @@ struct RowReader {
     BatchUnit read(const ManifestRow& row) const {
         BatchUnit unit{row.place, "", options.words, row.wrong, ErrorKind::usage};
         std::vector<std::string> formats = options.formats;
-        std::map<std::string, bool> seen;
+        std::map<std::string, std::string> given;
         for (const auto& [written, value] : row.values) {
             const std::string key = plain_key(written);
             std::string wrong;
-            if (!std::exchange(seen[key], true)) {
-                if (key == "name")
-                    unit.name = value;
-                else if (key == "formats")
-                    formats = format_list(value);
-                else
-                    wrong = read_value(key, value, unit);
-                if (unit.name.empty() &&
-                    (key == "left" || key == "stereo" || key == "disparity" || key == "depth"))
-                    unit.name = name_of_file(value);
-            } else {
+            if (!given.try_emplace(key, value).second)
                 wrong = "key " + readers::codec::excerpt(key) + " is given twice";
-            }
+            else if (key == "name")
+                unit.name = value;
+            else if (key == "formats")
+                formats = format_list(value);
+            else
+                wrong = read_value(key, value, unit);
             if (unit.wrong.empty()) unit.wrong = wrong;
         }
-        if (!options.config.empty() && !seen.contains("config"))
+        for (const std::string& flag : options.file_options)
+            if (const auto file = given.find(flag.substr(2)); file != given.end() && unit.name.empty())
+                unit.name = name_of_file(file->second);
+        if (!options.config.empty() && !given.contains("config"))
             unit.words.insert(unit.words.end(), {"--config", options.config});
         if (unit.wrong.empty()) unit.wrong = check_name(unit.name);
         append_outputs(unit, formats);

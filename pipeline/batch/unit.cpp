@@ -41,7 +41,6 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const job::Bac
     UnitResult result;
     job::RunRequest request = rules.parse(unit.words);
     if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
-    if (rules.strict) request.config.run.strict = true;
     request.jobs = rules.jobs;
     const stamp::UnitState state = stamp::stamp_request(request);
     if (!rules.force && state == stamp::UnitState::current) {

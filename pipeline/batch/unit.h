@@ -30,7 +30,6 @@ struct UnitRules {
     RequestParser parse;
     bool force = false;    // also run units that are up to date
     bool dry_run = false;  // write nothing
-    bool strict = false;   // apply --strict to each unit
     int threads = 1;       // for units that name none
     int jobs = 1;          // number that a process is likely to run: they share a device's start-up
 };

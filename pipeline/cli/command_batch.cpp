@@ -10,7 +10,6 @@
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
-#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
@@ -64,11 +63,12 @@ job::RunRequest request_of_words(const std::vector<std::string>& words) {
 struct BatchCommand {
     fs::path what, output;
     config::ConfigOptions config;
+    KeyOptions keys;  // of all rows
     std::vector<std::string> formats;
-    std::string backend, gpus, shard, memory, log = "auto";
+    std::string gpus, shard, memory, log = "auto";
     int jobs = 0, threads = 0;
     bool keep_going = false, force = false, dry_run = false, print_commands = false, depfiles = false;
-    bool strict = false, quiet = false;
+    bool quiet = false;
 };
 
 batch::ManifestOptions manifest_options(const BatchCommand& command) {
@@ -78,8 +78,9 @@ batch::ManifestOptions manifest_options(const BatchCommand& command) {
         options.output = fs::absolute(options.output).lexically_normal();
     for (const std::string& setting : command.config.settings)
         options.words.insert(options.words.end(), {"--set", setting});
-    if (!command.backend.empty())
-        options.words.insert(options.words.end(), {"--set", "run.backend=" + command.backend});
+    for (const auto& [flag, text] : command.keys)  // settings, which a row's own options override
+        options.words.insert(options.words.end(), {"--set", row_of_option(flag, {}).path + "=" + text});
+    for (const FileOption& file : file_options()) options.file_options.emplace_back(file.flag);
     return options;
 }
 
@@ -119,7 +120,6 @@ int print_commands(const BatchCommand& command, const std::vector<batch::BatchUn
         std::vector<std::string> words = {"hexrelief", "run"};
         if (!command.force && has_word(unit, "--report") && !has_word(unit, "--update"))
             words.emplace_back("--update");
-        if (command.strict && !has_word(unit, "--strict")) words.emplace_back("--strict");
         words.insert(words.end(), unit.words.begin(), unit.words.end());
         // The lines of jobs.txt are of this folder.
         const bool of_folder = unit.name == unit.place;
@@ -216,7 +216,7 @@ int run_batch(const BatchCommand& command) {
         throw Error(ErrorKind::usage, "--log: must be auto, text or jsonl, not '" + command.log + "'");
     const Shard shard = parse_shard(command.shard);
     batch::BatchSettings settings;
-    settings.rules = {request_of_words, command.force, command.dry_run, command.strict};
+    settings.rules = {request_of_words, command.force, command.dry_run};
     settings.workers = command.jobs;
     settings.threads = command.threads;
     settings.memory = parse_memory(command.memory);
@@ -272,8 +272,9 @@ void add_batch_options(Command& command, BatchCommand& options) {
     command.add_flag("--quiet", options.quiet, "nothing but failures");
     const char* const group = "Rows";
     add_config_options(command, options.config, group);
-    command.add_option("--backend", &options.backend, "auto, cpu or cuda", {.group = group, .value = "B"});
-    command.add_flag("--strict", options.strict, "as --strict on every row", {.group = group});
+    std::vector<std::string> flags = option_flags("Job");
+    std::erase(flags, "--threads");  // of all rows together, above
+    add_key_options(command, options.keys, flags, group);
 }
 
 }  // namespace

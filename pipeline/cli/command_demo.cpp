@@ -84,11 +84,12 @@ int show_demo(const DemoOptions& demo) {
     RunOptions options;
     options.request.left = folder / "left.png";
     options.request.right = folder / "right.png";
-    options.calibration = folder / "calib.txt";
+    const std::string calibration = folder / "calib.txt";
+    options.keys = {{"--calib", calibration}};
     options.request.outputs = {outputs.begin(), outputs.end()};
     std::vector<std::string> words = {
-        "hexrelief",           "run",     "--left",           options.request.left, "--right",
-        options.request.right, "--calib", options.calibration};
+        "hexrelief",           "run",     "--left",   options.request.left, "--right",
+        options.request.right, "--calib", calibration};
     for (const fs::path& output : outputs) words.insert(words.end(), {"-o", output.string()});
     std::printf("%s\n", printable(batch::shell_line(words)).c_str());
     options.request.ends_process = true;

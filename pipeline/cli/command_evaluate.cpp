@@ -13,19 +13,18 @@ namespace hexrelief::cli {
 namespace {
 
 struct MapOptions {
-    std::optional<double> scale, offset_px, unknown;
+    std::string scale, offset_px, unknown;
 
     // Through the field table, which knows the ranges.
     readers::DisparityFileConfig file_config(const std::string& prefix) const {
         config::Config config;
-        if (scale)
-            config::apply_option(config, prefix + "scale", "input.disparity.scale", config::shortest(*scale));
-        if (offset_px)
-            config::apply_option(config, prefix + "offset", "input.disparity.offset_px",
-                                 config::shortest(*offset_px));
-        if (unknown)
-            config::apply_option(config, prefix + "unknown", "input.disparity.unknown",
-                                 config::shortest(*unknown));
+        const auto take = [&](const char* option, const char* key, const std::string& text) {
+            if (!text.empty())
+                config::apply_option(config, prefix + option, std::string("input.disparity.") + key, text);
+        };
+        take("scale", "scale", scale);
+        take("offset", "offset_px", offset_px);
+        take("unknown", "unknown", unknown);
         config.input.disparity.scale_option = prefix + "scale";
         config.input.disparity.unknown_option = prefix + "unknown";
         return config.input.disparity;

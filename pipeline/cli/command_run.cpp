@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
@@ -28,50 +27,9 @@ Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 mem
 
 void add_input_options(Command& command, RunOptions& options) {
     const char* const group = "Input";
-    command.add_option("--left", &options.request.left,
-                       "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)",
-                       {.group = group, .value = "L"});
-    command.add_option("--right", &options.request.right, "right image", {.group = group, .value = "R"});
-    command.add_option("--stereo", &options.request.stereo, "both images in one file instead",
-                       {.group = group, .value = "S"});
-    command.add_option("--layout", &options.layout,
-                       "how it holds them: auto (mpo where it is one), sbs, sbs-half, tb, tb-half, mpo",
-                       {.group = group, .value = "NAME"});
-    command.add_option("--disparity", &options.request.disparity,
-                       "a disparity map of the left view instead (PNG, PGM, PFM, TIFF, NPY, NPZ, EXR)",
-                       {.group = group, .value = "D"});
-    command.add_option("--depth", &options.request.depth,
-                       "a depth map instead: along the optical axis; 16-bit integers in mm, floats in m",
-                       {.group = group, .value = "D"});
-    command.add_option("--depth-unit", &options.depth_unit,
-                       "m, mm, or a number: the depth map's samples divided by it are metres",
-                       {.group = group, .value = "U"});
-    command.add_option("--depth-kind", &options.depth_kind,
-                       "depth, inverse_depth, or affine_inverse, as networks give for single pictures",
-                       {.group = group, .value = "K"});
-    command.add_option("--color", &options.request.color, "the left image for that map's texture",
-                       {.group = group, .value = "L"});
-    command.add_option("--mask", &options.request.mask,
-                       "an image of the left view; where it is 0 the view is unknown",
-                       {.group = group, .value = "M"});
-    command.add_option("--confidence", &options.request.confidence,
-                       "confidences of a map; below input.confidence.threshold it is unknown",
-                       {.group = group, .value = "C"});
-    command.add_option("--disparity-scale", &options.scale, "the map's samples divided by this are px",
-                       {.group = group, .value = "S"});
-    command.add_option("--disparity-offset", &options.offset_px, "px added after the scale",
-                       {.group = group, .value = "O"});
-    command.add_option("--unknown", &options.unknown, "sample that means 'not known' in the map",
-                       {.group = group, .value = "V"});
-    command.add_option("--key", &options.key,
-                       "array of an NPZ, channel of an EXR that is the map, where there are several",
-                       {.group = group, .value = "NAME"});
-    command.add_option("--calib", &options.calibration,
-                       "the camera: Middlebury calib.txt, KITTI, OpenCV YAML, a 3x3 matrix, ROS, Open3D, "
-                       "RealSense or COLMAP",
-                       {.group = group, .value = "C"});
-    command.add_option("--fov-x", &options.fov_x_deg, "angle of view across the width, degrees, instead",
-                       {.group = group, .value = "DEG"});
+    for (const auto& [flag, value, help, file] : file_options())
+        command.add_option(flag, &(options.request.*file), help, {.group = group, .value = value});
+    add_key_options(command, options.keys, option_flags(group), group);
 }
 
 void add_output_options(Command& command, RunOptions& options) {
@@ -91,6 +49,7 @@ void add_output_options(Command& command, RunOptions& options) {
                        {.group = group, .value = "FILE.d"});
     command.add_option("--save-stages", &options.request.stages_folder, "each stage's result and pictures",
                        {.group = group, .value = "DIR"});
+    add_key_options(command, options.keys, option_flags(group), group);
     command.add_flag("--quiet", options.quiet, "nothing but errors", {.group = group});
     command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage",
                      {.group = group, .excludes = "--quiet"});
@@ -99,34 +58,28 @@ void add_output_options(Command& command, RunOptions& options) {
 void add_job_options(Command& command, RunOptions& options) {
     const char* const group = "Job";
     add_config_options(command, options.config, group);
-    command.add_option(
-        "--vertices", &options.vertices,
-        "the finest mesh with at most N vertices, made as by --config compact where none is given",
-        {.group = group, .value = "N"});
-    command.add_option("--max-bytes", &options.max_bytes,
-                       "the best mesh and texture whose file has at most N bytes; likewise",
-                       {.group = group, .value = "N"});
-    command.add_option("--max-error-px", &options.max_error_px,
-                       "the coarsest mesh whose error in both cameras' views is at most E px",
-                       {.group = group, .value = "E"});
-    command.add_option("--backend", &options.backend, "auto, cpu or cuda", {.group = group, .value = "B"});
-    command.add_option("--threads", &options.threads, "CPU threads; 0 = all", {.group = group, .value = "N"});
-    command.add_flag("--strict", options.strict, "an input that looks wrong is an error, not a warning",
-                     {.group = group});
-    command.add_option("--seed", &options.seed, "seed of all random draws", {.group = group, .value = "N"});
-}
-
-std::string text_of(int value) {
-    return std::to_string(value);
-}
-std::string text_of(long long value) {
-    return std::to_string(value);
-}
-std::string text_of(double value) {
-    return config::shortest(value);
+    add_key_options(command, options.keys, option_flags(group), group);
 }
 
 }  // namespace
+
+const std::vector<FileOption>& file_options() {
+    static const std::vector<FileOption> options = {
+        {"--left", "L", "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)",
+         &FileRequest::left},
+        {"--right", "R", "right image", &FileRequest::right},
+        {"--stereo", "S", "both images in one file instead", &FileRequest::stereo},
+        {"--disparity", "D", "a disparity map of the left view instead (PNG, PGM, PFM, TIFF, NPY, NPZ, EXR)",
+         &FileRequest::disparity},
+        {"--depth", "D", "a depth map instead: along the optical axis; 16-bit integers in mm, floats in m",
+         &FileRequest::depth},
+        {"--color", "L", "the left image for that map's texture", &FileRequest::color},
+        {"--mask", "M", "an image of the left view; where it is 0 the view is unknown", &FileRequest::mask},
+        {"--confidence", "C", "confidences of a map; below input.confidence.threshold it is unknown",
+         &FileRequest::confidence},
+    };
+    return options;
+}
 
 void add_run_options(Command& command, RunOptions& options) {
     add_input_options(command, options);
@@ -136,39 +89,14 @@ void add_run_options(Command& command, RunOptions& options) {
 
 Options options_of(const RunOptions& options) {
     Options said{.config = options.config.file};
+    said.direct = options.keys;
     for (const std::string& setting : options.config.settings) {
         const std::size_t equals = setting.find('=');
         if (equals == std::string::npos)
             throw Error(ErrorKind::usage, "--set " + setting + ": write it as key.path=value");
         said.settings.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
     }
-    const auto text = [&](const char* option, const std::string& value) {
-        if (!value.empty()) said.direct.emplace_back(option, value);
-    };
-    const auto number = [&](const char* option, const auto& value) {
-        if (value) said.direct.emplace_back(option, text_of(*value));
-    };
-    number("--disparity-scale", options.scale);
-    number("--disparity-offset", options.offset_px);
-    text("--unknown", options.unknown);
-    text("--key", options.key);
-    text("--depth-unit", options.depth_unit);
-    text("--depth-kind", options.depth_kind);
-    text("--calib", options.calibration);
-    text("--layout", options.layout);
-    number("--fov-x", options.fov_x_deg);
-    text("--backend", options.backend);
-    number("--threads", options.threads);
-    number("--vertices", options.vertices);
-    number("--max-bytes", options.max_bytes);
-    number("--max-error-px", options.max_error_px);
-    if (options.strict) said.direct.emplace_back("--strict", "true");
-    number("--seed", options.seed);
     return said;
-}
-
-void check_run(const RunOptions& options) {
-    check_run(options.request, options_of(options));
 }
 
 void run_and_tell(const RunOptions& options) {

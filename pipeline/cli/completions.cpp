@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 
-#include "pipeline/config/fields.h"
+#include "pipeline/config/key_options.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
 
@@ -28,15 +27,10 @@ std::string quoted(const std::string& text, const std::string& quote) {
     return "'" + replaced(text, '\'', quote) + "'";
 }
 
-// Direct options that set a key with a choice: the field table has the words.
 std::string choices_of(const OptionDescription& option) {
-    static const std::map<std::string, std::string> keys = {{"--backend", "run.backend"},
-                                                            {"--layout", "input.stereo.layout"},
-                                                            {"--depth-kind", "input.depth.kind"}};
     const std::string& name = option.names.back();
     std::vector<std::string> words;
-    if (const auto key = keys.find(name); key != keys.end())
-        if (const config::Field* field = config::find_field(key->second)) words = field->choices;
+    for (const config::Field* row : rows_of_option(name)) words = row->choices;
     if (name == "--config")
         for (const config::Preset& preset : config::presets()) words.push_back(preset.name);
     if (name == "--set")

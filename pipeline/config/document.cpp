@@ -38,7 +38,7 @@ Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
 
 std::string yaml_scalar(const Field& field, const FieldValue& value) {
     // A JSON string is a YAML double-quoted one.
-    if (field.type != FieldType::text) return format_value(value);
+    if (field.type != FieldType::text && field.type != FieldType::file) return format_value(value);
     try {
         return Json(std::get<std::string>(value)).dump();
     } catch (const Json::type_error&) {
@@ -48,14 +48,19 @@ std::string yaml_scalar(const Field& field, const FieldValue& value) {
     }
 }
 
+std::string help_of(const Field& field) {
+    return field.help + (field.option.flag.empty() ? "" : "; also " + field.option.flag);
+}
+
 // "2..256 px", "cellular | sequential": short, for tables and comments.
 std::string short_type(const Field& field) {
     if (field.type == FieldType::boolean) return "true | false";
     if (field.type == FieldType::text) return "text";
+    if (field.type == FieldType::file) return "file";
     std::string type;
     for (const std::string& name : field.choices) type += (type.empty() ? "" : " | ") + name;
     if (field.type == FieldType::choice) return type;
-    type = format_value(FieldValue(field.min)) + " .. " + format_value(FieldValue(field.max));
+    type = format_value(FieldValue(field.range.min)) + " .. " + format_value(FieldValue(field.range.max));
     if (!field.unit.empty()) type += " " + field.unit;
     if (field.type == FieldType::integer || field.type == FieldType::optional_integer) type += ", integer";
     if (field.type == FieldType::optional_real || field.type == FieldType::optional_integer)
@@ -82,11 +87,6 @@ std::string wrapped_item(const std::string& text) {
     return item + line + "\n";
 }
 
-std::string section_of(const std::string& path) {
-    const std::size_t dot = path.rfind('.');
-    return dot == std::string::npos ? "" : path.substr(0, dot);
-}
-
 bool is_within(const std::string& path, const Section& section) {
     return path == section.path || path.starts_with(section.path + ".");
 }
@@ -108,7 +108,7 @@ Json section_schema(const Section& section) {
 
 Json field_schema(const Field& field, const FieldValue& initial) {
     Json schema;
-    schema["description"] = field.help + (field.unit.empty() ? "" : " [" + field.unit + "]");
+    schema["description"] = help_of(field) + (field.unit.empty() ? "" : " [" + field.unit + "]");
     switch (field.type) {
         case FieldType::boolean:
             schema["type"] = "boolean";
@@ -129,15 +129,16 @@ Json field_schema(const Field& field, const FieldValue& initial) {
             schema["enum"] = field.choices;
             break;
         case FieldType::text:
+        case FieldType::file:
             schema["type"] = {"string", "null"};
             break;
     }
     if (field.type == FieldType::integer || field.type == FieldType::optional_integer) {
-        schema["minimum"] = static_cast<long long>(field.min);
-        schema["maximum"] = static_cast<long long>(field.max);
+        schema["minimum"] = static_cast<long long>(field.range.min);
+        schema["maximum"] = static_cast<long long>(field.range.max);
     } else if (field.type == FieldType::real || field.type == FieldType::optional_real) {
-        schema["minimum"] = field.min;
-        schema["maximum"] = field.max;
+        schema["minimum"] = field.range.min;
+        schema["maximum"] = field.range.max;
     }
     schema["default"] = json_value(initial);
     return schema;
@@ -162,7 +163,7 @@ std::string config_yaml(const Config& config) {
             current = owner;
         }
         const std::string indent = indent_of(field.path);
-        yaml += indent + "# " + field.help + "  [" + short_type(field) + "]\n";
+        yaml += indent + "# " + help_of(field) + "  [" + short_type(field) + "]\n";
         yaml += indent + field.path.substr(field.path.rfind('.') + 1) + ": " +
                 yaml_scalar(field, field.get(config)) + "\n";
     }
@@ -221,14 +222,14 @@ std::string config_markdown() {
     for (const Field& field : config_fields()) {
         const std::string section = section_of(field.path);
         if (section != current) {
-            for (const auto& [path, help] : sections_opened(current, section))
-                text += (path.find('.') == std::string::npos ? "\n## `" : "\n### `") + path + "`\n\n" + help +
-                        ".\n";
+            for (const Section& opened : sections_opened(current, section))
+                text += (opened.path.find('.') == std::string::npos ? "\n## `" : "\n### `") + opened.path +
+                        "`\n\n" + opened.help + ".\n";
             text += "\n";
             current = section;
         }
         text += wrapped_item("`" + field.path + "` (default `" + yaml_scalar(field, field.get(defaults)) +
-                             "`; " + short_type(field) + "): " + field.help);
+                             "`; " + short_type(field) + "): " + help_of(field));
     }
     return text;
 }

@@ -2,12 +2,6 @@
 #include "pipeline/config/field_makers.h"
 
 namespace hexrelief::config {
-namespace {
-
-// Draco's coder takes 0.2 GB for 24 bits of any attribute, four times that for each two bits more.
-constexpr int kMostDracoBits = 24;
-
-}  // namespace
 
 std::vector<Field> export_fields() {
     return {
@@ -15,15 +9,15 @@ std::vector<Field> export_fields() {
                "of .glb and .gltf: KHR_draco_mesh_compression, KHR_mesh_quantization, "
                "EXT_meshopt_compression; .drc is always Draco",
                MEMBER(exporting.compression)),
-        number("export.tolerance_px", "px", 0.001, 100,
+        number("export.tolerance_px", "px", {0.001, 100},
                "largest error of compressed positions, seen by the camera, in x, y and disparity, and of "
                "texture coordinates in the texture",
                MEMBER(exporting.tolerance_px)),
-        number("export.tolerance_share", "", 0, 100,
+        number("export.tolerance_share", "", {0, 100},
                "above 0, tolerance_px is lowered to this share of the surface's own error away from "
                "discontinuities (surface.flat_rmse_px); 0 = it is not",
                MEMBER(exporting.tolerance_share)),
-        number("export.tolerance_deg", "deg", 0.01, 30, "largest error of compressed normals",
+        number("export.tolerance_deg", "deg", {0.01, 30}, "largest error of compressed normals",
                MEMBER(exporting.tolerance_deg)),
         choice("export.material", {"emissive", "unlit", "lit"},
                "how .glb, .gltf and .usdz show the texture: emissive = as it is, in every program tried; "
@@ -42,9 +36,9 @@ std::vector<Field> export_fields() {
             "export.texture", {"none", "jpeg", "png", "webp"},
             "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out",
             MEMBER(exporting.texture)),
-        number("export.texture_quality", "", 1, 100, "of a JPEG or WebP texture",
+        number("export.texture_quality", "", {1, 100}, "of a JPEG or WebP texture",
                MEMBER(exporting.texture_quality)),
-        number("export.texture_max_px", "px", 0, 65500,
+        number("export.texture_max_px", "px", {0, 65500},
                "longest side of the texture, larger ones are scaled down; 0 = as large as it is",
                MEMBER(exporting.texture_max_px)),
         flag("export.texture_crop", "crop the texture to what the mesh shows",
@@ -55,23 +49,23 @@ std::vector<Field> export_fields() {
         choice("export.stl_unit", {"m", "mm"},
                "what 1 means in an .stl, which cannot say it; slicers take it for mm",
                MEMBER(exporting.stl_unit)),
-        number("export.lod", "", 1, 8,
+        number("export.lod", "", {1, 8},
                "levels of detail, each of twice the spacing of the one before; 1 = the mesh alone",
                MEMBER(exporting.lod)),
         choice("export.lod_storage", {"files", "inside"},
                "coarser levels: files = NAME.lod1.glb and so on; inside = in one .glb or .gltf by MSFT_lod, "
                "which Blender and others do not know: they show all levels on top of each other",
                MEMBER(exporting.lod_storage)),
-        optional_integer("export.draco.position_bits", "bit", 1, kMostDracoBits,
+        optional_integer("export.draco.position_bits", "bit", {1, DracoConfig::kMostBits},
                          "quantisation of positions; null = by tolerance_px",
                          MEMBER(exporting.draco.position_bits)),
-        optional_integer("export.draco.normal_bits", "bit", 2, kMostDracoBits,
+        optional_integer("export.draco.normal_bits", "bit", {2, DracoConfig::kMostBits},
                          "quantisation of normals; null = by tolerance_deg",
                          MEMBER(exporting.draco.normal_bits)),
-        optional_integer("export.draco.texcoord_bits", "bit", 1, kMostDracoBits,
+        optional_integer("export.draco.texcoord_bits", "bit", {1, DracoConfig::kMostBits},
                          "quantisation of texture coordinates; null = by tolerance_px",
                          MEMBER(exporting.draco.texcoord_bits)),
-        number("export.draco.level", "", 0, 10, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
+        number("export.draco.level", "", {0, 10}, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
     };
 }
 }  // namespace hexrelief::config

@@ -50,28 +50,33 @@ Field plain(Field field, Access access) {
 }
 
 template <typename Access>
-Field number(const std::string& path, const std::string& unit, double min, double max,
-             const std::string& help, Access access) {
+Field number(const std::string& path, const std::string& unit, const ValueRange& range,
+             const std::string& help, Access access, const FieldOption& option = {}) {
     constexpr FieldType type =
         std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
-    return plain({path, unit, help, type, min, max, {}, {}, {}}, access);
+    return plain({path, unit, help, type, range, {}, option, {}, {}}, access);
 }
 
 template <typename Access>
-Field flag(const std::string& path, const std::string& help, Access access) {
-    return plain({path, "", help, FieldType::boolean, 0, 0, {}, {}, {}}, access);
+Field flag(const std::string& path, const std::string& help, Access access, const FieldOption& option = {}) {
+    return plain({path, "", help, FieldType::boolean, {}, {}, option, {}, {}}, access);
 }
 
 template <typename Access>
-Field text(const std::string& path, const std::string& help, Access access) {
-    return plain({path, "", help, FieldType::text, 0, 0, {}, {}, {}}, access);
+Field text(const std::string& path, const std::string& help, Access access, const FieldOption& option = {}) {
+    return plain({path, "", help, FieldType::text, {}, {}, option, {}, {}}, access);
+}
+
+template <typename Access>
+Field file(const std::string& path, const std::string& help, Access access, const FieldOption& option = {}) {
+    return plain({path, "", help, FieldType::file, {}, {}, option, {}, {}}, access);
 }
 
 // A double whose NaN means "not given" and is null in YAML.
 template <typename Access>
-Field optional(const std::string& path, const std::string& unit, double min, double max,
-               const std::string& help, Access access) {
-    Field field{path, unit, help, FieldType::optional_real, min, max, {}, {}, {}};
+Field optional(const std::string& path, const std::string& unit, const ValueRange& range,
+               const std::string& help, Access access, const FieldOption& option = {}) {
+    Field field{path, unit, help, FieldType::optional_real, range, {}, option, {}, {}};
     field.get = [access](const Config& config) -> FieldValue {
         const double value = access(const_cast<Config&>(config));
         return std::isnan(value) ? FieldValue{} : FieldValue{value};
@@ -84,9 +89,9 @@ Field optional(const std::string& path, const std::string& unit, double min, dou
 
 // An int whose 0 means "not given" and is null in YAML.
 template <typename Access>
-Field optional_integer(const std::string& path, const std::string& unit, double min, double max,
-                       const std::string& help, Access access) {
-    Field field{path, unit, help, FieldType::optional_integer, min, max, {}, {}, {}};
+Field optional_integer(const std::string& path, const std::string& unit, const ValueRange& range,
+                       const std::string& help, Access access, const FieldOption& option = {}) {
+    Field field{path, unit, help, FieldType::optional_integer, range, {}, option, {}, {}};
     field.get = [access](const Config& config) -> FieldValue {
         const int value = access(const_cast<Config&>(config));
         return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};
@@ -100,8 +105,8 @@ Field optional_integer(const std::string& path, const std::string& unit, double 
 
 template <typename Access>
 Field choice(const std::string& path, const std::vector<std::string>& names, const std::string& help,
-             Access access) {
-    Field field{path, "", help, FieldType::choice, 0, 0, names, {}, {}};
+             Access access, const FieldOption& option = {}) {
+    Field field{path, "", help, FieldType::choice, {}, names, option, {}, {}};
     field.get = [access, names](const Config& config) -> FieldValue {
         return names.at(static_cast<std::size_t>(access(const_cast<Config&>(config))));
     };

@@ -24,6 +24,17 @@ void refuse_two_names(const std::vector<std::string>& settings) {
     }
 }
 
+const Field& given_field(Config& config, const std::string& path) {
+    const Field* field = find_field(path);
+    if (!field) throw std::logic_error("no field " + path);
+    config.given.insert(path);
+    return *field;
+}
+
+void refuse(const std::string& option, const std::string& wrong) {
+    if (!wrong.empty()) throw Error(ErrorKind::usage, option + " " + wrong);
+}
+
 }  // namespace
 
 Config read_config(const ConfigOptions& options, const Config& base) {
@@ -50,20 +61,16 @@ Config budget_base(const BudgetConfig& budget) {
 }
 
 void apply_option(Config& config, const std::string& option, const std::string& path,
-                  const std::string& value) {
-    const Field* field = find_field(path);
-    if (!field) throw std::logic_error("no field " + path);
-    config.given.insert(path);
-    if (const std::string wrong = assign_text(config, *field, value); !wrong.empty())
-        throw Error(ErrorKind::usage, option + " " + wrong);
+                  const std::string& text) {
+    refuse(option, assign_text(config, given_field(config, path), text));
+}
+
+void apply_option(Config& config, const std::string& option, const std::string& path, double value) {
+    refuse(option, assign_value(config, given_field(config, path), value));
 }
 
 void finish_config(const Config& config) {
     check_rules(config, "");
-}
-
-std::string shortest(double value) {
-    return format_value(FieldValue(value));
 }
 
 }  // namespace hexrelief::config

@@ -20,13 +20,12 @@ Config read_config(const ConfigOptions& options, const Config& base = {});
 // What a configuration starts from where neither preset nor file is named. The defaults; for few bytes the
 // preset compact, for few vertices its density, lattice and surface.
 Config budget_base(const BudgetConfig& budget);
-// A direct option's value for a field, checked by the field table. Throws Error(usage) naming the option.
+// An option's value for a key, as text or as a number, checked by the field table. Throw Error(usage) naming
+// the option.
 void apply_option(Config& config, const std::string& option, const std::string& path,
-                  const std::string& value);
+                  const std::string& text);
+void apply_option(Config& config, const std::string& option, const std::string& path, double value);
 // Checks the rules between fields. Throws Error(usage).
 void finish_config(const Config& config);
-
-// The shortest text that reads back as the same number.
-std::string shortest(double value);
 
 }  // namespace hexrelief::config

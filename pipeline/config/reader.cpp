@@ -62,16 +62,16 @@ struct Reader {
             fail(place, "must be " + describe_type(field) + ", not a list or section");
         const bool quoted = node.Tag() == "!";
         const std::string text = node.IsNull() ? "null" : node.Scalar();
-        const bool textual = field.type == FieldType::text || field.type == FieldType::choice;
+        const bool textual =
+            field.type == FieldType::text || field.type == FieldType::file || field.type == FieldType::choice;
         if (quoted && !textual)
             fail(place, "must be " + describe_type(field) + ", not the quoted text '" + text + "'");
         const std::string wrong = assign_current(config, field, text, where(node.Mark()));
         if (!wrong.empty()) fail(place, wrong);
-        if (field.path == "input.calibration.file") {
-            std::string& file = config.input.calibration.file;
-            if (!file.empty() && std::filesystem::path(file).is_relative())
-                file = (folder / file).lexically_normal().string();
-        }
+        if (field.type != FieldType::file) return;
+        const auto name = std::get<std::string>(field.get(config));
+        if (!name.empty() && std::filesystem::path(name).is_relative())
+            field.set(config, (folder / name).lexically_normal().string());
     }
 
     void read_section(const std::string& section, const YAML::Node& node) const {

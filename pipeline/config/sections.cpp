@@ -5,13 +5,14 @@ namespace hexrelief::config {
 const std::vector<Section>& config_sections() {
     static const std::vector<Section> sections = {
         {"input", "How supplied files are read"},
-        {"input.disparity", "A supplied disparity map: disparity = sample / scale + offset_px"},
-        {"input.depth", "A supplied depth map"},
+        {"input.disparity", "A supplied disparity map: disparity = sample / scale + offset_px",
+         "--disparity"},
+        {"input.depth", "A supplied depth map", "--depth"},
         {"input.mask", "A supplied mask: what is 0 is unknown; and the picture's own"},
         {"input.confidence", "Supplied confidences of a disparity or depth map"},
         {"input.calibration",
          "The rectified camera; given values override the file's, nothing given = relative units"},
-        {"input.stereo", "A file that holds both pictures of a pair"},
+        {"input.stereo", "A file that holds both pictures of a pair", "--stereo"},
         {"disparity", "Stage 1, pair -> disparities: semi-global matching"},
         {"density", "Stage 2, disparities -> density that attracts the mesh (paper, section 3)"},
         {"density.background", "What belongs to the background and gets no mesh"},
@@ -38,6 +39,11 @@ const Section* find_section(const std::string& path) {
     for (const Section& section : config_sections())
         if (section.path == path) return &section;
     return nullptr;
+}
+
+std::string section_of(const std::string& path) {
+    const std::size_t dot = path.rfind('.');
+    return dot == std::string::npos ? "" : path.substr(0, dot);
 }
 
 }  // namespace hexrelief::config

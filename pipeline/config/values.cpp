@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "pipeline/config/fields.h"
 #include "pipeline/config/suggest.h"
@@ -30,11 +31,75 @@ bool is_null(const std::string& text) {
     return text.empty() || text == "null" || text == "~" || text == "Null" || text == "NULL";
 }
 
+template <typename Number>
+std::optional<FieldValue> number_of(const std::string& text) {
+    Number value = 0;
+    return parse_number(text, value) ? std::optional<FieldValue>(value) : std::nullopt;
+}
+
+// None where the text is of another type.
+std::optional<FieldValue> value_of(const Field& field, const std::string& text) {
+    switch (field.type) {
+        case FieldType::boolean:
+            if (text == "true" || text == "True" || text == "yes" || text == "on") return true;
+            if (text == "false" || text == "False" || text == "no" || text == "off") return false;
+            return std::nullopt;
+        case FieldType::optional_integer:
+            return is_null(text) ? FieldValue() : number_of<long long>(text);
+        case FieldType::integer:
+            return number_of<long long>(text);
+        case FieldType::optional_real:
+            return is_null(text) ? FieldValue() : number_of<double>(text);
+        case FieldType::real:
+            return number_of<double>(text);
+        case FieldType::choice:
+            return text;
+        case FieldType::text:
+        case FieldType::file:
+            break;
+    }
+    return is_null(text) ? std::string() : text;
+}
+
+bool takes(const Field& field, const FieldValue& value) {
+    const auto* const integer = std::get_if<long long>(&value);
+    const auto* const real = std::get_if<double>(&value);
+    const bool is_none = std::holds_alternative<std::monostate>(value);
+    const bool is_integer = integer && field.range.holds(static_cast<double>(*integer));
+    const bool is_real = real && field.range.holds(*real);
+    switch (field.type) {
+        case FieldType::boolean:
+            return std::holds_alternative<bool>(value);
+        case FieldType::optional_integer:
+            return is_none || is_integer;
+        case FieldType::integer:
+            return is_integer;
+        case FieldType::optional_real:
+            return is_none || is_real;
+        case FieldType::real:
+            return is_real;
+        case FieldType::choice:
+            return std::find(field.choices.begin(), field.choices.end(), format_value(value)) !=
+                   field.choices.end();
+        case FieldType::text:
+        case FieldType::file:
+            break;
+    }
+    return std::holds_alternative<std::string>(value);
+}
+
+std::string complaint(const Field& field, const std::string& text) {
+    const std::string near = nearest_name(text, field.choices);
+    return "must be " + describe_type(field) + ", not '" + text + "'" +
+           (near.empty() ? "" : " (did you mean '" + near + "'?)");
+}
+
 }  // namespace
 
 std::string describe_type(const Field& field) {
     const std::string unit = field.unit.empty() ? "" : " " + field.unit;
-    const std::string range = " from " + format_number(field.min) + " to " + format_number(field.max) + unit;
+    const std::string range =
+        " from " + format_number(field.range.min) + " to " + format_number(field.range.max) + unit;
     switch (field.type) {
         case FieldType::boolean:
             return "true or false";
@@ -48,6 +113,8 @@ std::string describe_type(const Field& field) {
             return "null or a number" + range;
         case FieldType::text:
             return "a text";
+        case FieldType::file:
+            return "a file name";
         case FieldType::choice:
             break;
     }
@@ -64,54 +131,17 @@ std::string format_value(const FieldValue& value) {
     return "null";
 }
 
+std::string assign_value(Config& config, const Field& field, const FieldValue& value) {
+    if (!takes(field, value)) return complaint(field, format_value(value));
+    field.set(config, value);
+    return {};
+}
+
 std::string assign_text(Config& config, const Field& field, const std::string& text) {
-    const std::string complaint = "must be " + describe_type(field) + ", not '" + text + "'";
-    const auto in_range = [&](double v) { return v >= field.min && v <= field.max; };
-    switch (field.type) {
-        case FieldType::boolean: {
-            const bool yes = text == "true" || text == "True" || text == "yes" || text == "on";
-            const bool no = text == "false" || text == "False" || text == "no" || text == "off";
-            if (!yes && !no) return complaint;
-            field.set(config, yes);
-            return {};
-        }
-        case FieldType::optional_integer:
-            if (is_null(text)) {
-                field.set(config, {});
-                return {};
-            }
-            [[fallthrough]];
-        case FieldType::integer: {
-            long long value = 0;
-            if (!parse_number(text, value) || !in_range(static_cast<double>(value))) return complaint;
-            field.set(config, value);
-            return {};
-        }
-        case FieldType::optional_real:
-            if (is_null(text)) {
-                field.set(config, {});
-                return {};
-            }
-            [[fallthrough]];
-        case FieldType::real: {
-            double value = 0;
-            if (!parse_number(text, value) || !in_range(value)) return complaint;
-            field.set(config, value);
-            return {};
-        }
-        case FieldType::choice: {
-            if (std::find(field.choices.begin(), field.choices.end(), text) == field.choices.end()) {
-                const std::string near = nearest_name(text, field.choices);
-                return complaint + (near.empty() ? "" : " (did you mean '" + near + "'?)");
-            }
-            field.set(config, text);
-            return {};
-        }
-        case FieldType::text:
-            field.set(config, is_null(text) ? std::string() : text);
-            return {};
-    }
-    return complaint;
+    const std::optional<FieldValue> value = value_of(field, text);
+    if (!value || !takes(field, *value)) return complaint(field, text);
+    field.set(config, *value);
+    return {};
 }
 
 std::string suggest_key(const std::string& path) {
@@ -131,14 +161,11 @@ std::string suggest_key(const std::string& path) {
 
 void check_rules(const Config& config, const std::string& origin) {
     const auto fail = [&](const std::string& what) { throw Error(ErrorKind::usage, origin + what); };
-    if (config.disparity.block_size_px % 2 == 0)
-        fail("disparity.block_size_px must be odd, not " + std::to_string(config.disparity.block_size_px));
+    if (const std::string wrong = wrong_disparity_config(config.disparity); !wrong.empty()) fail(wrong);
     if (config.mesh.alpha_final > config.mesh.alpha_init)
         fail("mesh.alpha_final must not be above mesh.alpha_init");
     if (config.mesh.sigma_final > config.mesh.sigma_init)
         fail("mesh.sigma_final must not be above mesh.sigma_init");
-    if (config.disparity.p1 > 0 && config.disparity.p2 > 0 && config.disparity.p2 <= config.disparity.p1)
-        fail("disparity.p2 must be above disparity.p1");
     const BudgetConfig& budget = config.budget;
     if ((budget.vertices > 0) + (budget.max_bytes > 0) + (budget.max_error_px > 0) > 1)
         fail("budget.vertices, budget.max_bytes and budget.max_error_px exclude each other; give one");

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <map>
 
+#include "pipeline/config/key_options.h"
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
@@ -45,33 +45,6 @@ void split_alpha(Image& image) {
     if (is_opaque) image.alpha.clear();
 }
 
-// The key that an option of the command stands for.
-const char* key_of(const std::string& option, bool is_depth) {
-    static const std::map<std::string, const char*> keys = {
-        {"--disparity-scale", "input.disparity.scale"},
-        {"--disparity-offset", "input.disparity.offset_px"},
-        {"--unknown", "input.disparity.unknown"},
-        {"--key", "input.disparity.key"},
-        {"--depth-unit", "input.depth.unit"},
-        {"--depth-kind", "input.depth.kind"},
-        {"--calib", "input.calibration.file"},
-        {"--fov-x", "input.calibration.fov_x_deg"},
-        {"--layout", "input.stereo.layout"},
-        {"--backend", "run.backend"},
-        {"--threads", "run.threads"},
-        {"--strict", "run.strict"},
-        {"--vertices", "budget.vertices"},
-        {"--max-bytes", "budget.max_bytes"},
-        {"--max-error-px", "budget.max_error_px"},
-        {"--seed", "mesh.seed"},
-    };
-    if (is_depth && option == "--unknown") return "input.depth.unknown";
-    if (is_depth && option == "--key") return "input.depth.key";
-    const auto known = keys.find(option);
-    if (known == keys.end()) throw Error(ErrorKind::usage, "'" + option + "' stands for no key");
-    return known->second;
-}
-
 readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
     require_pixels(view.values, view.width, view.height, name);
     readers::codec::Raster raster;
@@ -87,7 +60,7 @@ readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
     return raster;
 }
 
-config::Config configured(const Options& options, const Camera& camera, bool is_depth,
+config::Config configured(const Options& options, const Camera& camera, const std::vector<std::string>& files,
                           const config::Config& base) {
     config::ConfigOptions said{options.config, {}};
     for (const auto& [key, value] : options.settings) said.settings.push_back(key + "=" + value);
@@ -95,7 +68,7 @@ config::Config configured(const Options& options, const Camera& camera, bool is_
     const auto take = [&](const char* name, double value) {
         if (!std::isnan(value))
             config::apply_option(config, std::string("camera.") + name,
-                                 std::string("input.calibration.") + name, config::shortest(value));
+                                 std::string("input.calibration.") + name, value);
     };
     if (!camera.file.empty())
         config::apply_option(config, "camera.file", "input.calibration.file", camera.file);
@@ -104,8 +77,7 @@ config::Config configured(const Options& options, const Camera& camera, bool is_
     take("cx", camera.cx);
     take("cy", camera.cy);
     take("doffs_px", camera.doffs_px);
-    for (const auto& [option, value] : options.direct)
-        config::apply_option(config, option, key_of(option, is_depth), value);
+    apply_options(config, options.direct, files);
     return config;
 }
 
@@ -148,10 +120,11 @@ readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceC
     return readers::confidence_of(raster_of(view, "confidence"), "confidence", config);
 }
 
-config::Config config_of(const Options& options, const Camera& camera, bool is_depth) {
-    config::Config config = configured(options, camera, is_depth, {});
+config::Config config_of(const Options& options, const Camera& camera,
+                         const std::vector<std::string>& files) {
+    config::Config config = configured(options, camera, files, {});
     if (options.config.empty())
-        config = configured(options, camera, is_depth, config::budget_base(config.budget));
+        config = configured(options, camera, files, config::budget_base(config.budget));
     config::finish_config(config);
     return config;
 }

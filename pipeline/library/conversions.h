@@ -21,9 +21,10 @@ readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig&
 readers::PixelMask mask_of(const ImageView& view, const readers::MaskConfig& config);
 readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceConfig& config);
 
-// As the command line reads --config, --set, its direct options and what it is told of the camera. is_depth:
-// the map that options speak of is one of depths. Throws Error(usage).
-config::Config config_of(const Options& options, const Camera& camera, bool is_depth = false);
+// As the command line reads --config, --set, its direct options and what it is told of the camera. `files`:
+// the options of the files that are read, as far as direct options go with them. Throws Error(usage).
+config::Config config_of(const Options& options, const Camera& camera,
+                         const std::vector<std::string>& files = {});
 
 // Settings of `export` on top of a configuration. Throws Error(usage) for other keys.
 void apply_export_settings(config::Config& config, const Options& options);

@@ -187,7 +187,7 @@ Picture read_picture(const std::string& path) {
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {
-    const config::Config config = library::config_of(options, {});
+    const config::Config config = library::config_of(options, {}, {"--disparity"});
     DisparityMap map = readers::read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }
@@ -217,7 +217,7 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     auto state = std::make_unique<Mesh::State>();
     state->observer = observer_of(options);
     job::RunRequest& request = state->request;
-    request.config = library::config_of(options, camera, is_depth);
+    request.config = library::config_of(options, camera, {is_depth ? "--depth" : "--disparity"});
     request.outputs = {"relief.glb"};
     if (is_depth) request.depth = "depth";
     state->relief = job::make_relief(

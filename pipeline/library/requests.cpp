@@ -11,21 +11,13 @@
 namespace hexrelief::library {
 namespace {
 
-void refuse_options_without_their_file(const FileRequest& files, const Options& options) {
-    const bool is_depth = !files.depth.empty(), is_map = is_depth || !files.disparity.empty();
-    const auto need = [&](const std::string& option, bool is_given, const std::string& file) {
-        const bool is_asked = std::any_of(options.direct.begin(), options.direct.end(),
-                                          [&](const auto& direct) { return direct.first == option; });
-        if (is_asked && !is_given)
-            throw Error(ErrorKind::usage, option + " goes with " + file + ", which is not given");
-    };
-    need("--layout", !files.stereo.empty(), "--stereo");
-    need("--disparity-scale", !files.disparity.empty(), "--disparity");
-    need("--disparity-offset", !files.disparity.empty(), "--disparity");
-    need("--depth-unit", is_depth, "--depth");
-    need("--depth-kind", is_depth, "--depth");
-    need("--key", is_map, "--disparity or --depth");
-    need("--unknown", is_map, "--disparity or --depth");
+// The options of the files that are given, as far as other options go with them.
+std::vector<std::string> given_files(const FileRequest& files) {
+    std::vector<std::string> given;
+    if (!files.stereo.empty()) given.emplace_back("--stereo");
+    if (!files.disparity.empty()) given.emplace_back("--disparity");
+    if (!files.depth.empty()) given.emplace_back("--depth");
+    return given;
 }
 
 // "-" is written as GLB, "drc:-" and the like as what they say.
@@ -45,7 +37,6 @@ bool lacks_color(const job::RunRequest& request) {
 }  // namespace
 
 job::RunRequest request_of(const FileRequest& files, const Options& options) {
-    refuse_options_without_their_file(files, options);
     if (files.update && (files.report.empty() || files.report == "-"))
         throw Error(ErrorKind::usage, "--update goes with --report FILE, which says what was done");
     job::RunRequest request;
@@ -62,7 +53,7 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
     request.depfile = files.depfile;
     request.stages_folder = files.stages_folder;
     request.jobs = files.runs;
-    request.config = config_of(options, {}, !files.depth.empty());
+    request.config = config_of(options, {}, given_files(files));
     if (!config::find_preset(options.config)) request.config_file = options.config;
     return request;
 }

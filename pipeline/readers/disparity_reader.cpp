@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "pipeline/data/error.h"
-#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 
 namespace hexrelief::readers {
@@ -14,13 +13,10 @@ namespace {
 constexpr double kKittiScale = 256;
 
 void check_config(const DisparityFileConfig& config) {
-    if (!std::isfinite(config.scale) || config.scale < 0) {
-        throw Error(ErrorKind::usage, "input.disparity.scale is " + number_text(config.scale) +
-                                          "; it must be a positive number, or 0 where the format says it");
-    }
-    if (!std::isfinite(config.offset_px)) {
-        throw Error(ErrorKind::usage, "input.disparity.offset must be a finite number of pixels");
-    }
+    const std::string outside =
+        out_of_range({{"input.disparity.scale", config.scale, DisparityFileConfig::kScale},
+                      {"input.disparity.offset_px", config.offset_px, DisparityFileConfig::kOffset_px}});
+    if (!outside.empty()) throw Error(ErrorKind::usage, outside);
 }
 
 float usable(double disparity) {

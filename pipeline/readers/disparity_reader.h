@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/value_range.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
 
@@ -20,7 +21,9 @@ inline constexpr double kLargestDisparity_px = 1e6;
 struct DisparityFileConfig {
     // 0 = not given: an 8-bit integer map is then refused with a list of Middlebury's scales, a 16-bit one is
     // read as KITTI (scale 256, 0 unknown), PFM and float TIFF are in pixels already (scale 1).
+    static constexpr ValueRange kScale{0, 65536};
     double scale = 0;
+    static constexpr ValueRange kOffset_px{-65536, 65536};
     double offset_px = 0;
     // Raw value that means "unknown", compared before scale and offset. NaN = the format's own, which is 0 in
     // integer maps; a given value replaces that 0, so 0 is then an ordinary disparity. In float maps NaN,
@@ -38,7 +41,7 @@ struct DisparityFileConfig {
 // Error(input) if the file is missing, malformed, truncated, of zero size or too large; if it has colours
 // whose channels differ, no known pixel, no scale for an 8-bit map, or floats that make sense only in the
 // other byte order; and for formats that lose disparities (JPEG) or cannot hold them (WebP). Throws
-// Error(usage) if the scale is negative or not finite, or the offset is not finite.
+// Error(usage) if the scale or the offset is out of range.
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config,
                                 const ReaderLimits& limits = {});
 // As read_disparity_map(), for samples of one channel that have been read already; errors name `path`.

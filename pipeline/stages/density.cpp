@@ -211,20 +211,16 @@ double power(double base, double exponent) {
 }
 
 void check(const DensityConfig& config) {
-    const auto inside = [](double value, double low, double high) { return value >= low && value <= high; };
-    if (!inside(config.exponent, 0, 8))
-        throw Error(ErrorKind::usage, "density.exponent must be between 0 and 8");
-    if (!inside(config.scale_percentile, 0, 100))
-        throw Error(ErrorKind::usage, "density.scale_percentile must be between 0 and 100");
-    if (!inside(config.background_fraction, 0, 1)) {
-        throw Error(ErrorKind::usage, "density.background.fraction must be between 0 and 1");
-    }
-    if (!inside(config.floor, 0, 1)) throw Error(ErrorKind::usage, "density.floor must be between 0 and 1");
-    if (!inside(config.detail, 0, 0.99))
-        throw Error(ErrorKind::usage, "density.detail must be between 0 and 0.99");
-    if (!std::isfinite(config.background_threshold_px)) {
-        throw Error(ErrorKind::usage, "density.background.threshold_px must be a finite number of pixels");
-    }
+    using Config = DensityConfig;
+    const std::string outside = out_of_range({
+        {"density.exponent", config.exponent, Config::kExponent},
+        {"density.scale_percentile", config.scale_percentile, Config::kScalePercentile},
+        {"density.background.fraction", config.background_fraction, Config::kBackgroundFraction},
+        {"density.background.threshold_px", config.background_threshold_px, Config::kBackgroundThreshold_px},
+        {"density.floor", config.floor, Config::kFloor},
+        {"density.detail", config.detail, Config::kDetail},
+    });
+    if (!outside.empty()) throw Error(ErrorKind::usage, outside);
 }
 
 // Mixes densities: (1 - share) of the sum is the density's, `share` the detail's; the largest value becomes

@@ -6,23 +6,29 @@
 
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/value_range.h"
 
 namespace hexrelief::stages {
 
 enum class BackgroundMethod { automatic, none, fraction, threshold_px, otsu };
 
 struct DensityConfig {
-    double exponent = 3;  // 0..8; the paper cubes
+    static constexpr ValueRange kExponent{0, 8};
+    double exponent = 3;  // the paper cubes
     // The scale of disparities is this percentile of the known disparities above 0, so that a few wrong
-    // pixels do not move it; 0..100. The paper uses 100, the largest disparity.
+    // pixels do not move it. The paper uses 100, the largest disparity.
+    static constexpr ValueRange kScalePercentile{0, 100};
     double scale_percentile = 99.8;
     BackgroundMethod background_method = BackgroundMethod::automatic;
-    double background_fraction = 0.25;   // for automatic and fraction: share of the scale; 0..1
+    static constexpr ValueRange kBackgroundFraction{0, 1};
+    double background_fraction = 0.25;  // for automatic and fraction: share of the scale
+    static constexpr ValueRange kBackgroundThreshold_px{0, 65536};
     double background_threshold_px = 0;  // used by threshold_px
-    // Density of known pixels is at least this share of the largest; 0..1.
-    double floor = 0.05;
-    // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0..0.99, 0 =
+    static constexpr ValueRange kFloor{0, 1};
+    double floor = 0.05;  // density of known pixels is at least this share of the largest
+    // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0 =
     // none, as in the paper.
+    static constexpr ValueRange kDetail{0, 0.99};
     double detail = 0;
 };
 

@@ -21,6 +21,27 @@ std::string size_of(const Image& image) {
 
 }  // namespace
 
+std::string wrong_disparity_config(const DisparityConfig& config) {
+    using Config = DisparityConfig;
+    const std::string outside = out_of_range({
+        {"disparity.min_disparity_px", config.min_disparity_px, Config::kMinDisparity_px},
+        {"disparity.num_disparities_px", config.num_disparities_px, Config::kNumDisparities_px},
+        {"disparity.p1", config.p1, Config::kPenalty},
+        {"disparity.p2", config.p2, Config::kPenalty},
+        {"disparity.speckle_window_px", config.speckle_window_px, Config::kSpeckleWindow_px},
+        {"disparity.speckle_range_px", config.speckle_range_px, Config::kSpeckleRange_px},
+        {"disparity.block_size_px", config.block_size_px, Config::kBlockSize_px},
+        {"disparity.pre_filter_cap", config.pre_filter_cap, Config::kPreFilterCap},
+        {"disparity.uniqueness_ratio_percent", config.uniqueness_ratio_percent,
+         Config::kUniquenessRatio_percent},
+    });
+    if (!outside.empty()) return outside;
+    if (config.block_size_px % 2 == 0)
+        return "disparity.block_size_px must be odd, not " + std::to_string(config.block_size_px);
+    if (config.p2 > 0 && config.p2 <= config.p1) return "disparity.p2 must be above disparity.p1";
+    return {};
+}
+
 void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
     const auto usage = [](bool good, const std::string& message) {
         if (!good) throw Error(ErrorKind::usage, "disparity." + message);
@@ -34,30 +55,19 @@ void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
         throw Error(ErrorKind::input,
                     "the images are " + size_of(left) + "; matching needs at least 16 columns and a row");
     }
-    usage(config.block_size_px >= 1 && config.block_size_px <= 21 && config.block_size_px % 2 == 1,
-          "block_size_px must be odd and between 1 and 21");
-    usage(config.pre_filter_cap >= 1 && config.pre_filter_cap <= 127,
-          "pre_filter_cap must be between 1 and 127");
-    usage(config.uniqueness_ratio_percent >= 0 && config.uniqueness_ratio_percent <= 99,
-          "uniqueness_ratio_percent must be between 0 and 99");
-    usage(config.p1 >= 0 && config.p1 <= kLargestPenalty, "p1 must be between 0 and 16000");
-    usage(config.p2 >= 0 && config.p2 <= kLargestPenalty, "p2 must be between 0 and 16000");
-    usage(config.p2 == 0 || config.p2 > config.p1, "p2 must be larger than p1");
-    usage(config.num_disparities_px >= 0, "num_disparities_px must not be negative");
-    usage(config.speckle_window_px >= 0, "speckle_window_px must not be negative");
+    if (const std::string wrong = wrong_disparity_config(config); !wrong.empty())
+        throw Error(ErrorKind::usage, wrong);
     usage(!config.wls || config.method == DisparityMethod::sgbm,
           "wls filters StereoSGBM's disparities; set disparity.method to sgbm, or disparity.wls to false");
-    usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
-          "speckle_range_px must be between 0 and 1920");
     // Ranges are rounded up, whether they come from the configuration, the calibration or the pair.
     usage(config.num_disparities_px <= round_up_range(left.width),
           "num_disparities_px " + std::to_string(config.num_disparities_px) + " is wider than the image (" +
               std::to_string(left.width) + ")");
-    const int widest = std::min(left.width, kLargestRange_px);
-    usage(std::abs(config.min_disparity_px) < widest &&
+    usage(std::abs(config.min_disparity_px) < left.width &&
               config.min_disparity_px + round_up_range(config.num_disparities_px) <=
                   round_up_range(kLargestRange_px),
-          "min_disparity_px must lie within the image's width, and the whole range below 1920 px");
+          "min_disparity_px must lie within the image's width, and the whole range below " +
+              std::to_string(kLargestRange_px) + " px");
 }
 
 namespace {

@@ -3,9 +3,11 @@
 
 #include <functional>
 #include <limits>
+#include <string>
 
 #include "pipeline/data/crop.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/value_range.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/stages/disparity_range.h"
 
@@ -17,18 +19,26 @@ enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
 enum class DisparityFill { none, planes };
 enum class Dequantization { automatic, none };
 
+inline constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
+inline constexpr int kLargestRange_px = 1920;  // 16 bits hold 1/16 px, on planes that go beyond the range
+
 struct DisparityConfig {
     DisparityMethod method = DisparityMethod::sgm;
-    int min_disparity_px = 0;
+    static constexpr ValueRange kMinDisparity_px{1 - kLargestRange_px, kLargestRange_px - 1};
+    int min_disparity_px = 0;  // within the image's width
     // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair (the command `run` takes
     // the calibration's ndisp instead if that is known).
+    static constexpr ValueRange kNumDisparities_px{0, kLargestRange_px};
     int num_disparities_px = 0;
-    // Penalty of a disparity step of 1 px, 0..16000; 0 = 45, or with sgbm 16 * channels * block_size^2.
+    static constexpr ValueRange kPenalty{0, kLargestPenalty};
+    // Penalty of a disparity step of 1 px; 0 = 45, or with sgbm 16 * channels * block_size^2.
     int p1 = 0;
-    // Penalty of larger steps, > p1; 0 = 330, or with sgbm 64 * channels * block_size^2, at most 16000.
+    // Penalty of larger steps, > p1; 0 = 330, or with sgbm 64 * channels * block_size^2, at most
+    // kLargestPenalty.
     int p2 = 0;
+    static constexpr ValueRange kSpeckleWindow_px{0, 100000};
     int speckle_window_px = 100;  // speckles of at most this many pixels are removed; 0 = off
-    // Largest difference of neighbouring disparities within a speckle, 0..1920.
+    static constexpr ValueRange kSpeckleRange_px{0, kLargestRange_px};
     int speckle_range_px = 2;
     // Speckles with disparities below this are removed up to four times that size; NaN =
     // farthest_disparity_px() of the pair.
@@ -41,10 +51,13 @@ struct DisparityConfig {
     Dequantization dequantize = Dequantization::automatic;
 
     // Parameters of StereoSGBM only.
-    bool color = false;                // match all channels; grey is faster and was measured to be better
-    int block_size_px = 3;             // odd, 1..21
-    int pre_filter_cap = 31;           // 1..127; below 15 counts as 15
-    int uniqueness_ratio_percent = 5;  // 0..99
+    bool color = false;  // match all channels; grey is faster and was measured to be better
+    static constexpr ValueRange kBlockSize_px{1, 21};
+    int block_size_px = 3;  // odd
+    static constexpr ValueRange kPreFilterCap{1, 127};
+    int pre_filter_cap = 31;  // below 15 counts as 15
+    static constexpr ValueRange kUniquenessRatio_percent{0, 99};
+    int uniqueness_ratio_percent = 5;
     // hh and hh4 need width * range * height * 4 bytes of memory, the other modes a few rows.
     SgbmMode mode = SgbmMode::sgbm_3way;
     // Use OpenCV's edge-preserving weighted least squares filter (ximgproc) instead of the refinement.
@@ -52,6 +65,9 @@ struct DisparityConfig {
     double wls_lambda = 8000;
     double wls_sigma = 1.5;
 };
+
+// Returns what is wrong with a configuration for any pair: "disparity.p1 must be ..."; empty if nothing is.
+std::string wrong_disparity_config(const DisparityConfig& config);
 
 // The matcher used by the method sgm: on the CPU, or its equal on a device.
 using PairMatcher = std::function<matching::MatchedMap(const StereoPair&, const matching::MatchingConfig&)>;

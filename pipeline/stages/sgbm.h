@@ -23,8 +23,5 @@ void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image&
 
 // Rounds up to a multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
-inline constexpr int kLargestPenalty = 16000;  // because sums of costs have 16 bits
-// Because 1/16 px, on planes that go beyond the range, must fit into 16 bits.
-inline constexpr int kLargestRange_px = 1920;
 
 }  // namespace hexrelief::stages

@@ -121,7 +121,10 @@ void read_config(Bytes bytes, const std::string&) {
 void read_manifests(Bytes bytes, const std::string&) {
     for (const char* const ending : {".yaml", ".csv", ".jsonl", ".txt"})
         attempt([&] {
-            const batch::ManifestOptions options{.output = "out", .config = "compact", .depfiles = true};
+            const batch::ManifestOptions options{.output = "out",
+                                                 .config = "compact",
+                                                 .depfiles = true,
+                                                 .file_options = {"--left", "--right", "--disparity"}};
             for (const batch::BatchUnit& unit : batch::read_manifest(file_of(bytes, ending), options))
                 if (unit.wrong.find('\n') != std::string::npos) throw Error(unit.kind, unit.wrong);
         });

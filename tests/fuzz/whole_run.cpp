@@ -35,13 +35,13 @@ double most_of(const config::Field& field) {
     constexpr std::array<std::pair<const char*, double>, 4> kMost = {
         {{"mesh.t_max", 30}, {"run.threads", 4}, {"mesh.co", 200}, {"mesh.sigma_init", 20}}};
     for (const auto& [path, most] : kMost)
-        if (field.path == path) return std::min(most, field.max);
-    return field.max;
+        if (field.path == path) return std::min(most, field.range.max);
+    return field.range.max;
 }
 
 // A number in range: the ends, and most often small ones.
 double number(const config::Field& field, Draw& draw) {
-    const double low = field.min, high = std::max(low, most_of(field));
+    const double low = field.range.min, high = std::max(low, most_of(field));
     const unsigned how = draw.byte();
     if (how == 0) return low;
     if (how == 1) return high;
@@ -69,6 +69,7 @@ void change(config::Config& config, Draw& draw) {
             value = number(field, draw);
             break;
         case config::FieldType::text:
+        case FieldType::file:
             return;
     }
     field.set(config, value);

@@ -81,6 +81,15 @@ void Command::add_flag(const std::string& name, bool& target, const std::string&
     apply_traits(*app_, *app_->add_flag(name, target, help), traits);
 }
 
+void Command::add_option(const std::string& name, const std::function<void(const std::string&)>& take,
+                         const std::string& help, const OptionTraits& traits) {
+    CLI::Option* const option = traits.value.empty()
+                                    ? app_->add_flag_callback(
+                                          name, [take] { take("true"); }, help)
+                                    : app_->add_option_function<std::string>(name, take, help);
+    apply_traits(*app_, *option, traits);
+}
+
 Command Command::add_command(const std::string& name, const std::string& help) {
     app_->require_subcommand(1);
     return {*app_->add_subcommand(name, help), *chosen_};

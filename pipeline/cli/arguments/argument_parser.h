@@ -59,6 +59,9 @@ class Command {
                     const OptionTraits& traits = {});
     void add_flag(const std::string& name, bool& target, const std::string& help,
                   const OptionTraits& traits = {});
+    // The value's text goes to `take` once all is parsed; that of an option without a value is "true".
+    void add_option(const std::string& name, const std::function<void(const std::string&)>& take,
+                    const std::string& help, const OptionTraits& traits);
     // Where a command has commands below it, one of them must be given.
     Command add_command(const std::string& name, const std::string& help);
     void set_footer(const std::string& text);

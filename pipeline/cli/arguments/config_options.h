@@ -1,13 +1,19 @@
-// --config and --set, as several commands take them.
+// --config, --set and the options that set a key, as several commands take them.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "pipeline/cli/arguments/argument_parser.h"
+#include "pipeline/config/key_options.h"
 #include "pipeline/config/options.h"
 
 namespace hexrelief::cli {
 
 void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group);
+
+// Options of the field table, by their flags. Those that are given are appended.
+void add_key_options(Command& command, KeyOptions& options, const std::vector<std::string>& flags,
+                     const std::string& group);
 
 }  // namespace hexrelief::cli

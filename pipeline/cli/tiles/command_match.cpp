@@ -15,29 +15,19 @@ namespace {
 struct MatchOptions {
     std::filesystem::path left, right, output;
     config::ConfigOptions config;
-    std::string calibration, backend;
-    int tile_px = tiles::MatchRequest().tile_px, threads = 0;
+    KeyOptions keys;
+    int tile_px = tiles::MatchRequest().tile_px;
     bool quiet = false, verbose = false;
 };
 
-config::Config config_of(const MatchOptions& options) {
-    config::Config config = config::read_config(options.config);
-    const auto apply = [&](const std::string& option, const char* path, const std::string& value) {
-        if (!value.empty()) config::apply_option(config, option, path, value);
-    };
-    apply("--calib", "input.calibration.file", options.calibration);
-    apply("--backend", "run.backend", options.backend);
-    if (options.threads > 0) apply("--threads", "run.threads", std::to_string(options.threads));
-    config::finish_config(config);
-    return config;
-}
-
 int match_tiles(const MatchOptions& options) {
-    const tiles::MatchRequest request{.left = options.left,
-                                      .right = options.right,
-                                      .map = options.output,
-                                      .tile_px = options.tile_px,
-                                      .config = config_of(options)};
+    tiles::MatchRequest request{.left = options.left,
+                                .right = options.right,
+                                .map = options.output,
+                                .tile_px = options.tile_px,
+                                .config = read_config(options.config)};
+    apply_options(request.config, options.keys, {"--left", "--right"});
+    finish_config(request.config);
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(request.config.run.threads);
     const job::Backend backend =
@@ -66,19 +56,17 @@ void add_match_command(Command& group) {
                        {.value = "MAP", .required = true});
     command.add_option("--tile", &options->tile_px, "a tile's side",
                        {.value = "PX", .shows_default = true, .range = {{64, 16384}}});
-    command.add_option("--calib", &options->calibration, "the camera, whose ndisp is the range to search",
-                       {.value = "C"});
     add_config_options(command, options->config, "Options");
-    command.add_option("--backend", &options->backend, "auto, cpu or cuda", {.value = "B"});
-    command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
-                       {.shows_default = true, .range = {{0, 1024}}});
+    add_key_options(command, options->keys, {"--calib", "--backend", "--threads"}, "Options");
     command.add_flag("--quiet", options->quiet, "nothing but errors");
     command.add_flag("--verbose", options->verbose, "the range searched, and the stages' times");
     command.set_footer(
         "Each tile is matched with the pixels around it, as 'hexrelief run' matches a pair. Of TIFF, "
         "BigTIFF,\n"
         "PGM and PPM no more is read than a tile needs; other pictures are held as a whole. The map is of\n"
-        "32-bit floats in px, unknown where nothing matches.\n\n"
+        "32-bit floats in px, unknown where nothing matches. The camera's ndisp, if its file has one, is "
+        "the\n"
+        "range that is searched.\n\n"
         "Example:\n"
         "  hexrelief tiles match left.tif right.tif -o map.tif --set disparity.num_disparities_px=256\n"
         "  hexrelief tiles plan map.tif -o relief --color left.tif");

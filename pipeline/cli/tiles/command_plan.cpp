@@ -1,6 +1,5 @@
 #include <cstdio>
 #include <memory>
-#include <optional>
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
@@ -16,31 +15,17 @@ namespace {
 struct PlanOptions {
     std::filesystem::path map, color, folder;
     config::ConfigOptions config;
-    std::string raw, calibration, unknown, backend;
-    std::optional<double> scale, offset_px;
-    int tile_vertices = 512, threads = 0;
+    KeyOptions keys;
+    std::string raw;
+    int tile_vertices = 512;
     bool quiet = false, verbose = false;
 };
 
-config::Config config_of(const PlanOptions& options) {
-    config::Config config = config::read_config(options.config);
-    const auto apply = [&](const std::string& option, const char* path, const std::string& value) {
-        if (!value.empty()) config::apply_option(config, option, path, value);
-    };
-    apply("--calib", "input.calibration.file", options.calibration);
-    apply("--unknown", "input.disparity.unknown", options.unknown);
-    apply("--backend", "run.backend", options.backend);
-    if (options.scale) apply("--disparity-scale", "input.disparity.scale", config::shortest(*options.scale));
-    if (options.offset_px)
-        apply("--disparity-offset", "input.disparity.offset_px", config::shortest(*options.offset_px));
-    if (options.threads > 0) apply("--threads", "run.threads", std::to_string(options.threads));
-    config::finish_config(config);
-    return config;
-}
-
 int plan_tiles(const PlanOptions& options) {
     tiles::PlanRequest request{options.map, options.color,         options.folder,
-                               {},          options.tile_vertices, config_of(options)};
+                               {},          options.tile_vertices, read_config(options.config)};
+    apply_options(request.config, options.keys, {"--disparity"});
+    finish_config(request.config);
     if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
     files::check_writable_folder(options.folder);
     files::check_overwrites(
@@ -81,17 +66,11 @@ void add_plan_command(Command& group) {
                        {.value = "L"});
     command.add_option("--raw", &options->raw, "the map is samples alone: as 32768x32768,float32",
                        {.value = "WxH,TYPE"});
-    command.add_option("--disparity-scale", &options->scale, "the map's samples divided by this are px",
-                       {.value = "S"});
-    command.add_option("--disparity-offset", &options->offset_px, "px added after the scale", {.value = "O"});
-    command.add_option("--unknown", &options->unknown, "sample that means 'not known' in the map",
-                       {.value = "V"});
-    command.add_option("--calib", &options->calibration, "the camera, as 'hexrelief run' takes it",
-                       {.value = "C"});
     add_config_options(command, options->config, "Options");
-    command.add_option("--backend", &options->backend, "auto, cpu or cuda", {.value = "B"});
-    command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
-                       {.shows_default = true, .range = {{0, 1024}}});
+    add_key_options(
+        command, options->keys,
+        {"--disparity-scale", "--disparity-offset", "--unknown", "--calib", "--backend", "--threads"},
+        "Options");
     command.add_flag("--quiet", options->quiet, "nothing but errors");
     command.add_flag("--verbose", options->verbose, "the stages' times");
     command.set_footer(

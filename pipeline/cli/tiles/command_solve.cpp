@@ -11,10 +11,10 @@
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/worker.h"
+#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/tiles/tiles_commands.h"
-#include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 
 struct SolveOptions {
     fs::path folder;
-    std::string tile, shard, gpus, memory, backend;
+    std::string tile, shard, gpus, memory;
+    KeyOptions keys;
     int jobs = 0, threads = 0;
     bool force = false, print_commands = false, quiet = false;
 };
@@ -58,7 +59,7 @@ int print_commands(const SolveOptions& options, const std::vector<tiles::TileNum
         std::vector<std::string> words = {"hexrelief", "tiles",
                                           "solve",     fs::absolute(options.folder).string(),
                                           "--tile",    std::to_string(tile.j) + "," + std::to_string(tile.i)};
-        if (!options.backend.empty()) words.insert(words.end(), {"--backend", options.backend});
+        for (const auto& [flag, text] : options.keys) words.insert(words.end(), {flag, text});
         if (options.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options.threads)});
         if (options.force) words.emplace_back("--force");
         std::printf("%s\n", batch::shell_line(words).c_str());
@@ -106,7 +107,7 @@ class TileTeller {
 
 config::BackendChoice backend_of(const SolveOptions& options, const config::Config& planned) {
     config::Config config = planned;
-    if (!options.backend.empty()) config::apply_option(config, "--backend", "run.backend", options.backend);
+    apply_options(config, options.keys, {});
     return config.run.backend;
 }
 
@@ -197,7 +198,7 @@ void add_solve_command(Command& group) {
     command.add_option("--memory", &options->memory,
                        "for all tiles together, as 8G; otherwise three quarters of what is free",
                        {.value = "SIZE"});
-    command.add_option("--backend", &options->backend, "auto, cpu or cuda", {.value = "B"});
+    add_key_options(command, options->keys, {"--backend"}, "Options");
     command.add_option("--gpus", &options->gpus, "all, or a number: the tiles are spread over these devices",
                        {.value = "all|N"});
     command.add_flag("--force", options->force, "solve tiles that are there as well");

@@ -17,10 +17,13 @@ using test::write_text;
 
 using Words = std::vector<std::string>;
 
+const ManifestOptions kOptions{
+    .output = "out", .file_options = {"--left", "--right", "--stereo", "--disparity", "--depth", "--mask"}};
+
 std::vector<BatchUnit> read_units(const TemporaryFolder& folder, const std::string& name,
                                   const std::string& text) {
     write_text(folder / name, text);
-    return read_manifest(folder / name, {.output = "out"});
+    return read_manifest(folder / name, kOptions);
 }
 
 // Returns the error in the only row of a manifest.
@@ -102,6 +105,8 @@ TEST(Manifest, RowsSayWhatIsWrongWithThem) {
     EXPECT_NE(wrong_of("m.csv", "left\n\"a\n").find("never closed"), std::string::npos);
     EXPECT_NE(wrong_of("m.csv", "left,calib,calibration\na,b,c\n").find("'calib' is given twice"),
               std::string::npos);
+    EXPECT_EQ(wrong_of("m.csv", "left,strict\na,yes\n"), "strict must be true or false, not 'yes'");
+    EXPECT_NE(wrong_of("m.csv", "left,fov\na,60\n").find("did you mean 'fov-x'"), std::string::npos);
     EXPECT_NE(wrong_of("m.jsonl", "{\"left\": }\n").find("not valid JSON"), std::string::npos);
     EXPECT_NE(wrong_of("m.jsonl", "[1]\n").find("not a JSON object"), std::string::npos);
     EXPECT_NE(wrong_of("m.yaml", "- left: {a: {b: {c: {d: {e: 1}}}}}\n").find("too deep"), std::string::npos);
@@ -138,7 +143,7 @@ TEST(Manifest, FilesThatAreNoneAreRefused) {
                                                           {"i.yaml", "defaults: [1]\nrows: [{left: a}]\n"},
                                                           {"j.txt", "# nothing\n"}})
         EXPECT_THROW(read_units(folder, name, text), Error) << name;
-    EXPECT_THROW(read_manifest(folder / "none.csv", {.output = "out"}), Error);
+    EXPECT_THROW(read_manifest(folder / "none.csv", kOptions), Error);
     write_text(folder / "k.csv", "left\na\n");
     EXPECT_THROW(read_manifest(folder / "k.csv", {}), Error) << "no output folder";
 }
@@ -158,7 +163,7 @@ TEST(Manifest, FoldersGiveTheirPairs) {
     for (const char* const name :
          {"b_left.png", "b_right.png", "a_left.jpg", "a_right.jpg", "a_calib.txt", "c_left.png", "notes.txt"})
         write_text(folder / name, "");
-    const auto units = read_manifest(folder.path(), {.output = "out"});
+    const auto units = read_manifest(folder.path(), kOptions);
     ASSERT_EQ(units.size(), 3u);
     EXPECT_EQ(units[0].name, "a");
     EXPECT_EQ(units[0].words,
@@ -175,13 +180,13 @@ TEST(Manifest, PatternsMayNameFolders) {
         for (const char* const file : {"left.png", "right.png", "calib.txt"})
             write_text((folder / name) + "/" + file, "");
     }
-    const auto units = read_manifest(folder / "{name}/left.png", {.output = "out"});
+    const auto units = read_manifest(folder / "{name}/left.png", kOptions);
     ASSERT_EQ(units.size(), 2u);
     EXPECT_EQ(units[1].name, "two");
     EXPECT_EQ(units[1].words[3], folder / "two/right.png");
     EXPECT_EQ(units[1].words[5], folder / "two/calib.txt");
-    EXPECT_THROW(read_manifest(folder / "{name}.png", {.output = "out"}), Error);
-    EXPECT_THROW(read_manifest(folder / "{name}_left.png", {.output = "out"}), Error);
+    EXPECT_THROW(read_manifest(folder / "{name}.png", kOptions), Error);
+    EXPECT_THROW(read_manifest(folder / "{name}_left.png", kOptions), Error);
 }
 
 TEST(ShellWords, AreReadAndWritten) {

@@ -32,6 +32,11 @@ constexpr std::size_t member_count(A... a) {
         return sizeof...(A);
 }
 
+bool is_number(const Field& field) {
+    return field.type != FieldType::boolean && field.type != FieldType::choice &&
+           field.type != FieldType::text && field.type != FieldType::file;
+}
+
 std::size_t fields_below(const std::string& section) {
     std::size_t count = 0;
     for (const Field& field : config_fields()) count += field.path.starts_with(section + ".");
@@ -93,12 +98,13 @@ TEST(ConfigFields, EachSetsItsOwnMemberAlone) {
                             : field.choices.back();
                 break;
             case FieldType::text:
+            case FieldType::file:
                 value = "some/file.txt";
                 break;
             default: {
-                const std::string least = format_value(FieldValue(field.min));
-                value =
-                    least == format_value(field.get(changed)) ? format_value(FieldValue(field.max)) : least;
+                const std::string least = format_value(FieldValue(field.range.min));
+                value = least == format_value(field.get(changed)) ? format_value(FieldValue(field.range.max))
+                                                                  : least;
                 if (field.type == FieldType::integer && value.find('e') != std::string::npos) value = "1000";
             }
         }
@@ -112,12 +118,10 @@ TEST(ConfigFields, EachSetsItsOwnMemberAlone) {
 
 TEST(ConfigFields, RefuseWhatLiesOutsideTheRange) {
     for (const Field& field : config_fields()) {
-        if (field.type == FieldType::text || field.type == FieldType::boolean ||
-            field.type == FieldType::choice)
-            continue;
+        if (!is_number(field)) continue;
         Config config;
-        const std::string below = format_value(FieldValue(field.min - 1)),
-                          above = format_value(FieldValue(2 * field.max + 10));
+        const std::string below = format_value(FieldValue(field.range.min - 1)),
+                          above = format_value(FieldValue(2 * field.range.max + 10));
         EXPECT_NE(assign_text(config, field, below), "") << field.path;
         EXPECT_NE(assign_text(config, field, above), "") << field.path;
         for (const char* text :
@@ -149,9 +153,11 @@ TEST(ConfigDocument, YamlRoundTrips) {
     Config config;
     for (const Field& field : config_fields()) {
         if (field.type == FieldType::boolean) field.set(config, true);
-        if (field.type == FieldType::optional_integer) field.set(config, static_cast<long long>(field.max));
-        if (field.type == FieldType::optional_real) field.set(config, std::max(field.min, 0.1));
-        if (field.type == FieldType::real) field.set(config, field.min + (field.max - field.min) / 3);
+        if (field.type == FieldType::optional_integer)
+            field.set(config, static_cast<long long>(field.range.max));
+        if (field.type == FieldType::optional_real) field.set(config, std::max(field.range.min, 0.1));
+        if (field.type == FieldType::real)
+            field.set(config, field.range.min + (field.range.max - field.range.min) / 3);
     }
     config.input.calibration.file = "/a folder/with: \"odd\" #name \\ \xc3\xa9.txt";
     config.input.calibration.fov_x_deg = kNotGiven;

@@ -338,7 +338,7 @@ TEST(TilesByCommand, MistakesAreOneLine) {
         words.insert(words.end(), {"--set", setting});
         expect_refused(run_program(words), 2, std::string(setting).substr(0, std::string(setting).find('=')));
     }
-    expect_refused(run_program(plan_words(folder, {"--threads", "1025"})), 2, "not in range 0 to 1024");
+    expect_refused(run_program(plan_words(folder, {"--threads", "1025"})), 2, "an integer from 0 to 1024");
     expect_refused(run_program({"tiles", "plan", map, "-o", folder / "p", "--tile-vertices", "77"}), 2,
                    "not in range 78 to ");
     expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "plan.json");

@@ -1,0 +1,67 @@
+#include "pipeline/config/key_options.h"
+
+#include <algorithm>
+
+#include "pipeline/config/options.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+std::string group_of(const Field& field) {
+    if (field.path.starts_with("input.")) return "Input";
+    return field.path.starts_with("export.") ? "Output" : "Job";
+}
+
+// The option of the file that a row's option goes with; empty = it goes with any.
+const std::string& file_of(const Field& field) {
+    return find_section(section_of(field.path))->file;
+}
+
+}  // namespace
+
+std::vector<std::string> option_flags(const std::string& group) {
+    std::vector<std::string> flags;
+    for (const Field& field : config_fields()) {
+        const std::string& flag = field.option.flag;
+        const bool is_known = std::find(flags.begin(), flags.end(), flag) != flags.end();
+        if (!flag.empty() && !is_known && group_of(field) == group) flags.push_back(flag);
+    }
+    return flags;
+}
+
+std::vector<const Field*> rows_of_option(const std::string& flag) {
+    std::vector<const Field*> rows;
+    for (const Field& field : config_fields())
+        if (!flag.empty() && field.option.flag == flag) rows.push_back(&field);
+    return rows;
+}
+
+std::string option_help(const Field& field) {
+    return field.help.substr(0, field.help.find(';'));
+}
+
+std::string option_value(const Field& field) {
+    std::string names;
+    for (const std::string& name : field.choices) names += (names.empty() ? "" : "|") + name;
+    return field.option.value.empty() ? names : field.option.value;
+}
+
+const Field& row_of_option(const std::string& flag, const std::vector<std::string>& files) {
+    const std::vector<const Field*> rows = rows_of_option(flag);
+    if (rows.empty()) throw Error(ErrorKind::usage, "'" + flag + "' stands for no key");
+    std::string missing;
+    for (const Field* row : rows) {
+        const std::string& file = file_of(*row);
+        if (file.empty() || std::find(files.begin(), files.end(), file) != files.end()) return *row;
+        missing += (missing.empty() ? "" : " or ") + file;
+    }
+    throw Error(ErrorKind::usage, flag + " goes with " + missing + ", which is not given");
+}
+
+void apply_options(Config& config, const KeyOptions& options, const std::vector<std::string>& files) {
+    for (const auto& [flag, text] : options)
+        apply_option(config, flag, row_of_option(flag, files).path, text);
+}
+
+}  // namespace hexrelief
