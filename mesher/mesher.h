@@ -22,7 +22,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/progress.h"
@@ -37,13 +36,11 @@ namespace hexrelief {
 struct MeshResult {
     HexMesh2D mesh;
     int iterations = 0;  // parallel iterations of all levels; for the sequential method draws / cells
-    // Of the CUDA backend, 0 on the CPU: seconds of training and of balancing on the device's own clock, the
-    // largest amount of device memory in use, and the id of the disparity map that was left on the device,
-    // for DisparityMeshInput::map_on_device (0 = none).
+    // Of the CUDA backend, 0 on the CPU: seconds of training and of balancing on the device's own clock, and
+    // the largest amount of device memory in use.
     double device_training_s = 0;
     double device_balance_s = 0;
     std::size_t device_bytes = 0;
-    std::uint64_t map_on_device = 0;
 };
 
 // Trains a hexagonal lattice on the density by the cellular self-organizing map, coarse to fine

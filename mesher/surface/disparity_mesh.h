@@ -1,7 +1,7 @@
 // Lays the lattice over the scene: along silhouettes, cut at depth discontinuities, at fitted disparities.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
@@ -25,9 +25,6 @@ struct DisparityMeshInput {
     const DisparityMap* map = nullptr;  // not null, of the image that the mesh covers
     float background_px = 0;            // disparities below, and those not above 0, are background
     const Image* color = nullptr;       // the left image, of the map's size; null = none
-    // MeshResult's, where it was solved with the same map, unchanged since: it need not be copied to the
-    // device again.
-    std::uint64_t map_on_device = 0;
     WholeMap whole = {};
 };
 

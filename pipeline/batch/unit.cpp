@@ -32,12 +32,7 @@ std::size_t peak_memory() {
     return 0;
 }
 
-void run_unit(const RunRequest& request, const BackendPicker& pick) {
-    const RunObserver silent;
-    run_job(request, silent, pick);
-}
-
-UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick) {
+UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, Backends& backends) {
     UnitResult result;
     RunRequest request = rules.parse(unit.words);
     if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
@@ -53,7 +48,8 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const BackendP
                              ? "its inputs, configuration, version or outputs changed"
                              : "up to date, but --force is given";
     } else {
-        run_unit(request, pick);
+        RunLog log;
+        run_job(request, backends, log);
         result.outcome = UnitOutcome::done;
     }
     return result;
@@ -100,12 +96,12 @@ UnitResult result_of_exception() {
     return result;
 }
 
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick) {
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, Backends& backends) {
     forget_peak_memory();
     const double begun = now_seconds();
     UnitResult result;
     try {
-        result = attempt(unit, rules, pick);
+        result = attempt(unit, rules, backends);
     } catch (...) {
         result = result_of_exception();
     }

@@ -37,7 +37,7 @@ struct UnitRules {
 
 // Never throws: what fails is told in the result. A unit without a report is always done: nothing says that
 // it was.
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick);
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, Backends& backends);
 
 // What the program says, and its exit code, for an exception at hand. Call it in a catch block.
 UnitResult result_of_exception();

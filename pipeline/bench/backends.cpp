@@ -2,8 +2,8 @@
 
 namespace hexrelief {
 
-std::vector<Backend> usable_backends(int threads) {
-    std::vector<Backend> backends{pick_backend(BackendChoice::cpu, threads)};
+std::vector<BackendPointer> usable_backends(int threads) {
+    std::vector<BackendPointer> backends{pick_backend(BackendChoice::cpu, threads)};
     for (const DeviceDescription& device : list_devices())
         if (device.backend == "cuda" && device.usable) {
             backends.push_back(pick_backend(BackendChoice::cuda, threads));

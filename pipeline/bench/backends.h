@@ -8,6 +8,6 @@
 namespace hexrelief {
 
 // Every backend that can be used here, the CPU first.
-std::vector<Backend> usable_backends(int threads);
+std::vector<BackendPointer> usable_backends(int threads);
 
 }  // namespace hexrelief

@@ -25,8 +25,8 @@ class Solvers {
   public:
     explicit Solvers(int threads);  // >= 1; throws Error(device) where no CUDA device is usable
     ~Solvers();
-    const std::string& device() const;
-    const std::string& cpu() const;
+    std::string device() const;
+    std::string cpu() const;
 
     // Each measures `runs` times, after one run that is not counted. The paper baseline makes none of those
     // where it runs at most three times. Its %cost differs from run to run: the median of the first three.

@@ -102,6 +102,10 @@ BudgetResult fit_bytes(double limit, Search& search) {
 
 }  // namespace
 
+bool has_budget(const BudgetConfig& budget) {
+    return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;
+}
+
 BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job) {
     Search search{job};
     SpacingFound nearest;

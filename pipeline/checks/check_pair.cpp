@@ -76,30 +76,30 @@ std::string advice(RangeOrigin origin, int count) {
            std::to_string(count) + (origin == RangeOrigin::given ? ", or to 0 to have it chosen" : "");
 }
 
-Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
-    if (range.origin == RangeOrigin::chosen) return {};
-    const HighEnd high = measure_high_end(coarse, range.min_px + range.count_px);
+Findings check_range(const SmallMatch& coarse, const DisparityRange& range, RangeOrigin origin) {
+    if (origin == RangeOrigin::chosen) return {};
+    const HighEnd high = measure_high_end(coarse, range.min_px + range.count);
     const double needed = std::max(1.0, high.largest_px - range.min_px + 1);
     const int better = 16 * static_cast<int>(std::ceil((1.06 * needed + 2 * coarse.small.scale) / 16));
     if (high.beyond_share > kMostBeyond)
         return {{Mistake::range_ends_low,
                  percent(high.beyond_share) +
                      " of what both views agree on lies beyond the range searched, " + "which ends at " +
-                     std::to_string(range.min_px + range.count_px) + " px: it goes up to " +
-                     figure(high.largest_px) + " px and will be wrong; " + name_of(range.origin) +
-                     " is too small, " + advice(range.origin, better)}};
-    if (high.largest_px > range.min_px && range.count_px > kWidestRange * needed &&
-        range.count_px > needed + kFreeRange_px)
-        return {{Mistake::range_wide, "the range searched is " + figure(range.count_px / needed) +
+                     std::to_string(range.min_px + range.count) + " px: it goes up to " +
+                     figure(high.largest_px) + " px and will be wrong; " + name_of(origin) +
+                     " is too small, " + advice(origin, better)}};
+    if (high.largest_px > range.min_px && range.count > kWidestRange * needed &&
+        range.count > needed + kFreeRange_px)
+        return {{Mistake::range_wide, "the range searched is " + figure(range.count / needed) +
                                           " times as wide as the scene's, which ends at " +
                                           figure(high.largest_px) +
-                                          " px: that costs time and false matches; " + name_of(range.origin) +
-                                          " is too large, " + advice(range.origin, better)}};
+                                          " px: that costs time and false matches; " + name_of(origin) +
+                                          " is too large, " + advice(origin, better)}};
     return {};
 }
 
 // By points anywhere, of a pair whose views agree on little, or on much at the least disparity searched.
-Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRange& range, int threads) {
+Findings look_closely(const SmallMatch& coarse, double agreed, const DisparityRange& range, int threads) {
     const CoarsePoints points = match_coarse_points(coarse);
     const double scale = coarse.small.scale;
     if (is_sure(points.rows)) {
@@ -120,8 +120,8 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
 
 }  // namespace
 
-Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
-                    int threads) {
+Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const DisparityRange& range,
+                    RangeOrigin origin, int threads) {
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses it
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
         return {views_equal("the same picture")};
@@ -143,7 +143,7 @@ Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const Sear
     }
     const bool all_wrong = !findings.empty() && findings.front().mistake != Mistake::rows_differ;
     if (!all_wrong)
-        for (Finding& finding : check_range(coarse, range)) findings.push_back(std::move(finding));
+        for (Finding& finding : check_range(coarse, range, origin)) findings.push_back(std::move(finding));
     return findings;
 }
 

@@ -8,16 +8,10 @@
 
 namespace hexrelief {
 
-enum class RangeOrigin { chosen, given, ndisp };
-
-struct SearchedRange {
-    int min_px = 0, count_px = 0;
-    RangeOrigin origin = RangeOrigin::chosen;  // one that the program chose is not judged
-};
-
 // What the pair seems to be wrong in; of several that have one cause only that cause. Empty for a right pair.
-// coarse: match_coarsely(pair, ...) from at most range.min_px on. The same for any number of threads.
-std::vector<Finding> check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
-                                int threads);
+// coarse: match_coarsely(pair, ...) from at most range.min_px on. A range that the program chose is not
+// judged. The same for any number of threads.
+std::vector<Finding> check_pair(const StereoPair& pair, const SmallMatch& coarse, const DisparityRange& range,
+                                RangeOrigin origin, int threads);
 
 }  // namespace hexrelief

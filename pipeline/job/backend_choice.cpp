@@ -1,6 +1,5 @@
+#include "pipeline/budget/budget.h"
 #include "pipeline/job/backend.h"
-
-#include "pipeline/job/meet_budget.h"
 #include "pipeline/job/run_log.h"
 
 namespace hexrelief {

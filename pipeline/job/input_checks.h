@@ -2,13 +2,13 @@
 #pragma once
 
 #include "pipeline/job/input.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/stages/disparity.h"
 
 namespace hexrelief {
 
 // Warns of what a pair, a map, their picture or their camera seems to be wrong in; range: of a pair. Throws
 // Error(input) with the same text where run.strict asks for that.
-void check_input(const RunRequest& request, const RunInput& input, const ChosenRange& range, int threads,
+void check_input(const RunInput& input, const FoundRange& range, const Config& config, int threads,
                  RunLog& log);
 
 }  // namespace hexrelief

@@ -12,8 +12,8 @@ namespace hexrelief {
 
 namespace fs = std::filesystem;
 
-Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser) {
-    Scene scene{&result.surface.mesh,
+Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<SurfaceMesh>& coarser) {
+    Scene scene{&result.mesh,
                 view.texture.empty() ? nullptr : &view.texture,
                 std::string("hexrelief ") + HEXRELIEF_VERSION,
                 extras_json(view, result),
@@ -21,15 +21,15 @@ Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vec
                 {}};
     scene.image_width = view.disparity.width;
     scene.image_height = view.disparity.height;
-    for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
+    for (const SurfaceMesh& level : coarser) scene.coarser.push_back(&level);
     return scene;
 }
 
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
-                                const std::vector<fs::path>& outputs, const RunContext& run) {
-    const SurfaceMesh& surface = result.surface.mesh;
+                                const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
+    const SurfaceMesh& surface = result.mesh;
     return measure_surface(surface, as_written(surface, view.calibration, result.config.exporting, outputs),
-                           view, run);
+                           view, threads, log);
 }
 
 std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
@@ -54,28 +54,28 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
 }
 
 void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder, OutputSet& files,
-                 const RunContext& run) {
+                 int threads, const RunLog& log) {
     files.make_folder(folder);
     const StageResults results{&view.meshed,
                                &view.density,
                                &result.lattice.mesh,
-                               &result.surface.mesh,
+                               &result.mesh,
                                view.color.empty() ? nullptr : &view.color,
                                result.config.mesh.seed,
-                               run.threads};
+                               threads};
     double done = 0;
     for (const fs::path& name : stage_file_names()) {
         files.files().write(folder / name, encode_stage_file(results, name));
-        run.log.progress(++done / static_cast<double>(stage_file_names().size()));
+        log.progress(++done / static_cast<double>(stage_file_names().size()));
     }
 }
 
-void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& files) {
+void save_rectified(const StereoPair& pair, const Calibration& camera, const fs::path& folder,
+                    OutputSet& files) {
     files.make_folder(folder);
     const std::vector<fs::path>& names = rectified_file_names();
-    files.files().write(folder / names[0], encode_png(input.pair.left));
-    files.files().write(folder / names[1], encode_png(input.pair.right));
-    const Calibration& camera = input.calibration;
+    files.files().write(folder / names[0], encode_png(pair.left));
+    files.files().write(folder / names[1], encode_png(pair.right));
     std::string text = "# The camera of " + names[0].string() + " and " + names[1].string() + ".\n";
     const auto line = [&](const char* key, double value) {
         char number[64];

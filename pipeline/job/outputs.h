@@ -21,11 +21,12 @@ struct OutputFile {
 };
 
 // What the exporters are given; it refers to its arguments.
-Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser);
+Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<SurfaceMesh>& coarser);
 
 // The surface as the files among `outputs` hold it, against the map.
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
-                                const std::vector<std::filesystem::path>& outputs, const RunContext& run);
+                                const std::vector<std::filesystem::path>& outputs, int threads,
+                                const RunLog& log);
 
 // Writes each of `paths` with the files beside it; missing folders are made. Throws Error(output).
 std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
@@ -34,10 +35,11 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
 
 // Data and pictures of all stages. Throws Error(output).
 void save_stages(const LeftView& view, const SurfaceResult& result, const std::filesystem::path& folder,
-                 OutputSet& files, const RunContext& run);
+                 OutputSet& files, int threads, const RunLog& log);
 
-// The rectified pair, and its camera as a file that --calib reads. Throws Error(output).
-void save_rectified(const RunInput& input, const std::filesystem::path& folder, OutputSet& files);
+// A rectified pair, and its camera as a file that --calib reads. Throws Error(output).
+void save_rectified(const StereoPair& pair, const Calibration& camera, const std::filesystem::path& folder,
+                    OutputSet& files);
 
 // Throws Error(output).
 void write_text_file(const std::string& text, const std::filesystem::path& name, OutputSet& files);

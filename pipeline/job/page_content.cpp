@@ -22,9 +22,8 @@ bool has_page(const std::vector<std::filesystem::path>& outputs) {
 PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,
                          int threads) {
     const HexMesh2D& lattice = result.lattice.mesh;
-    std::future<Image> relief = start_work(threads, [&] {
-        return render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
-    });
+    std::future<Image> relief = start_work(
+        threads, [&] { return render_relief(result.mesh, view.color.empty() ? nullptr : &view.color); });
     const Image disparities = disparity_picture(view.meshed);
     PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 
 #include "pipeline/files/interrupt.h"
@@ -10,7 +11,6 @@
 #include "pipeline/job/report.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
-#include "pipeline/job/tolerance.h"
 #include "pipeline/library/arguments.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
@@ -23,38 +23,48 @@ namespace {
 // Held by each call that works: a set of files is the process's own, and a device does one job at a time.
 std::mutex library_mutex;
 
-RunObserver observer_of(const Options& options) {
-    RunObserver observer;
+// What happens, by the caller's functions.
+void tell_caller(const Options& options, RunLog& log) {
     if (options.progress) {
         const auto stage = std::make_shared<std::string>();
-        observer.stage_begins = [stage, tell = options.progress](const std::string& name) {
+        log.stage_begins = [stage, tell = options.progress](const std::string& name) {
             tell(*stage = name, 0);
         };
-        observer.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
+        log.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
     }
-    observer.warns = options.warn;
-    observer.stage_ends = options.stage_ended;
-    observer.decides = options.decided;
-    return observer;
+    log.warns = options.warn;
+    log.stage_ends = options.stage_ended;
+    log.decides = options.decided;
+}
+
+void tell_nobody(RunLog& log) {
+    log.stage_begins = {};
+    log.stage_progresses = {};
+    tell_caller({}, log);
 }
 
 // The first device that is taken is kept: the next call need not wait for it to start. It is never given
 // back, for at the process's end the driver may be gone before.
-const BackendPicker& kept_backends() {
-    static const auto* const picker = new BackendPicker(keep_backends());
-    return *picker;
+Backends& kept_backends() {
+    static auto* const backends = new Backends;
+    return *backends;
 }
 
-MapArrays arrays_of(const MapInput& input, const InputConfig& config) {
-    MapArrays arrays;
-    if (input.depth.values)
-        arrays.depth = depth_of(input.depth, config.depth);
-    else
-        arrays.disparity = map_of(input.disparity, config.disparity);
+// What the mesh of a map in memory is made for: a limit on bytes is one of such a file's.
+constexpr const char* kLimitedOutput = "relief.glb";
+
+template <typename Arrays>
+Arrays with_views(Arrays arrays, const MapInput& input, const InputConfig& config) {
     if (input.color.pixels) arrays.color = image_of(input.color, "color");
     if (input.mask.pixels) arrays.mask = mask_of(input.mask, config.mask);
     if (input.confidence.values) arrays.confidence = confidence_of(input.confidence, config.confidence);
     return arrays;
+}
+
+Source source_of(const MapInput& input, const InputConfig& config) {
+    if (input.depth.values)
+        return with_views(DepthArrays{depth_of(input.depth, config.depth)}, input, config);
+    return with_views(DisparityArrays{map_of(input.disparity, config.disparity)}, input, config);
 }
 
 const float* floats_of(const std::vector<Vec2f>& points) {
@@ -72,13 +82,11 @@ const float* floats_of(const std::vector<Vec3f>& points) {
 inline namespace v0 {
 
 struct Mesh::State {
-    RunObserver observer;  // the log's, empty between the calls
-    RunLog log{observer};
-    RunRequest request;
-    Relief relief;
+    RunLog log;  // tells nobody between the calls
+    std::shared_ptr<Relief> relief;
     std::vector<OutputFile> written;
 
-    const SurfaceMesh& surface() const { return relief.result.surface.mesh; }
+    const SurfaceMesh& surface() const { return relief->surface.mesh; }
 };
 
 Mesh::Mesh(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -105,61 +113,55 @@ bool Mesh::is_metric() const {
     return state_->surface().metric;
 }
 const float* Mesh::lattice() const {
-    return floats_of(state_->relief.result.lattice.mesh.positions);
+    return floats_of(state_->relief->surface.lattice.mesh.positions);
 }
 int Mesh::lattice_columns() const {
-    return state_->relief.result.lattice.mesh.columns;
+    return state_->relief->surface.lattice.mesh.columns;
 }
 int Mesh::lattice_rows() const {
-    return state_->relief.result.lattice.mesh.rows;
+    return state_->relief->surface.lattice.mesh.rows;
 }
 
 std::string Mesh::report() const {
     const std::lock_guard lock(library_mutex);
-    const Relief& relief = state_->relief;
-    const LeftView view = relief.view();
-    const RunContext run{relief.backend, relief.threads, state_->log};
+    const Relief& relief = *state_->relief;
     std::vector<std::filesystem::path> paths;
     for (const OutputFile& file : state_->written) paths.emplace_back(file.path);
     std::erase_if(paths, [](const auto& path) {  // textures and the like
         const auto& known = export_extensions();
         return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
     });
-    const SurfaceMeasures measures = measure_written(view, relief.result, paths, run);
-    return report_json(assemble_report({relief.backend_reason,
-                                        relief.input,
-                                        relief.disparity,
-                                        view,
-                                        relief.result,
-                                        measures,
-                                        {},
-                                        state_->written,
-                                        shares_of(view, relief.result)},
-                                       run));
+    RunReport report{state_->relief};
+    report.measures =
+        measure_written(relief.view(), relief.surface, paths, relief.backend->threads(), state_->log);
+    report.shares = shares_of(relief);
+    report.outputs = state_->written;
+    take_figures(state_->log, report);
+    return report_json(report);
 }
 
 std::vector<std::string> Mesh::save(const std::string& path, const Options& options) const {
     const std::lock_guard lock(library_mutex);
     State& state = *state_;
+    Config& config = state.relief->surface.config;
     // For this call alone.
     struct Restore {
         State& state;
-        const Config config = state.relief.result.config;
+        Config& changed;
+        const Config config = changed;
         ~Restore() {
-            state.relief.result.config = config;
-            state.observer = {};
+            changed = config;
+            tell_nobody(state.log);
         }
-    } restore{state};
-    state.observer = observer_of(options);
-    Config& config = state.relief.result.config;
+    } restore{state, config};
+    tell_caller(options, state.log);
     apply_export_settings(config, options);
     if (sets_tolerance(options))
-        config = with_tolerance(config, state.surface(), state.relief.view(),
-                                {state.relief.backend, state.relief.threads, state.log});
-    RunRequest request = state.request;
-    request.config = config;
-    request.outputs = {path};
+        config = with_tolerance(config, state.surface(), state.relief->view(),
+                                state.relief->backend->threads(), state.log);
     for (const std::filesystem::path& file : planned_files(path, config.exporting)) check_writable_file(file);
+    RunRequest request;
+    request.outputs = {path};
     const RunReport report = write_relief(state.relief, request, state.log);
     std::vector<std::string> files;
     for (const OutputFile& file : report.outputs) {
@@ -195,14 +197,10 @@ Disparities compute_disparity(const ImageView& left, const ImageView& right, con
     const std::lock_guard lock(library_mutex);
     RunRequest request;
     request.config = config_of(options, camera);
-    const RunObserver observer = observer_of(options);
-    RunLog log(observer);
-    Relief relief = make_disparities(
-        [&](int, RunLog& told) {
-            return take_pair({image_of(left, "left"), image_of(right, "right")}, request, told);
-        },
-        request, kept_backends(), log);
-    DisparityMap& map = relief.disparity.map;
+    request.source = PairArrays{{image_of(left, "left"), image_of(right, "right")}};
+    RunLog log;
+    tell_caller(options, log);
+    DisparityMap map = make_disparities(std::move(request), kept_backends(), log).disparity.map;
     return {map.width, map.height, std::move(map.values)};
 }
 
@@ -212,15 +210,13 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     if (is_depth && input.disparity.values != nullptr)
         throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
-    state->observer = observer_of(options);
-    RunRequest& request = state->request;
+    tell_caller(options, state->log);
+    RunRequest request;
     request.config = config_of(options, camera, is_depth);
-    request.outputs = {"relief.glb"};
-    if (is_depth) request.depth = "depth";
-    state->relief = make_relief(
-        [&](int, RunLog& told) { return take_map(arrays_of(input, request.config.input), request, told); },
-        request, kept_backends(), state->log);
-    state->observer = {};
+    request.source = source_of(input, request.config.input);
+    request.outputs = {kLimitedOutput};
+    state->relief = std::make_shared<Relief>(make_relief(std::move(request), kept_backends(), state->log));
+    tell_nobody(state->log);
     return Mesh(std::move(state));
 }
 
@@ -235,9 +231,11 @@ RunSummary run(const FileRequest& files, const Options& options) {
         check_request(request);
         if (stamp_request(request) == UnitState::current) return {.is_up_to_date = true};
     }
-    const RunObserver observer = observer_of(options);
-    const BackendPicker pick = files.ends_process ? pick_for_one_run() : kept_backends();
-    return summary_of(run_job(request, observer, pick), request);
+    RunLog log;
+    tell_caller(options, log);
+    if (!files.ends_process) return summary_of(run_job(request, kept_backends(), log));
+    Backends backends = Backends::for_one_run();
+    return summary_of(run_job(request, backends, log));
 }
 
 void check_run(const FileRequest& files, const Options& options) {

@@ -8,9 +8,9 @@
 
 namespace hexrelief {
 
-// Throws Error(usage).
+// Throws Error(usage), also for files that do not go together.
 RunRequest request_of(const FileRequest& files, const Options& options);
 
-RunSummary summary_of(const RunReport& report, const RunRequest& request);
+RunSummary summary_of(const RunReport& report);
 
 }  // namespace hexrelief

@@ -1,9 +1,9 @@
 // Stage: rectified pair -> disparity map.
 #pragma once
 
-#include <functional>
 #include <limits>
 
+#include "pipeline/data/calibration.h"
 #include "pipeline/data/crop.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/matching/matcher.h"
@@ -20,8 +20,8 @@ enum class Dequantization { automatic, none };
 struct DisparityConfig {
     DisparityMethod method = DisparityMethod::sgm;
     int min_disparity_px = 0;
-    // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair (by run: the
-    // calibration's ndisp, where it says one).
+    // Rounded up to a multiple of 16, at most the width; 0 = the calibration's ndisp, or chosen from the pair
+    // where there is none.
     int num_disparities_px = 0;
     // Penalty of a disparity step of 1 px, 0..16000; 0 = 45, with sgbm 16 * channels * block_size^2.
     int p1 = 0;
@@ -52,8 +52,21 @@ struct DisparityConfig {
     double wls_sigma = 1.5;
 };
 
-// The matcher that sgm calls: the CPU's, or the same on a device.
-using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
+// What sgm matches by: pipeline/matching's match_pair(), or the same on a device.
+class PairMatcher {
+  public:
+    virtual ~PairMatcher() = default;
+    virtual MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config) = 0;
+};
+
+class CpuMatcher final : public PairMatcher {
+  public:
+    explicit CpuMatcher(int threads) : threads_(threads) {}
+    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config) override;
+
+  private:
+    int threads_;
+};
 
 // What is done to the pictures before they are matched.
 struct PairCorrection {
@@ -66,36 +79,40 @@ PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middl
 // The middle that tells a picture's noise: at most 1024x1024 px.
 PixelRect middle_of(int width, int height);
 
-// The configuration with the range that compute_disparity() searches, and what both views of the pair agree
-// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities, and
-// they say what farthest_px is where that is NaN.
-struct RangedPair {
-    DisparityConfig config;
-    SmallMatch coarse;
-    PairCorrection correction;
+// The range to search in a pair, and what both views agree on at a small size, which tells it.
+struct FoundRange {
+    DisparityConfig config;  // with num_disparities_px and farthest_px
+    RangeOrigin origin = RangeOrigin::chosen;
+    SmallMatch coarse = {};
+    PairCorrection correction = {};
 };
 
-// Throws as compute_disparity(), but not for large images. Looks at their sizes alone, not at pixels.
+// Throws as match_range(), but not for large images. Looks at their sizes alone, not at pixels.
 void check_matchable(const StereoPair& pair, const DisparityConfig& config);
 
-// Throws as compute_disparity().
-RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads);
-// The configuration alone, which takes no match where the range is given.
-DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads);
+// The disparities below a calibration's ndisp that can be searched in pictures of this width; 0 where the
+// configuration has a range of its own, or the calibration says none.
+int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width);
+
+// The configuration's own range, else the calibration's, else the one that holds the disparities of the
+// coarse match, which also say what farthest_px is where that is NaN. Throws as match_range().
+FoundRange find_range(const StereoPair& pair, const Calibration& calibration, const DisparityConfig& config,
+                      int threads);
+
+// The pair in the left picture's light and with less noise, as it is best matched.
+StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
 
 // Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a
-// point without a depth, where the range begins at 0 or above. The same bytes for any number of threads.
-// Throws Error(input) where the images differ in size, have fewer than 16 columns or more than
-// kLargestPairSide_px; Error(usage) for a
-// parameter out of range, or a range wider than the image.
-DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
-                               const PairMatcher& match, int threads);
-// Its last two parts alone: the pair in the left picture's light and with less noise, and such a pair matched
-// in the configuration's range; no match is far where farthest_px is NaN.
-StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
-DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& config, const PairMatcher& match,
-                            int threads);
-// The same on the CPU.
+// point without a depth, where the range begins at 0 or above. config: FoundRange's; no match is far where
+// farthest_px is NaN. The same bytes for any number of threads. Throws Error(input) where the images differ
+// in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for a parameter out of
+// range, or a range wider than the image.
+DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                         int threads);
+
+// The three in turn, for a pair of which no calibration is known; on the CPU where no matcher is given.
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                               int threads);
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
 }  // namespace hexrelief

@@ -6,6 +6,9 @@
 
 namespace hexrelief {
 
+// Where the range searched comes from: the pair itself, the configuration, or the calibration's ndisp.
+enum class RangeOrigin { chosen, given, ndisp };
+
 struct ReducedPair {
     double scale = 1;  // full columns to a reduced one
     StereoPair pair;

@@ -197,7 +197,8 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattic
 
 }  // namespace
 
-TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log) {
+TilePlan make_plan(const PlanRequest& request, Backend& backend, RunLog& log) {
+    const int threads = backend.threads();
     check_settings(request.config);
     keep_freed_memory();
     TilePlan plan;
@@ -218,8 +219,7 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
     const DensityMap shrunk = log.stage("shrunk density", [&] { return shrunk_density(plan, map, threads); });
     coarse.mesh = log.stage("coarse lattice", [&] {
-        return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })
-            .mesh;
+        return backend.solve_mesh(shrunk, plan.config.mesh, [&](double share) { log.progress(share); }).mesh;
     });
     OutputSet files;
     write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));

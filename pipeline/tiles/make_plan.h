@@ -20,6 +20,6 @@ struct PlanRequest {
 // TilePlan::shrunk_by as solve_mesh() takes it, and a seam across the map. The same bytes for any number of
 // threads and on any backend. Throws Error(usage) for settings that tiles cannot have, Error(input) as
 // PlannedMap, where nothing is foreground, and where the picture is not the map's.
-TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log);
+TilePlan make_plan(const PlanRequest& request, Backend& backend, RunLog& log);
 
 }  // namespace hexrelief

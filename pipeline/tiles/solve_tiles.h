@@ -26,7 +26,7 @@ struct SolveObserver {
 // seam edges, tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as
 // the last. A tile that fails is told and left out; the others go on. The same bytes in any order, for any
 // number of threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
-void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer);
 
 // Bytes that a tile takes while it is solved, as estimated by the plan.

@@ -20,7 +20,7 @@ struct TileWorkers {
 };
 
 // A device is one caller's at a time; the CPU works on the caller's thread.
-TileWorkers workers_of(const Backend& backend, int threads);
+TileWorkers workers_of(Backend& backend, int threads);
 
 // From now on the process keeps the memory that windows of maps were in for the next windows: sixteen threads
 // wait for each other where each takes fresh pages from the system.

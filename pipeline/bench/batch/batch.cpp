@@ -45,15 +45,17 @@ struct BatchRow {
 };
 
 // The steps of run_job(), without its files.
-std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContext& run) {
-    const ChosenRange chosen = choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
-    const DisparityResult matched = match_input(scene.pair, chosen, run);
-    const DensityMap density = density_of(matched.meshed(), config.density, run.threads, run.log);
+std::uint64_t do_job(const Scenery& scene, const Config& config, Backend& backend, RunLog& log) {
+    const int threads = backend.threads();
+    const FoundRange range = find_range(scene.pair, scene.camera, config.disparity, threads);
+    const DisparityResult matched = disparities_of_pair(
+        scene.pair, corrected(scene.pair, range.correction, threads), range.config, backend);
+    const DensityMap density = density_of(matched.meshed(), config.density, threads, log);
     const LeftView view{matched.map,     matched.meshed(), density,
                         scene.pair.left, scene.pair.left,  scene.camera};
-    const SurfaceResult result = make_surface(view, config, run);
+    const SurfaceResult result = make_surface(view, config, backend, log);
     Scene written = scene_of(view, result, {});
-    written.threads = run.threads;
+    written.threads = threads;
     return export_size(written, config.exporting, "job.glb");
 }
 
@@ -61,10 +63,7 @@ std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContex
 class Worker {
   public:
     Worker(const Scenery& scene, const Config& config, const Crew& crew)
-        : scene_(scene),
-          config_(config),
-          threads_(crew.threads),
-          backend_(pick_backend(crew.backend, crew.threads)) {
+        : scene_(scene), config_(config), backend_(pick_backend(crew.backend, crew.threads)) {
         bytes_ = job();
     }
     std::vector<double> work(std::atomic<int>& left) {
@@ -80,14 +79,12 @@ class Worker {
 
   private:
     std::uint64_t job() const {
-        const RunObserver silent;
-        RunLog log(silent);
-        return do_job(scene_, config_, {backend_, threads_, log});
+        RunLog log;
+        return do_job(scene_, config_, *backend_, log);
     }
     const Scenery& scene_;
     const Config& config_;
-    int threads_;
-    Backend backend_;
+    BackendPointer backend_;
     std::uint64_t bytes_ = 0;
 };
 
@@ -180,19 +177,20 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     json["settings"] = options.settings;
     json["backends"] = Json::array();
     json["rows"] = Json::array();
-    const std::vector<Backend> backends = usable_backends(threads);
-    for (const Backend& backend : backends) {
-        out << backend.name << ": " << backend.device << '\n';
-        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    const std::vector<BackendPointer> backends = usable_backends(threads);
+    for (const BackendPointer& backend : backends) {
+        out << backend->name() << ": " << backend->device() << '\n';
+        json["backends"].push_back({{"name", backend->name()}, {"device", backend->device()}});
     }
     out << "From two images in memory to a GLB in memory; threads " << threads << " in all.\n"
         << format("%-20s %-11s %-5s %-11s %8s %9s %9s %10s %10s %10s\n", "scene", "size", "on", "at a time",
                   "jobs", "start s", "jobs/s", "median ms", "most ms", "bytes");
     for (const Scenery& scene : scenes)
-        for (const Backend& backend : backends) {
-            const BackendChoice choice = backend.name == "cuda" ? BackendChoice::cuda : BackendChoice::cpu;
+        for (const BackendPointer& backend : backends) {
+            const BackendChoice choice = backend->name() == "cuda" ? BackendChoice::cuda : BackendChoice::cpu;
             const Crew crew{choice, workers, std::max(1, threads / workers)};
-            report(scene, backend.name, crew, measure(scene, config, crew, options.jobs), out, json["rows"]);
+            report(scene, backend->name(), crew, measure(scene, config, crew, options.jobs), out,
+                   json["rows"]);
         }
     write_json(options.json, json);
 }

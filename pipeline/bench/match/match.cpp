@@ -32,7 +32,7 @@ struct Method {
 
 // StereoSGBM's own answer: both views agree on it, nothing is filled or refined.
 DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    RawViews views = match_views_sgbm(pair, with_range(pair, config, threads), threads);
+    RawViews views = match_views_sgbm(pair, find_range(pair, {}, config, threads).config, threads);
     check_left_right(views.left, views.right, 1);
     remove_speckles(views.left, config.speckle_window_px, config.speckle_range_px);
     DisparityMap map{views.left.width, views.left.height, {}, {}};
@@ -43,16 +43,15 @@ DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& conf
     return map;
 }
 
-std::vector<Method> all_methods(const std::vector<Backend>& backends) {
-    const auto on = [](const Backend& backend) {
-        return
-            [match = backend.match_pair](const StereoPair& pair, const DisparityConfig& config, int threads) {
-                return compute_disparity(pair, config, match, threads);
-            };
+std::vector<Method> all_methods(const std::vector<BackendPointer>& backends) {
+    const auto on = [](const BackendPointer& backend) {
+        return [backend](const StereoPair& pair, const DisparityConfig& config, int threads) {
+            return compute_disparity(pair, config, *backend, threads);
+        };
     };
     std::vector<Method> methods;
-    for (const Backend& backend : backends)
-        methods.push_back({"sgm", backend.name, DisparityMethod::sgm, on(backend)});
+    for (const BackendPointer& backend : backends)
+        methods.push_back({"sgm", backend->name(), DisparityMethod::sgm, on(backend)});
     methods.push_back({"sgbm", "cpu", DisparityMethod::sgbm, on(backends.front())});
     methods.push_back({"opencv", "cpu", DisparityMethod::sgbm, match_by_opencv});
     return methods;
@@ -101,7 +100,7 @@ Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& met
     config.method = method.which;
     Row row{
         scene.name, scene.size, method.name, method.backend, loaded.pair.left.width, loaded.pair.left.height};
-    row.disparities = with_range(loaded.pair, config, threads).num_disparities_px;
+    row.disparities = find_range(loaded.pair, {}, config, threads).config.num_disparities_px;
     DisparityMap map;
     for (int run = 0; run < options.runs; ++run) {
         const double begun = now_seconds();
@@ -117,17 +116,17 @@ Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& met
 }
 
 // What stands above the rows, as text and JSON.
-Json begin(const MatchOptions& options, const std::vector<Backend>& backends, int threads,
+Json begin(const MatchOptions& options, const std::vector<BackendPointer>& backends, int threads,
            const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const Backend& backend : backends) {
-        out << backend.name << ": " << backend.device
-            << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
-        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    for (const BackendPointer& backend : backends) {
+        out << backend->name() << ": " << backend->device()
+            << (backend->name() == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
+        json["backends"].push_back({{"name", backend->name()}, {"device", backend->device()}});
     }
     json["settings"] = options.settings;
     json["noise_percent"] = options.disturbance.noise_percent;
@@ -156,7 +155,7 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
         if (options.warns) options.warns(warning);
     check_disturbance(options.disturbance);
     const int threads = effective_threads(options.threads);
-    const std::vector<Backend> backends = usable_backends(threads);
+    const std::vector<BackendPointer> backends = usable_backends(threads);
     const std::vector<Method> methods = chosen(all_methods(backends), options.methods, "--methods");
     std::vector<std::string> left_out;
     const std::vector<ScenePair> found = find_scenes(options.data, left_out);

@@ -40,13 +40,13 @@ int match_tiles(const MatchOptions& options) {
                                .config = config_of(options)};
     check_writable_file(options.output);
     const int threads = effective_threads(request.config.run.threads);
-    const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    const BackendPointer backend = Backends::for_one_run().get(request.config.run.backend, threads);
     install_interrupt_handling();
 
-    const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
-    const TiledMatch match = match_in_tiles(request, backend, threads, log);
-    if (backend.give_back) backend.give_back();
+    StageTeller teller(options.quiet, options.verbose);
+    RunLog& log = teller.log();
+    const TiledMatch match = match_in_tiles(request, *backend, log);
+    backend->give_back();
     if (!options.quiet)
         std::printf("%s: %dx%d px in %d tiles, %.1f %% matched, %.1f %% known; %.1f s\n",
                     printable(options.output.string()).c_str(), match.width, match.height, match.tiles,

@@ -22,8 +22,8 @@ int merge(const MergeOptions& options) {
     check_writable_file(options.output);
     const int threads = effective_threads(options.threads);
     install_interrupt_handling();
-    const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
+    StageTeller teller(options.quiet, options.verbose);
+    RunLog& log = teller.log();
     const MergedTiles merged = merge_tiles(plan, options.output, threads, log);
     if (!options.quiet)
         std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",

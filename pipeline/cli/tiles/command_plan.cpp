@@ -47,13 +47,13 @@ int plan_tiles(const PlanOptions& options) {
         {plan_file(options.folder), plan_config_file(options.folder)},
         {options.map, options.color, options.config.file, request.config.input.calibration.file});
     const int threads = effective_threads(request.config.run.threads);
-    const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    const BackendPointer backend = Backends::for_one_run().get(request.config.run.backend, threads);
     install_interrupt_handling();
 
-    const StageTeller teller(options.quiet, options.verbose);
-    RunLog log(teller.observer());
-    const TilePlan plan = make_plan(request, backend, threads, log);
-    if (backend.give_back) backend.give_back();
+    StageTeller teller(options.quiet, options.verbose);
+    RunLog& log = teller.log();
+    const TilePlan plan = make_plan(request, *backend, log);
+    backend->give_back();
     if (options.quiet) return 0;
     const LatticeTiling tiling = plan.tiling();
     std::printf("%s: %d x %d tiles, a lattice of %d x %d vertices; %.1f s\n",

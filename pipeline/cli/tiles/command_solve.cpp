@@ -118,15 +118,14 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
         if (options.force || !is_solved(plan, tile)) missing.push_back(tile);
     TileTeller teller(plan, tiles.size(), tiles.size() - missing.size(), options.quiet);
     if (missing.empty()) return teller.all_ended();
-    const Backend backend =
-        pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
+    const BackendPointer backend = Backends::for_one_run().get(backend_of(options, plan.config), threads);
     install_interrupt_handling();
     const SolveSettings settings{threads, options.jobs, memory};
-    solve_tiles(plan, missing, backend, settings,
+    solve_tiles(plan, missing, *backend, settings,
                 {[&](const TileNumber& tile, const std::string& failure, int exit_code) {
                     teller.tile_ended(tile, failure, exit_code);
                 }});
-    if (backend.give_back) backend.give_back();
+    backend->give_back();
     return teller.all_ended();
 }
 

@@ -41,9 +41,9 @@ Calibration camera_of(const MatchRequest& request, const PictureWindows& left) {
 
 class TiledMatcher {
   public:
-    TiledMatcher(const MatchRequest& request, const PairWindows& pair, const WholePair& whole,
-                 const Backend& backend, int threads)
-        : request_(request), pair_(pair), whole_(whole), backend_(backend), threads_(threads) {
+    TiledMatcher(const MatchRequest& request, const PairWindows& pair, const FoundRange& range,
+                 Backend& backend)
+        : request_(request), pair_(pair), range_(range), backend_(backend), threads_(backend.threads()) {
         for (int y = 0; y < height(); y += request.tile_px)
             for (int x = 0; x < width(); x += request.tile_px)
                 tiles_.push_back(
@@ -75,7 +75,7 @@ class TiledMatcher {
     int width() const { return pair_.left.width(); }
     int height() const { return pair_.left.height(); }
     MapRect window(const MapRect& tile) const {
-        return window_of_tile(tile, {width(), height()}, whole_.config, request_.collar_px);
+        return window_of_tile(tile, {width(), height()}, range_.config, request_.collar_px);
     }
     // Beside the work on the tile before.
     std::future<StereoPair> read(std::size_t k) const {
@@ -90,8 +90,8 @@ class TiledMatcher {
     void put_tile(const MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
         is_left_blank_ = is_left_blank_ && is_blank(pair.left);
         is_right_blank_ = is_right_blank_ && is_blank(pair.right);
-        const DisparityMap map = match_in_range(corrected(pair, whole_.correction, threads_), whole_.config,
-                                                backend_.match_pair, threads_);
+        const StereoPair as_matched = corrected(pair, range_.correction, threads_);
+        const DisparityMap map = match_range(as_matched, range_.config, backend_, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
         const MapRect around = window(tile);
@@ -111,8 +111,8 @@ class TiledMatcher {
 
     const MatchRequest& request_;
     const PairWindows& pair_;
-    const WholePair& whole_;
-    const Backend& backend_;
+    const FoundRange& range_;
+    Backend& backend_;
     int threads_;
     std::vector<MapRect> tiles_;
     long long matched_ = 0, known_ = 0;
@@ -121,7 +121,7 @@ class TiledMatcher {
 
 }  // namespace
 
-TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log) {
+TiledMatch match_in_tiles(const MatchRequest& request, Backend& backend, RunLog& log) {
     check_request(request);
     const ReaderLimits& limits = request.config.limits.reading;
     const auto left = PictureWindows::open(request.left, limits);
@@ -130,10 +130,11 @@ TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, i
     OutputSet outputs;
     outputs.place(request.map);
     MapWriter writer(outputs.files(), request.map, left->width(), left->height());
-    const WholePair whole = log.stage("range", [&] {
-        return look_at_whole(pair, camera_of(request, *left), request.config.disparity, threads, log);
+    const FoundRange range = log.stage("range", [&] {
+        return find_range_of_whole(pair, camera_of(request, *left), request.config.disparity,
+                                   backend.threads(), log);
     });
-    TiledMatcher matcher(request, pair, whole, backend, threads);
+    TiledMatcher matcher(request, pair, range, backend);
     const TiledMatch match = log.stage("disparity", [&] {
         return matcher.match(log, [&](const float* rows, int count) { writer.write(rows, count); });
     });

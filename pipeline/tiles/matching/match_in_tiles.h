@@ -32,6 +32,6 @@ struct TiledMatch {
 // Throws Error(usage) for settings that tiles cannot have and as MapWriter; Error(input) as
 // PictureWindows and compute_disparity(), where nothing matches, and where the calibration says that the pair
 // is not rectified; Error(output) as MapWriter.
-TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, int threads, RunLog& log);
+TiledMatch match_in_tiles(const MatchRequest& request, Backend& backend, RunLog& log);
 
 }  // namespace hexrelief

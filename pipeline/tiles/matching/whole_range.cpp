@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/data/background.h"
 #include "pipeline/job/steps.h"
@@ -32,9 +33,8 @@ StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
 }
 
 // Pixels of the range at full size that the shrunk pair's stands for.
-int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const DisparityConfig& config,
-                             int width) {
-    const long long end = 1LL * by * (shrunk.min_disparity_px + shrunk.num_disparities_px);
+int num_disparities_of_whole(int shrunk_end_px, int by, const DisparityConfig& config, int width) {
+    const long long end = 1LL * by * shrunk_end_px;
     const int widest =
         std::min(width, round_up_range(kLargestRange_px - std::max(0, config.min_disparity_px)) - 16);
     return static_cast<int>(
@@ -43,47 +43,48 @@ int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const Dispar
 
 }  // namespace
 
-WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const DisparityConfig& config, int threads, RunLog& log) {
+FoundRange find_range_of_whole(const PairWindows& pair, const Calibration& calibration,
+                               const DisparityConfig& config, int threads, RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
     const auto sizes_of = [](const PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
     };
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
     check_matchable(sizes, config);
-    RangeOrigin origin = RangeOrigin::given;
-    WholePair whole{config, {}};
+    FoundRange whole{config, RangeOrigin::given};
     DisparityConfig& ranged = whole.config;
     std::string how;
     const int by = shrunk_by(width, height);
     const bool is_narrow = width < kLeastColumns * by;  // and very high
-    RangedPair small;
+    int shrunk_end_px = 0;
     if (!is_narrow) {
         DisparityConfig shrunk = config;
         shrunk.min_disparity_px =
             static_cast<int>(std::floor(static_cast<double>(config.min_disparity_px) / by));
         shrunk.num_disparities_px = 0;
-        small = find_range(shrunk_pair(pair, by, threads), shrunk, threads);
+        FoundRange small = find_range(shrunk_pair(pair, by, threads), {}, shrunk, threads);
+        shrunk_end_px = small.config.min_disparity_px + small.config.num_disparities_px;
         const PixelRect middle = middle_of(width, height);
         const auto read = [&](const PictureWindows& picture) {
             return picture.read(middle.x, middle.y, middle.width, middle.height);
         };
         whole.correction = find_correction(small.coarse, read(pair.left), read(pair.right));
         if (std::isnan(ranged.farthest_px)) ranged.farthest_px = by * small.config.farthest_px;
+        whole.coarse = std::move(small.coarse);
     }
     if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
-        origin = RangeOrigin::ndisp;
+        whole.origin = RangeOrigin::ndisp;
         ranged.num_disparities_px = by_calibration;
     } else if (config.num_disparities_px == 0) {
-        origin = RangeOrigin::chosen;
+        whole.origin = RangeOrigin::chosen;
         ranged.num_disparities_px =
-            is_narrow ? width : num_disparities_of_whole(small.config, by, config, width);
+            is_narrow ? width : num_disparities_of_whole(shrunk_end_px, by, config, width);
         if (by > 1 && !is_narrow) how = " at 1/" + std::to_string(by) + " of its size";
     }
     check_matchable(sizes, ranged);
     DisparityConfig rounded = ranged;
     rounded.num_disparities_px = round_up_range(ranged.num_disparities_px);
-    log.decide(range_text(rounded, origin) + how);
+    log.decide(range_text(rounded, whole.origin) + how);
     return whole;
 }
 

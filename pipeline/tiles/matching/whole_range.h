@@ -13,16 +13,12 @@ struct PairWindows {
     const PictureWindows &left, &right;
 };
 
-struct WholePair {
-    DisparityConfig config;  // with the range
-    PairCorrection correction;
-};
-
 // The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
 // by a whole number where it has more than 16 Mpx; the light is that of this pair, the noise that of the
-// whole one's middle. Pairs that are not shrunk get what choose_range() gives. Tells the log of it. Throws as
+// whole one's middle. Pairs that are not shrunk get what find_range() gives, but for a range that is not
+// rounded up; of others `coarse` is that of the shrunk pair. Tells the log of it. Throws as
 // check_matchable().
-WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const DisparityConfig& config, int threads, RunLog& log);
+FoundRange find_range_of_whole(const PairWindows& pair, const Calibration& calibration,
+                               const DisparityConfig& config, int threads, RunLog& log);
 
 }  // namespace hexrelief

@@ -22,7 +22,7 @@ RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
     RunRequest request;
-    request.disparity = words[1];
+    request.source = DisparityFiles{words[1]};
     request.outputs = {words[0] + ".drc"};
     request.report = words[0] + ".json";
     apply_setting(request.config, "mesh.spacing_px=24");

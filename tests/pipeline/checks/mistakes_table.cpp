@@ -25,8 +25,9 @@ namespace {
 
 constexpr int kThreads = 1;
 
-Findings judge(const StereoPair& pair, const SearchedRange& range = {}) {
-    return check_pair(pair, match_coarsely(pair, range.min_px, kThreads), range, kThreads);
+Findings judge(const StereoPair& pair, const DisparityRange& range = {},
+               RangeOrigin origin = RangeOrigin::chosen) {
+    return check_pair(pair, match_coarsely(pair, range.min_px, kThreads), range, origin, kThreads);
 }
 
 // A map whose samples were read by the scene's own scale.
@@ -154,7 +155,7 @@ void unrelated_pairs(const std::vector<TestScene>& scenes, Table& table) {
 void ranges(const TestScene& scene, Table& table) {
     const int right = rounded_up(scene.largest_px + 1);
     const auto judge_range = [&](int min_px, int count) {
-        return judge(scene.pair, {min_px, count, RangeOrigin::given});
+        return judge(scene.pair, {min_px, count}, RangeOrigin::given);
     };
     table.add("right range given", scene.name, judge_range(0, right), {});
     table.add("right range and a half given", scene.name, judge_range(0, rounded_up(1.5 * right)), {});

@@ -104,9 +104,8 @@ void write_pnm(const std::string& path, const Image& image) {
 }
 
 DisparityMap match(const MatchRequest& request, int threads = 2) {
-    const RunObserver observer;
-    RunLog log(observer);
-    match_in_tiles(request, pick_backend(BackendChoice::cpu, threads), threads, log);
+    RunLog log;
+    match_in_tiles(request, *pick_backend(BackendChoice::cpu, threads), log);
     return read_disparity_map(request.map, {});
 }
 
@@ -267,13 +266,12 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const auto left = PictureWindows::open(folder / "left.pgm"),
                right = PictureWindows::open(folder / "right.pgm");
     std::vector<std::string> told;
-    RunObserver observer;
-    observer.decides = [&](const std::string& decision) { told.push_back(decision); };
-    RunLog log(observer);
+    RunLog log;
+    log.decides = [&](const std::string& decision) { told.push_back(decision); };
     const auto range = [&](const Calibration& calibration, const DisparityConfig& config) {
-        return look_at_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
+        return find_range_of_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
-    EXPECT_EQ(range({}, {}), with_range(folder.made.pair, {}, 2).num_disparities_px);
+    EXPECT_EQ(range({}, {}), find_range(folder.made.pair, {}, {}, 2).config.num_disparities_px);
     Calibration calibration;
     calibration.ndisp_px = 77;
     EXPECT_EQ(range(calibration, {}), 77);
@@ -300,11 +298,10 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     const auto left = PictureWindows::open(folder / "left.pgm"),
                right = PictureWindows::open(folder / "right.pgm");
     std::string told;
-    RunObserver observer;
-    observer.decides = [&](const std::string& decision) { told = decision; };
-    RunLog log(observer);
-    const int count = look_at_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
-    const int small = with_range(folder.made.pair, {}, 2).num_disparities_px;
+    RunLog log;
+    log.decides = [&](const std::string& decision) { told = decision; };
+    const int count = find_range_of_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
+    const int small = find_range(folder.made.pair, {}, {}, 2).config.num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));
     EXPECT_LT(count, 7 * (small + 16));
     EXPECT_NE(told.find("chosen from the pair at 1/2 of its size"), std::string::npos) << told;

@@ -24,7 +24,7 @@ Balanced undivided(const TilePlan& plan, const DisparityMap& map, const DensityM
     Balanced found;
     found.lattice = solve_mesh(density, plan.config.mesh, threads, {}).mesh;
     const DisparityMesh cut = cut_disparity_mesh(
-        {&found.lattice, &map, plan.density.background_px, nullptr, 0, {}}, plan.config.surface, threads);
+        {&found.lattice, &map, plan.density.background_px, nullptr, {}}, plan.config.surface, threads);
     found.surface =
         build_surface(cut, plan.width, plan.height, plan.calibration, plan.config.surface.min_component);
     return found;

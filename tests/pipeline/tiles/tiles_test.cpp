@@ -57,7 +57,7 @@ Config small_config(Compression compression) {
     return config;
 }
 
-Backend cpu(int threads) {
+BackendPointer cpu(int threads) {
     return pick_backend(BackendChoice::cpu, threads);
 }
 
@@ -71,11 +71,11 @@ class PlannedFolder {
             write_png(folder_ / "left.png", busy_picture(map, 1));
             request.color = folder_ / "left.png";
         }
-        plan = make_plan(request, cpu(2), 2, log_);
+        plan = make_plan(request, *cpu(2), log_);
     }
     std::vector<TileNumber> tiles() const { return tiles_of_level(plan, plan.finest_level()); }
     void solve(const std::vector<TileNumber>& wanted, int threads, int jobs) const {
-        solve_tiles(plan, wanted, cpu(1), {threads, jobs, 0},
+        solve_tiles(plan, wanted, *cpu(1), {threads, jobs, 0},
                     {[](const TileNumber&, const std::string& failure, int) { EXPECT_EQ(failure, ""); }});
     }
     void solve() const { solve(tiles(), 2, 2); }
@@ -93,8 +93,7 @@ class PlannedFolder {
 
   private:
     TemporaryFolder folder_;
-    RunObserver observer_;
-    RunLog log_{observer_};
+    RunLog log_;
 };
 
 Point in_space(const TilePlan& plan, const TileCorner& corner) {
@@ -201,8 +200,7 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
     const DisparityMap map = busy_map(picture.width, picture.height, 1);
     write_map(folder / "map.tif", map);
     const MapRect window{10, 5, 60, 50};
-    RunObserver observer;
-    RunLog log(observer);
+    RunLog log;
     const auto unknown_pixels = [&](bool alpha) {
         PlanRequest request{folder / "map.tif",
                             sample("inputs/cut_out.png"),
@@ -211,7 +209,7 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
                             kTile,
                             small_config(Compression::none)};
         request.config.input.mask.alpha = alpha;
-        const DisparityMap read = PlannedMap(make_plan(request, cpu(1), 1, log), false).read(window);
+        const DisparityMap read = PlannedMap(make_plan(request, *cpu(1), log), false).read(window);
         std::vector<std::uint8_t> unknown;
         for (const float d : read.values) unknown.push_back(!DisparityMap::known(d));
         return unknown;
