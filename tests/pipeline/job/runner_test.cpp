@@ -10,46 +10,15 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/image_reader.h"
+#include "tests/pipeline/job/tested_backends.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief {
 namespace {
 
-// The CPU under another name, whose work each test changes.
-class TestedBackend : public Backend {
-  public:
-    TestedBackend() : Backend(1) {}
-    std::string name() const override { return "cuda"; }
-    std::string device() const override { return "a test's"; }
-    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config) override {
-        return cpu_->match_pair(pair, config);
-    }
-    MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                          const ProgressFunction& progress) override {
-        return cpu_->solve_mesh(density, config, progress);
-    }
-    DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input,
-                                           const SurfaceConfig& config) override {
-        return cpu_->cut_disparity_mesh(input, config);
-    }
-    void balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) override {
-        cpu_->balance_patch(density, config, patch);
-    }
-
-  private:
-    BackendPointer cpu_ = pick_backend(BackendChoice::cpu, 1);
-};
-
-// Has a device's clock: each cut takes a second more than the one before.
-class ClockedBackend final : public TestedBackend {
-    DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input,
-                                           const SurfaceConfig& config) override {
-        DisparityMeshResult result = TestedBackend::cut_disparity_mesh(input, config);
-        result.device_s = ++cuts_;
-        return result;
-    }
-    int cuts_ = 0;
-};
+using test::ClockedBackend;
+using test::FailingBackend;
+using test::Fails;
 
 RunRequest sample_request(const test::TemporaryFolder& folder) {
     RunRequest request;
@@ -73,35 +42,6 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
     EXPECT_EQ(json["mesh"]["device_surface_seconds"], 1);
     EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
 }
-
-enum class Fails { matching, solving, cutting };
-
-class FailingBackend final : public TestedBackend {
-  public:
-    explicit FailingBackend(Fails when, ErrorKind kind = ErrorKind::device) : when_(when), kind_(kind) {}
-
-  private:
-    void fail_if(Fails when) const {
-        if (when == when_) throw Error(kind_, "backend cuda: training: unspecified launch failure");
-    }
-    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config) override {
-        fail_if(Fails::matching);
-        return TestedBackend::match_pair(pair, config);
-    }
-    MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                          const ProgressFunction& progress) override {
-        progress(0.5);
-        fail_if(Fails::solving);
-        return TestedBackend::solve_mesh(density, config, progress);
-    }
-    DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input,
-                                           const SurfaceConfig& config) override {
-        fail_if(Fails::cutting);
-        return TestedBackend::cut_disparity_mesh(input, config);
-    }
-    Fails when_;
-    ErrorKind kind_;
-};
 
 // A job on a device that fails at `when`.
 RunReport run_failing(const RunRequest& request, RunLog& log, Fails when,
