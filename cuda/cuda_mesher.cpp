@@ -1,5 +1,7 @@
 #include "cuda/cuda_mesher.h"
 
+#include <utility>
+
 #include "cuda/balance/balance.h"
 #include "cuda/common/arena.h"
 #include "cuda/common/check.h"
@@ -22,6 +24,7 @@ struct CudaMesher::State {
     std::vector<float> magnification;
     cuda::Arena arena;
     cuda::Staging staging;
+    const DisparityMap* expected_map = nullptr;  // for the next solve(); null = none
     cuda::ResidentMap map;
     cuda::LevelTimer balance_timer;
 };
@@ -66,7 +69,7 @@ bool CudaMesher::can_cut_meshes() const {
 surface::DisparityMeshResult CudaMesher::cut_disparity_mesh(const surface::DisparityMeshInput& input,
                                                             const SurfaceConfig& config) {
     surface::check_disparity_mesh_input(input);
-    const float* const map = state_->map.find(input.map_on_device, input.map->values.size());
+    const float* const map = state_->map.copy_of(input.map->values);
     return cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input, config);
 }
 
@@ -75,8 +78,14 @@ void CudaMesher::balance_patch(const DensityMap& density, const BalanceConfig& c
     cuda::balance_patch(state_->launch, state_->arena, state_->staging, density, config, patch);
 }
 
+void CudaMesher::expect_map(const DisparityMap& map) {
+    state_->expected_map = &map;
+}
+
 mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config,
-                                     const ProgressFunction& progress, const DisparityMap* map) {
+                                     const ProgressFunction& progress) {
+    const DisparityMap* const map = std::exchange(state_->expected_map, nullptr);
+    state_->map.forget();
     if (config.method == MeshMethod::sequential)
         throw Error(ErrorKind::usage,
                     "mesh.method: sequential has no CUDA form; use cellular, or --backend cpu");
@@ -86,7 +95,7 @@ mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig
     }
     const cudaStream_t stream = state_->launch.stream;
     cuda::MeshJob job(state_->launch, state_->arena, density, config, state_->magnification);
-    float* const resident_map = map ? state_->map.replace(map->values.size()) : nullptr;
+    float* const resident_map = map ? state_->map.make_room(map->values.size()) : nullptr;
     job.upload(state_->staging);
     cuda::check(cudaEventRecord(state_->begin, stream), "timing");
     job.build_pyramids();
@@ -98,7 +107,10 @@ mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig
     job.untangle();
     cuda::check(cudaEventRecord(state_->end, stream), "timing");
     job.move_to_area();
-    if (map) cuda::check(cudaStreamWaitEvent(stream, state_->copied), "uploading");
+    if (map) {
+        cuda::check(cudaStreamWaitEvent(stream, state_->copied), "uploading");
+        state_->map.hold(map->values);
+    }
 
     mesher::MeshResult result;
     result.mesh = job.download(state_->staging);
@@ -108,7 +120,6 @@ mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig
     result.device_balance_s = config.balance.enabled ? state_->balance_timer.seconds(job.levels()) : 0;
     result.device_training_s = milliseconds * 1e-3 - result.device_balance_s;
     result.device_bytes = state_->arena.peak_bytes() + (map ? state_->map.bytes() : 0);
-    result.map_on_device = map ? state_->map.id() : 0;
     return result;
 }
 

@@ -48,13 +48,16 @@ class CudaMesher {
     ~CudaMesher();
     const CudaDevice& device() const;
 
-    // Runs solve_mesh on the device. `map`, unless null, is copied to the device while the mesh is trained
-    // and stays there until the next call with a map; cut_disparity_mesh need not copy it again if its input
-    // names mesher::MeshResult::map_on_device. Also throws Error(usage) for MeshMethod::sequential and for
-    // more than 100 sweeps of balancing, and Error(device) if memory is too small, an image side exceeds
-    // 32,767 px, or a neighbourhood radius exceeds 27.
+    // Announces the map that the next mesh is cut by: solve() copies it to the device while it trains, so
+    // that cut_disparity_mesh() need not. The map must stay where and as it is until the next call of
+    // solve().
+    void expect_map(const DisparityMap& map);
+
+    // solve_mesh on the device. Throws also Error(usage) for MeshMethod::sequential and for more than 100
+    // sweeps of balancing; Error(device) where memory is too small, an image side exceeds 32,767 px, or a
+    // neighbourhood radius exceeds 27.
     mesher::MeshResult solve(const DensityMap& density, const MeshConfig& config,
-                             const ProgressFunction& progress, const DisparityMap* map = nullptr);
+                             const ProgressFunction& progress);
 
     // Runs balance::balance_patch on the device. Throws Error(usage) for more than 100 sweeps and
     // Error(device) if memory is too small; the patch is then unchanged.

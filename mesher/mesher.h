@@ -21,7 +21,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/progress_function.h"
@@ -42,7 +41,6 @@ struct MeshResult {
     double device_training_s = 0;
     double device_balance_s = 0;
     std::size_t device_bytes = 0;
-    std::uint64_t map_on_device = 0;
 };
 
 // Trains a hexagonal lattice on the density with the cellular self-organizing map, coarse to fine

@@ -4,7 +4,7 @@
 #include <cuda_runtime_api.h>
 
 #include <cstddef>
-#include <cstdint>
+#include <vector>
 
 #include "cuda/common/check.h"
 
@@ -17,9 +17,9 @@ class ResidentMap {
     ResidentMap& operator=(const ResidentMap&) = delete;
     ~ResidentMap() { cudaFree(data_); }
 
-    // Returns memory for another map, which replaces the preceding one.
-    float* replace(std::size_t pixels) {
-        ++id_;
+    // Device memory for a map of so many pixels; the map before is forgotten.
+    float* make_room(std::size_t pixels) {
+        forget();
         pixels_ = pixels;
         if (pixels > capacity_) {
             cudaFree(data_);
@@ -30,18 +30,19 @@ class ResidentMap {
         }
         return data_;
     }
-    // Returns the id of the latest map: never 0, and different for each map.
-    std::uint64_t id() const { return id_; }
-    // Returns the map with this id, or null if it has been replaced since.
-    const float* find(std::uint64_t id, std::size_t pixels) const {
-        return id != 0 && id == id_ && pixels == pixels_ ? data_ : nullptr;
+    // The room now holds a copy of these values.
+    void hold(const std::vector<float>& values) { source_ = values.data(); }
+    void forget() { source_ = nullptr; }
+    // nullptr if the device holds no copy of these values, told by where they are on the host.
+    const float* copy_of(const std::vector<float>& values) const {
+        return source_ != nullptr && source_ == values.data() && pixels_ == values.size() ? data_ : nullptr;
     }
     std::size_t bytes() const { return pixels_ * sizeof(float); }
 
   private:
     float* data_ = nullptr;
+    const float* source_ = nullptr;
     std::size_t pixels_ = 0, capacity_ = 0;
-    std::uint64_t id_ = 0;
 };
 
 }  // namespace hexrelief::cuda

@@ -1,7 +1,7 @@
 // Cuts the lattice along silhouettes, at depth discontinuities, and fits disparities to its vertices.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
@@ -25,9 +25,6 @@ struct DisparityMeshInput {
     const DisparityMap* map = nullptr;  // not null, of the image that the mesh covers
     float background_px = 0;            // lower disparities, and those not above 0, are background
     const Image* color = nullptr;       // the left image, of the map's size; null = none
-    // MeshResult::map_on_device, if the mesh was solved with this map and the map has not changed since: then
-    // it is not copied to the device again.
-    std::uint64_t map_on_device = 0;
     WholeMap whole = {};
 };
 

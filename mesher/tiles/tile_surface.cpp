@@ -150,7 +150,7 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
     whole.first_column = block.first_column;
     whole.first_row = block.first_row;
     const DisparityMesh all =
-        cut({&lattice, input.map, input.background_px, input.color, 0, whole}, config, threads);
+        cut({&lattice, input.map, input.background_px, input.color, whole}, config, threads);
 
     std::vector<TileCorner> corners;
     corners.reserve(all.points.size());

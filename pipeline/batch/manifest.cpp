@@ -32,7 +32,7 @@ bool holds(const std::vector<std::string>& words, const std::string& word) {
 std::string unknown_key(const std::string& key, const ManifestOptions& options) {
     std::vector<std::string> flags = {"--name", "--formats", "--config"};
     flags.insert(flags.end(), options.file_options.begin(), options.file_options.end());
-    for (const Field& field : config_fields()) flags.push_back(field.option.flag);
+    for (const config::Field& field : config::config_fields()) flags.push_back(field.option.flag);
     const std::string near = config::nearest_name("--" + key, flags);
     return "unknown key " + readers::codec::excerpt(key) +
            (near.empty() ? "" : " (did you mean '" + near.substr(2) + "'?)") +
@@ -72,10 +72,11 @@ struct RowReader {
     std::string read_value(const std::string& key, const std::string& value, BatchUnit& unit) const {
         auto& words = unit.words;
         const std::string flag = "--" + key;
-        const std::vector<const Field*> rows = rows_of_option(flag);
-        if (holds(options.file_options, flag) || (!rows.empty() && rows[0]->type == FieldType::file)) {
+        const std::vector<const config::Field*> rows = rows_of_option(flag);
+        if (holds(options.file_options, flag) ||
+            (!rows.empty() && rows[0]->type == config::FieldType::file)) {
             words.insert(words.end(), {flag, placed(value)});
-        } else if (!rows.empty() && rows[0]->type == FieldType::boolean) {
+        } else if (!rows.empty() && rows[0]->type == config::FieldType::boolean) {
             if (value != "true" && value != "false")
                 return key + " must be true or false, not " + codec::excerpt(value);
             if (value == "true") words.push_back(flag);

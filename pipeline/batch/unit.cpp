@@ -32,12 +32,7 @@ std::size_t peak_memory() {
     return 0;
 }
 
-void run_unit(const job::RunRequest& request, const job::BackendPicker& pick) {
-    const job::RunObserver silent;
-    job::run_job(request, silent, pick);
-}
-
-UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick) {
+UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends) {
     UnitResult result;
     job::RunRequest request = rules.parse(unit.words);
     if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
@@ -52,7 +47,8 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const job::Bac
                              ? "its inputs, configuration, version or outputs changed"
                              : "up to date, but --force is given";
     } else {
-        run_unit(request, pick);
+        job::RunLog log;
+        job::run_job(request, backends, log);
         result.outcome = UnitOutcome::done;
     }
     return result;
@@ -99,12 +95,12 @@ UnitResult result_of_exception() {
     return result;
 }
 
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick) {
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends) {
     forget_peak_memory();
     const double begun = now_seconds();
     UnitResult result;
     try {
-        result = attempt(unit, rules, pick);
+        result = attempt(unit, rules, backends);
     } catch (...) {
         result = result_of_exception();
     }

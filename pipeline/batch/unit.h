@@ -34,9 +34,9 @@ struct UnitRules {
     int jobs = 1;          // number that a process is likely to run: they share a device's start-up
 };
 
-// Runs a unit and returns its result; never throws. A unit without a report always runs, because nothing says
-// that it was done.
-UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const job::BackendPicker& pick);
+// Never throws: what fails is told in the result. A unit without a report is always done: nothing says that
+// it was.
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends);
 
 // Returns the message and exit code for the current exception. Call it in a catch block.
 UnitResult result_of_exception();

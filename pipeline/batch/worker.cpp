@@ -49,10 +49,10 @@ void send_result(int socket, const UnitResult& result) {
     std::ofstream("/proc/self/oom_score_adj") << "300";
     if (!device.empty()) ::setenv("CUDA_VISIBLE_DEVICES", device.c_str(), 1);
     files::install_interrupt_handling();
-    const job::BackendPicker pick = job::keep_backends();
+    job::Backends backends;
     std::size_t unit = 0;
     while (::recv(socket, &unit, sizeof unit, 0) == sizeof unit)
-        send_result(socket, do_unit(units[unit], rules, pick));
+        send_result(socket, do_unit(units[unit], rules, backends));
     ::_exit(0);
 }
 

@@ -7,7 +7,7 @@
 
 namespace hexrelief::bench {
 
-// Returns every usable backend, the CPU first.
-std::vector<job::Backend> usable_backends(int threads);
+// Every backend that can be used here, the CPU first.
+std::vector<job::BackendPointer> usable_backends(int threads);
 
 }  // namespace hexrelief::bench

@@ -9,7 +9,7 @@ namespace hexrelief::bench::cuda_bench {
 
 struct Solvers::State {
     int threads;
-    job::Backend cuda, cpu;
+    job::BackendPointer cuda, cpu;
 #ifdef HEXRELIEF_HAS_CUDA
     std::unique_ptr<paper::Som> som;
 #endif
@@ -37,7 +37,7 @@ void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs
     row.rows = mesh.rows;
 }
 
-Row measure(const Case& c, const std::string& solver, const job::Backend& backend, const MeshConfig& config,
+Row measure(const Case& c, const std::string& solver, job::Backend& backend, const MeshConfig& config,
             int runs, int threads) {
     Row row = empty_row(c, solver);
     row.co = config.co;
@@ -46,8 +46,9 @@ Row measure(const Case& c, const std::string& solver, const job::Backend& backen
     row.sigma_init = config.sigma_init;
     Times costs;
     for (int run = 0; run < runs; ++run) {
+        backend.expect_map(c.disparity);
         const double start = now_seconds();
-        const mesher::MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
+        const mesher::MeshResult result = backend.solve_mesh(c.density, config, {});
         row.stage_s.runs.push_back(now_seconds() - start);
         if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
         if (run > 0) continue;  // every run gives the same bytes
@@ -122,28 +123,29 @@ Solvers::Solvers(int threads) : state_(std::make_unique<State>()) {
 
 Solvers::~Solvers() = default;
 
-const std::string& Solvers::device() const {
-    return state_->cuda.device;
+std::string Solvers::device() const {
+    return state_->cuda->device();
 }
-const std::string& Solvers::cpu() const {
-    return state_->cpu.device;
+std::string Solvers::cpu() const {
+    return state_->cpu->device();
 }
 
 Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs) {
-    state_->cuda.solve_mesh(c.density, c.disparity, config, {});  // not counted
-    return measure(c, solver, state_->cuda, config, runs, state_->threads);
+    state_->cuda->expect_map(c.disparity);
+    state_->cuda->solve_mesh(c.density, config, {});  // not counted
+    return measure(c, solver, *state_->cuda, config, runs, state_->threads);
 }
 
 Row Solvers::cut_mesh(const Case& c, int runs) {
-    const mesher::MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
-    const surface::DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
-                                            solved.map_on_device};
+    state_->cuda->expect_map(c.disparity);
+    const mesher::MeshResult solved = state_->cuda->solve_mesh(c.density, {}, {});
+    const surface::DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr};
     Row row = empty_row(c, "cut");
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;
     for (int run = -1; run < runs; ++run) {
         const double start = now_seconds();
-        const surface::DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
+        const surface::DisparityMeshResult result = state_->cuda->cut_disparity_mesh(input, {});
         const double seconds = now_seconds() - start;
         if (run < 0) continue;
         row.stage_s.runs.push_back(seconds);
@@ -154,7 +156,7 @@ Row Solvers::cut_mesh(const Case& c, int runs) {
 }
 
 Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
-    return measure(c, "cpu", state_->cpu, config, 1, state_->threads);
+    return measure(c, "cpu", *state_->cpu, config, 1, state_->threads);
 }
 
 #ifdef HEXRELIEF_HAS_CUDA

@@ -27,8 +27,8 @@ class Solvers {
   public:
     explicit Solvers(int threads);  // >= 1; throws Error(device) if no CUDA device is usable
     ~Solvers();
-    const std::string& device() const;
-    const std::string& cpu() const;
+    std::string device() const;
+    std::string cpu() const;
 
     // Measure `runs` runs, after one that is not counted; the paper baseline has no such run if `runs` is at
     // most three. Its %cost differs from run to run: the median of the first three is taken.

@@ -91,14 +91,14 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     if (!cut_mesh.triangles.empty()) stages::build_surface(cut_mesh, width, height, camera, 0);
 }
 
-table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const Method& method,
-                    const job::Backend& backend, int runs, int threads) {
+Row measure(const bench::table2::PaperMap& paper, const LoadedMap& map, const Method& method,
+            job::Backend& backend, int runs, int threads) {
     const MeshConfig& config = method.mesh;
     const auto cells = [&](int pixels) { return (pixels + config.co - 1) / config.co; };
     table2::Row row;
     row.paper = &paper;
     row.method = method.name;
-    row.backend = backend.name;
+    row.backend = backend.name();
     row.width = map.density.width;
     row.height = map.density.height;
     row.cell_columns = cells(row.width);
@@ -107,8 +107,8 @@ table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const M
     row.crr = config.crr;
     for (int run = 0; run < runs; ++run) {
         mesher::MeshResult result;
-        row.mesh.runs.push_back(
-            seconds_of([&] { result = backend.solve_mesh(map.density, map.disparity, config, {}); }));
+        backend.expect_map(map.disparity);
+        row.mesh.runs.push_back(seconds_of([&] { result = backend.solve_mesh(map.density, config, {}); }));
         row.surface.runs.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
         if (run > 0) continue;  // same seed, same mesh
         row.columns = result.mesh.columns;
@@ -121,12 +121,13 @@ table2::Row measure(const table2::PaperMap& paper, const LoadedMap& map, const M
     return row;
 }
 
-// Makes a first call on a device, which also creates its context, which belongs to no map.
-void warm_up(const job::Backend& backend, const LoadedMap& map) {
+// The first call on a device pays for its context, which belongs to no map.
+void warm_up(job::Backend& backend, const LoadedMap& map) {
     MeshConfig config;
     config.t_max = 1;
     config.balance.enabled = false;
-    backend.solve_mesh(map.density, map.disparity, config, {});
+    backend.expect_map(map.disparity);
+    backend.solve_mesh(map.density, config, {});
 }
 
 }  // namespace
@@ -163,17 +164,17 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
     if (!options.json.empty()) files::check_writable_file(options.json);
     const int threads = job::effective_threads(options.threads);
-    const std::vector<job::Backend> backends = usable_backends(threads);
+    const std::vector<job::BackendPointer> backends = usable_backends(threads);
 
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const job::Backend& backend : backends) {
-        out << backend.name << ": " << backend.device
-            << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
-        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    for (const job::BackendPointer& backend : backends) {
+        out << backend->name() << ": " << backend->device()
+            << (backend->name() == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
+        json["backends"].push_back({{"name", backend->name()}, {"device", backend->device()}});
     }
     for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
     json["missing"] = missing;
@@ -195,14 +196,15 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
                                       ? Method{name, own.mesh, own.density}
                                       : Method{name, method_config(name, found[i].map->ssr), paper_density()};
             map.density = stages::compute_density(map.disparity, method.density);
-            for (const job::Backend& backend : backends) {
-                if (backend.name != "cpu" && needs_cpu(name)) continue;
-                if (backend.name != "cpu" && !warm) warm_up(backend, map);
-                warm |= backend.name != "cpu";
+            for (const job::BackendPointer& backend : backends) {
+                const bool is_cpu = backend->name() == "cpu";
+                if (!is_cpu && needs_cpu(name)) continue;
+                if (!is_cpu && !warm) warm_up(*backend, map);
+                warm |= !is_cpu;
                 rows.push_back(
-                    measure(*found[i].map, map, method, backend, runs_of(options, name, map), threads));
-                out << table2::row_text(rows.back()) << std::flush;
-                json["rows"].push_back(table2::row_json(rows.back()));
+                    measure(*found[i].map, map, method, *backend, runs_of(options, name, map), threads));
+                out << row_text(rows.back()) << std::flush;
+                json["rows"].push_back(row_json(rows.back()));
             }
         }
         const std::string set = found[i].map->set;

@@ -48,7 +48,7 @@ struct Search {
             {limit, slope, start_px, job.least_px, job.most_px},
             [&](double spacing_px) -> std::optional<double> {
                 if (!solve(spacing_px, tolerance_px)) return std::nullopt;
-                return figure();
+                return checks::figure();
             },
             nearest);
     }
@@ -102,6 +102,10 @@ BudgetResult fit_bytes(double limit, Search& search) {
 }
 
 }  // namespace
+
+bool has_budget(const config::BudgetConfig& budget) {
+    return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;
+}
 
 BudgetResult fit_budget(const config::BudgetConfig& budget, const BudgetJob& job) {
     Search search{job};

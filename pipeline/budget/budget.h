@@ -27,6 +27,9 @@ struct BudgetJob {
     std::function<void(const TextureChoice&)> use_texture;
 };
 
+// True where a limit is given.
+bool has_budget(const config::BudgetConfig& budget);
+
 struct BudgetResult {
     std::string kind;  // "vertices", "max_bytes", "max_error_px"; empty = no budget
     double limit = 0, reached = 0;

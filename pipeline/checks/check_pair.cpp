@@ -64,41 +64,44 @@ Finding begins_high(const LowEnd& low, int min_px) {
                 std::to_string(static_cast<int>(std::floor(1.1 * low.least_px)) - 2)};
 }
 
-std::string name_of(RangeOrigin origin) {
-    return origin == RangeOrigin::ndisp ? "the calibration's ndisp" : "disparity.num_disparities_px";
+std::string name_of(stages::RangeOrigin origin) {
+    return origin == stages::RangeOrigin::ndisp ? "the calibration's ndisp" : "disparity.num_disparities_px";
 }
 
-std::string advice(RangeOrigin origin, int count) {
-    return std::string(origin == RangeOrigin::ndisp ? "correct it, or set disparity.num_disparities_px to "
-                                                    : "set it to ") +
-           std::to_string(count) + (origin == RangeOrigin::given ? ", or to 0 to have it chosen" : "");
+std::string advice(stages::RangeOrigin origin, int count) {
+    return std::string(origin == stages::RangeOrigin::ndisp
+                           ? "correct it, or set disparity.num_disparities_px to "
+                           : "set it to ") +
+           std::to_string(count) +
+           (origin == stages::RangeOrigin::given ? ", or to 0 to have it chosen" : "");
 }
 
-Findings check_range(const stages::SmallMatch& coarse, const SearchedRange& range) {
-    if (range.origin == RangeOrigin::chosen) return {};
-    const HighEnd high = measure_high_end(coarse, range.min_px + range.count_px);
+Findings check_range(const stages::SmallMatch& coarse, const matching::DisparityRange& range,
+                     stages::RangeOrigin origin) {
+    if (origin == stages::RangeOrigin::chosen) return {};
+    const HighEnd high = measure_high_end(coarse, range.min_px + range.count);
     const double needed = std::max(1.0, high.largest_px - range.min_px + 1);
     const int better = 16 * static_cast<int>(std::ceil((1.06 * needed + 2 * coarse.small.scale) / 16));
     if (high.beyond_share > kMostBeyond)
         return {{Mistake::range_ends_low,
                  percent(high.beyond_share) +
                      " of what both views agree on lies beyond the range searched, " + "which ends at " +
-                     std::to_string(range.min_px + range.count_px) + " px: it goes up to " +
-                     figure(high.largest_px) + " px and will be wrong; " + name_of(range.origin) +
-                     " is too small, " + advice(range.origin, better)}};
-    if (high.largest_px > range.min_px && range.count_px > kWidestRange * needed &&
-        range.count_px > needed + kFreeRange_px)
-        return {{Mistake::range_wide, "the range searched is " + figure(range.count_px / needed) +
+                     std::to_string(range.min_px + range.count) + " px: it goes up to " +
+                     figure(high.largest_px) + " px and will be wrong; " + name_of(origin) +
+                     " is too small, " + advice(origin, better)}};
+    if (high.largest_px > range.min_px && range.count > kWidestRange * needed &&
+        range.count > needed + kFreeRange_px)
+        return {{Mistake::range_wide, "the range searched is " + figure(range.count / needed) +
                                           " times as wide as the scene's, which ends at " +
                                           figure(high.largest_px) +
-                                          " px: that costs time and false matches; " + name_of(range.origin) +
-                                          " is too large, " + advice(range.origin, better)}};
+                                          " px: that costs time and false matches; " + name_of(origin) +
+                                          " is too large, " + advice(origin, better)}};
     return {};
 }
 
 // Examines a pair by points anywhere, if its views agree on little, or on much at
 // the least disparity searched.
-Findings look_closely(const stages::SmallMatch& coarse, double agreed, const SearchedRange& range,
+Findings look_closely(const stages::SmallMatch& coarse, double agreed, const matching::DisparityRange& range,
                       int threads) {
     const CoarsePoints points = match_coarse_points(coarse);
     const double scale = coarse.small.scale;
@@ -121,8 +124,8 @@ Findings look_closely(const stages::SmallMatch& coarse, double agreed, const Sea
 
 }  // namespace
 
-Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse, const SearchedRange& range,
-                    int threads) {
+Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
+                    const matching::DisparityRange& range, stages::RangeOrigin origin, int threads) {
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses such a pair
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
         return {views_equal("the same picture")};
@@ -144,7 +147,7 @@ Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse, co
     }
     const bool all_wrong = !findings.empty() && findings.front().mistake != Mistake::rows_differ;
     if (!all_wrong)
-        for (Finding& finding : check_range(coarse, range)) findings.push_back(std::move(finding));
+        for (Finding& finding : check_range(coarse, range, origin)) findings.push_back(std::move(finding));
     return findings;
 }
 

@@ -9,17 +9,11 @@
 
 namespace hexrelief::checks {
 
-enum class RangeOrigin { chosen, given, ndisp };
-
-struct SearchedRange {
-    int min_px = 0, count_px = 0;
-    RangeOrigin origin = RangeOrigin::chosen;  // a range that the program chose is not judged
-};
-
-// Returns what seems to be wrong with a pair; empty if nothing is. If several findings have one cause, only
-// the cause is returned. coarse: the result of match_coarsely(pair, ...) from at most range.min_px on. The
-// result is the same for any number of threads.
+// What the pair seems to be wrong in; of several that have one cause only that cause. Empty for a right pair.
+// coarse: match_coarsely(pair, ...) from at most range.min_px on. A range that the program chose is not
+// judged. The same for any number of threads.
 std::vector<Finding> check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
-                                const SearchedRange& range, int threads);
+                                const matching::DisparityRange& range, stages::RangeOrigin origin,
+                                int threads);
 
 }  // namespace hexrelief::checks

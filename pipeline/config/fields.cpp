@@ -9,11 +9,11 @@ namespace {
 
 std::vector<Field> input_fields() {
     return {
-        number("input.disparity.scale", "1/px", DisparityFileConfig::kScale,
+        number("input.disparity.scale", "1/px", readers::DisparityFileConfig::kScale,
                "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit "
                "maps, 1 for float maps, and an error for 8-bit maps",
                MEMBER(input.disparity.scale), {"--disparity-scale", "S"}),
-        number("input.disparity.offset_px", "px", DisparityFileConfig::kOffset_px,
+        number("input.disparity.offset_px", "px", readers::DisparityFileConfig::kOffset_px,
                "added to a supplied map's disparities after the scale", MEMBER(input.disparity.offset_px),
                {"--disparity-offset", "PX"}),
         optional("input.disparity.unknown", "", {-kAny, kAny},
@@ -107,21 +107,21 @@ std::vector<Field> disparity_fields() {
                "sgm: semi-global matching on census and colour, on the CPU and on CUDA; sgbm: OpenCV's "
                "StereoSGBM",
                MEMBER(disparity.method)),
-        number("disparity.min_disparity_px", "px", DisparityConfig::kMinDisparity_px,
+        number("disparity.min_disparity_px", "px", stages::DisparityConfig::kMinDisparity_px,
                "least disparity searched", MEMBER(disparity.min_disparity_px)),
-        number("disparity.num_disparities_px", "px", DisparityConfig::kNumDisparities_px,
+        number("disparity.num_disparities_px", "px", stages::DisparityConfig::kNumDisparities_px,
                "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = "
                "the calibration's ndisp, else chosen from the pair",
                MEMBER(disparity.num_disparities_px)),
-        number("disparity.p1", "", DisparityConfig::kPenalty,
+        number("disparity.p1", "", stages::DisparityConfig::kPenalty,
                "penalty for a disparity step of 1; 0 = 45, sgbm: 16 * channels * block_size^2",
                MEMBER(disparity.p1)),
-        number("disparity.p2", "", DisparityConfig::kPenalty,
+        number("disparity.p2", "", stages::DisparityConfig::kPenalty,
                "penalty for a larger step; 0 = 330, sgbm: 64 * channels * block_size^2",
                MEMBER(disparity.p2)),
-        number("disparity.speckle_window_px", "px", DisparityConfig::kSpeckleWindow_px,
+        number("disparity.speckle_window_px", "px", stages::DisparityConfig::kSpeckleWindow_px,
                "largest area of a speckle to remove; 0 = off", MEMBER(disparity.speckle_window_px)),
-        number("disparity.speckle_range_px", "px", DisparityConfig::kSpeckleRange_px,
+        number("disparity.speckle_range_px", "px", stages::DisparityConfig::kSpeckleRange_px,
                "disparity step that ends a speckle", MEMBER(disparity.speckle_range_px)),
         optional(
             "disparity.farthest_px", "px", {-16384, 16384},
@@ -144,11 +144,11 @@ std::vector<Field> disparity_fields() {
         flag("disparity.color",
              "sgbm: match all channels of colour pairs; grey is faster and, measured, better",
              MEMBER(disparity.color)),
-        number("disparity.block_size_px", "px", DisparityConfig::kBlockSize_px,
+        number("disparity.block_size_px", "px", stages::DisparityConfig::kBlockSize_px,
                "sgbm: side of the matched block, odd", MEMBER(disparity.block_size_px)),
-        number("disparity.pre_filter_cap", "", DisparityConfig::kPreFilterCap,
+        number("disparity.pre_filter_cap", "", stages::DisparityConfig::kPreFilterCap,
                "sgbm: clipping of the prefiltered images' x derivative", MEMBER(disparity.pre_filter_cap)),
-        number("disparity.uniqueness_ratio_percent", "%", DisparityConfig::kUniquenessRatio_percent,
+        number("disparity.uniqueness_ratio_percent", "%", stages::DisparityConfig::kUniquenessRatio_percent,
                "sgbm: margin by which the best match must win", MEMBER(disparity.uniqueness_ratio_percent)),
         choice("disparity.mode", {"sgbm", "hh", "sgbm_3way", "hh4"},
                "sgbm: directions of StereoSGBM: 5, 8, 3, 4", MEMBER(disparity.mode)),
@@ -164,9 +164,9 @@ std::vector<Field> disparity_fields() {
 
 std::vector<Field> density_fields() {
     return {
-        number("density.exponent", "", DensityConfig::kExponent,
+        number("density.exponent", "", stages::DensityConfig::kExponent,
                "density = (disparity / scale)^exponent, at most 1", MEMBER(density.exponent)),
-        number("density.scale_percentile", "%", DensityConfig::kScalePercentile,
+        number("density.scale_percentile", "%", stages::DensityConfig::kScalePercentile,
                "the scale is this percentile of the known disparities, which a few wrong pixels do not move; "
                "100 = the largest",
                MEMBER(density.scale_percentile)),
@@ -175,14 +175,14 @@ std::vector<Field> density_fields() {
             "how the background is told apart; auto = as by fraction, but only where depth discontinuities "
             "part it from the rest, else none",
             MEMBER(density.background_method)),
-        number("density.background.fraction", "", DensityConfig::kBackgroundFraction,
+        number("density.background.fraction", "", stages::DensityConfig::kBackgroundFraction,
                "auto, fraction: below this share of the scale is background",
                MEMBER(density.background_fraction)),
-        number("density.background.threshold_px", "px", DensityConfig::kBackgroundThreshold_px,
+        number("density.background.threshold_px", "px", stages::DensityConfig::kBackgroundThreshold_px,
                "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
-        number("density.floor", "", DensityConfig::kFloor,
+        number("density.floor", "", stages::DensityConfig::kFloor,
                "least density of a known pixel, share of the largest", MEMBER(density.floor)),
-        number("density.detail", "", DensityConfig::kDetail,
+        number("density.detail", "", stages::DensityConfig::kDetail,
                "share of the mesh that goes where the surface is curved or steps at a depth discontinuity; 0 "
                "= the paper's density alone",
                MEMBER(density.detail)),

@@ -5,7 +5,7 @@
 #include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 std::string group_of(const Field& field) {
@@ -64,4 +64,4 @@ void apply_options(Config& config, const KeyOptions& options, const std::vector<
         apply_option(config, flag, row_of_option(flag, files).path, text);
 }
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -7,7 +7,7 @@
 
 #include "pipeline/config/fields.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 
 // Flags with their values as they were typed: {"--fov-x", "60"}; "true" of a flag without a value.
 using KeyOptions = std::vector<std::pair<std::string, std::string>>;
@@ -31,4 +31,4 @@ const Field& row_of_option(const std::string& flag, const std::vector<std::strin
 // Sets the rows of the options in their order. Throws as row_of_option(), and for values out of range.
 void apply_options(Config& config, const KeyOptions& options, const std::vector<std::string>& files);
 
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -3,12 +3,10 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
-#include <map>
 #include <memory>
-#include <optional>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include "pipeline/data/error.h"
@@ -30,73 +28,76 @@ std::string cpu_name() {
     return "CPU";
 }
 
-Backend cpu_backend(int threads) {
-    return {"cpu",
-            cpu_name(),
-            [threads](const StereoPair& pair, const matching::MatchingConfig& config) {
-                return matching::match_pair(pair, config, threads);
-            },
-            [threads](const DensityMap& density, const DisparityMap&, const MeshConfig& config,
-                      const ProgressFunction& progress) {
-                return mesher::solve_mesh(density, config, threads, progress);
-            },
-            [threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
-                return surface::DisparityMeshResult{surface::cut_disparity_mesh(input, config, threads)};
-            },
-            [threads](const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch) {
-                balance::balance_patch(density, config, threads, patch);
-            },
-            {},
-            {},
-            {}};
-}
-
-#ifdef HEXRELIEF_HAS_CUDA
-using cuda::copy_from_cuda_device;
-
-struct CudaWorkers {
-    cuda::CudaMesher mesher;
-    std::unique_ptr<cuda::CudaMatcher> matcher;  // for those runs that match
+class CpuBackend final : public Backend {
+  public:
+    using Backend::Backend;
+    std::string name() const override { return "cpu"; }
+    std::string device() const override { return cpu_name(); }
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config) override {
+        return matching::match_pair(pair, config, threads());
+    }
+    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
+                                  const ProgressFunction& progress) override {
+        return mesher::solve_mesh(density, config, threads(), progress);
+    }
+    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                    const SurfaceConfig& config) override {
+        return {surface::cut_disparity_mesh(input, config, threads())};
+    }
+    void balance::balance_patch(const DensityMap& density, const BalanceConfig& config,
+                                balance::LatticePatch& patch) override {
+        balance::balance_patch(density, config, threads(), patch);
+    }
 };
 
-Backend cuda_backend(int threads) {
-    const auto made = std::make_shared<std::unique_ptr<CudaWorkers>>(std::make_unique<CudaWorkers>());
-    return {"cuda",
-            (*made)->mesher.device().name,
-            [made](const StereoPair& pair, const matching::MatchingConfig& config) {
-                std::unique_ptr<cuda::CudaMatcher>& matcher = (*made)->matcher;
-                if (!matcher) matcher = std::make_unique<cuda::CudaMatcher>();
-                return matcher->match_pair(pair, config);
-            },
-            [made](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                   const ProgressFunction& progress) {
-                return (*made)->mesher.solve(density, config, progress, &map);
-            },
-            [made, threads](const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
-                cuda::CudaMesher& mesher = (*made)->mesher;
-                return mesher.can_cut_meshes() ? mesher.cut_disparity_mesh(input, config)
-                                               : surface::DisparityMeshResult{
-                                                     surface::cut_disparity_mesh(input, config, threads)};
-            },
-            [made](const DensityMap& density, const BalanceConfig& config, balance::LatticePatch& patch) {
-                (*made)->mesher.balance_patch(density, config, patch);
-            },
-            [made] {
-                made->reset();
-                cuda::end_cuda();
-            },
-            {},
-            {}};
+#ifdef HEXRELIEF_HAS_CUDA
+class CudaBackend final : public Backend {
+  public:
+    explicit CudaBackend(int threads) : Backend(threads), device_(mesher_->device().name) {}
+    std::string name() const override { return "cuda"; }
+    std::string device() const override { return device_; }
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config) override {
+        if (!matcher_) matcher_ = std::make_unique<cuda::CudaMatcher>();
+        return matcher_->match_pair(pair, config);
+    }
+    void expect_map(const DisparityMap& map) override { mesher_->expect_map(map); }
+    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
+                                  const ProgressFunction& progress) override {
+        return mesher_->solve(density, config, progress);
+    }
+    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                    const SurfaceConfig& config) override {
+        if (mesher_->can_cut_meshes()) return mesher_->cut_disparity_mesh(input, config);
+        return {surface::cut_disparity_mesh(input, config, threads())};
+    }
+    void balance_patch(const DensityMap& density, const BalanceConfig& config,
+                       balance::LatticePatch& patch) override {
+        mesher_->balance_patch(density, config, patch);
+    }
+    void give_back() override {
+        matcher_.reset();
+        mesher_.reset();
+        end_cuda();
+    }
+
+  private:
+    std::unique_ptr<cuda::CudaMesher> mesher_ = std::make_unique<cuda::CudaMesher>();
+    std::unique_ptr<cuda::CudaMatcher> matcher_;  // for those runs that match
+    std::string device_;
+};
+
+BackendPointer cuda_backend(int threads) {
+    return std::make_shared<CudaBackend>(threads);
 }
 
-// nullopt where auto should take the CPU: no device, or one that does not start, which `why` is told.
-std::optional<Backend> usable_cuda_backend(int threads, std::string& why) {
+// Null where auto should take the CPU: no device, or one that does not start, which `why` is told.
+BackendPointer usable_cuda_backend(int threads, std::string& why) {
     try {
         if (!cuda::list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
     } catch (const Error& error) {
         why = error.what();
     }
-    return std::nullopt;
+    return nullptr;
 }
 
 void append_cuda_devices(std::vector<DeviceDescription>& devices) {
@@ -110,14 +111,14 @@ void append_cuda_devices(std::vector<DeviceDescription>& devices) {
     if (!why.empty()) devices.push_back({"cuda", "none", why, false});
 }
 #else
-Backend cuda_backend(int) {
+BackendPointer cuda_backend(int) {
     throw Error(
         ErrorKind::device,
         "backend cuda: this program was built without CUDA; use --backend cpu, or build the preset 'cuda'");
 }
 
-std::optional<Backend> usable_cuda_backend(int, std::string&) {
-    return std::nullopt;
+BackendPointer usable_cuda_backend(int, std::string&) {
+    return nullptr;
 }
 
 void append_cuda_devices(std::vector<DeviceDescription>&) {}
@@ -127,16 +128,6 @@ void copy_from_cuda_device(void*, const void*, std::size_t) {
                 "an array in a device's memory: this build is without CUDA; copy it to the host first");
 }
 #endif
-
-Backend pick_any(config::BackendChoice choice, int threads, MeshMethod method) {
-    if (choice == config::BackendChoice::cuda) return cuda_backend(threads);
-    std::string why;
-    if (choice == config::BackendChoice::automatic && method == MeshMethod::cellular)
-        if (auto backend = usable_cuda_backend(threads, why)) return std::move(*backend);
-    Backend cpu = cpu_backend(threads);
-    cpu.missed = why;
-    return cpu;
-}
 
 }  // namespace
 
@@ -148,47 +139,76 @@ int effective_threads(int configured) {
     return configured > 0 ? std::min(configured, std::max(usable, kHarmless)) : std::max(1, usable);
 }
 
-Backend pick_backend(config::BackendChoice choice, int threads, MeshMethod method) {
-    Backend backend = pick_any(choice, threads, method);
-    backend.give_back = {};
-    return backend;
+BackendPointer pick_backend(config::BackendChoice choice, int threads, MeshMethod method) {
+    if (choice == config::BackendChoice::cuda) return cuda_backend(threads);
+    std::string why;
+    if (choice == config::BackendChoice::automatic && method == MeshMethod::cellular)
+        if (BackendPointer backend = usable_cuda_backend(threads, why)) return backend;
+    const auto cpu = std::make_shared<CpuBackend>(threads);
+    cpu->missed = why;
+    return cpu;
 }
 
-BackendPicker pick_for_one_run() {
+Backends Backends::for_one_run() {
     setenv("CUDA_DEVICE_MAX_CONNECTIONS", "1", 0);
-    return pick_any;
+    Backends backends;
+    backends.ends_with_run_ = true;
+    return backends;
 }
 
-BackendPicker keep_backends() {
-    using Key = std::tuple<config::BackendChoice, int, MeshMethod>;
-    return [kept = std::make_shared<std::map<Key, Backend>>()](config::BackendChoice choice, int threads,
-                                                               MeshMethod method) {
-        const Key key{choice, threads, method};
-        const auto known = kept->find(key);
-        if (known != kept->end()) return known->second;
-        return kept->emplace(key, pick_backend(choice, threads, method)).first->second;
-    };
+BackendPointer Backends::get(config::BackendChoice choice, int threads, MeshMethod method) {
+    if (always_) return always_;
+    BackendPointer& backend = kept_[{choice, threads, method}];
+    if (!backend) backend = pick_backend(choice, threads, method);
+    return backend;
 }
 
 namespace {
 
-// Calls the first function, and the second where the device fails or has failed before.
-template <typename Result, typename... Arguments>
-std::function<Result(Arguments...)> either(std::function<Result(Arguments...)> device,
-                                           std::function<Result(Arguments...)> cpu,
-                                           std::function<void(const Error&)> replace,
-                                           std::shared_ptr<const bool> is_replaced) {
-    return [=](Arguments... arguments) {
-        if (*is_replaced) return cpu(arguments...);
+class ReplacedBackend final : public Backend {
+    Backend& used() const { return is_replaced_ ? *cpu_ : *device_; }
+    // On the device, and on the CPU where the device fails or has failed before.
+    template <typename Work>
+    auto attempt(const Work& work) {
         try {
-            return device(arguments...);
+            if (!is_replaced_) return work(*device_);
         } catch (const Error& error) {
             if (error.kind() != ErrorKind::device) throw;
-            replace(error);
+            is_replaced_ = true;
+            log_.warn(going_on_without(error.what()));
         }
-        return cpu(arguments...);
-    };
-}
+        return work(*cpu_);
+    }
+
+  public:
+    ReplacedBackend(BackendPointer device, BackendPointer cpu, RunLog& log)
+        : Backend(cpu->threads()), device_(std::move(device)), cpu_(std::move(cpu)), log_(log) {}
+    std::string name() const override { return used().name(); }
+    std::string device() const override { return used().device(); }
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config) override {
+        return attempt([&](Backend& backend) { return backend.match_pair(pair, config); });
+    }
+    void expect_map(const DisparityMap& map) override { used().expect_map(map); }
+    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
+                                  const ProgressFunction& progress) override {
+        return attempt([&](Backend& backend) { return backend.solve_mesh(density, config, progress); });
+    }
+    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                    const SurfaceConfig& config) override {
+        return attempt([&](Backend& backend) { return backend.cut_disparity_mesh(input, config); });
+    }
+    void balance_patch(const DensityMap& density, const BalanceConfig& config,
+                       balance::LatticePatch& patch) override {
+        attempt([&](Backend& backend) { backend.balance_patch(density, config, patch); });
+    }
+    void give_back() override { device_->give_back(); }
+    bool is_replaced() const override { return is_replaced_; }
+
+  private:
+    BackendPointer device_, cpu_;
+    RunLog& log_;
+    bool is_replaced_ = false;
+};
 
 }  // namespace
 
@@ -196,20 +216,8 @@ std::string going_on_without(const std::string& failure) {
     return failure + "; the CPU goes on";
 }
 
-Backend with_replacement(Backend device, Backend cpu, std::function<void(const std::string&)> warn) {
-    const auto is_replaced = std::make_shared<bool>(false);
-    const std::function<void(const Error&)> replace = [is_replaced,
-                                                       warn = std::move(warn)](const Error& error) {
-        *is_replaced = true;
-        warn(going_on_without(error.what()));
-    };
-    Backend both = device;
-    both.match_pair = either(device.match_pair, cpu.match_pair, replace, is_replaced);
-    both.solve_mesh = either(device.solve_mesh, cpu.solve_mesh, replace, is_replaced);
-    both.cut_disparity_mesh = either(device.cut_disparity_mesh, cpu.cut_disparity_mesh, replace, is_replaced);
-    both.balance_patch = either(device.balance_patch, cpu.balance_patch, replace, is_replaced);
-    both.is_replaced = is_replaced;
-    return both;
+BackendPointer with_replacement(BackendPointer device, BackendPointer cpu, RunLog& log) {
+    return std::make_shared<ReplacedBackend>(std::move(device), std::move(cpu), log);
 }
 
 std::vector<DeviceDescription> list_devices() {

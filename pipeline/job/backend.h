@@ -2,36 +2,52 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "mesher/balance/balance.h"
 #include "mesher/mesher.h"
 #include "pipeline/config/config.h"
+#include "pipeline/job/run_log.h"
 #include "pipeline/stages/disparity.h"
 
 namespace hexrelief::job {
 
-struct Backend {
-    std::string name;    // "cpu" or "cuda"
-    std::string device;  // its make and model
-    stages::PairMatcher match_pair;
-    std::function<mesher::MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
-                                     const ProgressFunction&)>
-        solve_mesh;
-    std::function<surface::DisparityMeshResult(const surface::DisparityMeshInput&, const SurfaceConfig&)>
-        cut_disparity_mesh;
+// CPU threads or a device. All give the same bytes. One call at a time.
+class Backend : public stages::PairMatcher {
+  public:
+    // threads: of the CPU, for the work beside the device's, too.
+    explicit Backend(int threads) : threads_(threads) {}
+    int threads() const { return threads_; }
+    virtual std::string name() const = 0;    // "cpu" or "cuda"
+    virtual std::string device() const = 0;  // its make and model
+
+    // Announces the map that the next mesh is cut by: a device copies it while that mesh is solved. The map
+    // must stay where and as it is until the mesh is cut.
+    virtual void expect_map(const DisparityMap&) {}
+    virtual mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
+                                          const ProgressFunction& progress) = 0;
+    virtual surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                                            const SurfaceConfig& config) = 0;
     // balance_patch() of mesher/balance/balance.h.
-    std::function<void(const DensityMap&, const BalanceConfig&, balance::LatticePatch&)> balance_patch;
-    // Ends the process's use of the device; nothing above may be called after it. Empty where nobody needs
-    // it.
-    std::function<void()> give_back;
-    // Set once the device has failed and the CPU has gone on in its place; null where nothing would.
-    std::shared_ptr<const bool> is_replaced;
+    virtual void balance_patch(const DensityMap& density, const BalanceConfig& config,
+                               balance::LatticePatch& patch) = 0;
+
+    // Ends the process's use of the device; nothing above but names may be called after it.
+    virtual void give_back() {}
+    // True once the device has failed and the CPU has gone on in its place.
+    virtual bool is_replaced() const { return false; }
+
     std::string missed;  // of the CPU under auto: why a device that is there cannot be used; else empty
+
+  private:
+    int threads_;
 };
+
+using BackendPointer = std::shared_ptr<Backend>;
 
 struct DeviceDescription {
     std::string backend;
@@ -47,24 +63,37 @@ int effective_threads(int configured);
 
 // auto takes CUDA where it is built in, has a usable device and can do the method. Throws Error(device) where
 // the choice is not built in or has no usable device.
-Backend pick_backend(config::BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
+BackendPointer pick_backend(config::BackendChoice choice, int threads,
+                            MeshMethod method = MeshMethod::cellular);
 
-using BackendPicker = std::function<Backend(config::BackendChoice, int threads, MeshMethod)>;
+// Where runs get their backends. One call at a time, and one job.
+class Backends {
+  public:
+    // Those of pick_backend(), each kept for the next call that asks for the same: of many jobs only the
+    // first waits for the device, and its memory is used again.
+    Backends() = default;
+    // `always`, whatever is asked for.
+    explicit Backends(BackendPointer always) : always_(std::move(always)) {}
+    // For a process that ends with the run: its device starts and ends sooner. The driver makes one queue
+    // instead of eight (0.14 s for 0.20 on an H200), and the run gives the device back as soon as it can,
+    // since it takes 0.08 s to let a device and its driver go, which other work need not wait for. Call this
+    // before any other thread starts.
+    static Backends for_one_run();
 
-// As pick_backend(), for a process that ends with the run: its device starts and ends sooner. The driver
-// makes one queue instead of eight (0.14 s for 0.20 on an H200), and give_back is set, since it takes 0.08 s
-// to let a device and its driver go, which other work need not wait for. Call this before any other thread
-// starts.
-BackendPicker pick_for_one_run();
+    BackendPointer get(config::BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
+    bool ends_with_run() const { return ends_with_run_; }
 
-// As pick_backend(), but what it has picked is kept for the next call that asks for the same: of many jobs
-// only the first waits for the device, and its memory is used again. One call at a time, and one job.
-BackendPicker keep_backends();
+  private:
+    using Key = std::tuple<config::BackendChoice, int, MeshMethod>;
+    BackendPointer always_;
+    bool ends_with_run_ = false;
+    std::map<Key, BackendPointer> kept_;
+};
 
 // `device`, until it fails: from then on, the work that failed included, `cpu`, which gives the same bytes.
-// `warn` is told why, once. For run.backend: auto.
+// The log is warned why, once. For run.backend: auto.
 std::string going_on_without(const std::string& failure);  // what is told
-Backend with_replacement(Backend device, Backend cpu, std::function<void(const std::string&)> warn);
+BackendPointer with_replacement(BackendPointer device, BackendPointer cpu, RunLog& log);
 
 // The CPU first.
 std::vector<DeviceDescription> list_devices();

@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 double largest_output(const LeftView& view, const SurfaceResult& result,
-                      const std::vector<DetailLevel>& coarser, const std::vector<fs::path>& outputs,
-                      const RunContext& run) {
+                      const std::vector<SurfaceMesh>& coarser, const std::vector<fs::path>& outputs,
+                      int threads, const RunLog& log) {
     exporters::Scene scene = scene_of(view, result, coarser);
     exporters::PageContent page;
     if (has_page(outputs)) {
-        page = page_content(view, result, measure_written(view, result, outputs, run), run.threads);
+        page = page_content(view, result, measure_written(view, result, outputs, threads, log), threads);
         scene.page = &page;
     }
     std::uint64_t most = 0;
@@ -83,15 +83,12 @@ double texture_bytes(const LeftView& view, const SurfaceResult& result,
 
 }  // namespace
 
-bool has_budget(const config::BudgetConfig& budget) {
-    return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;
-}
-
 SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
-                          const std::vector<fs::path>& outputs, const RunContext& run) {
+                          const std::vector<fs::path>& outputs, Backend& backend, RunLog& log) {
+    const int threads = backend.threads();
     config::Config config = given;        // with the texture in use
     std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
-    std::vector<DetailLevel> coarser;     // of that mesh
+    std::vector<SurfaceMesh> coarser;     // of that mesh
     double solved_px = 0;
     budget::BudgetJob search;
     const double side_px = std::min(view.disparity.width, view.disparity.height);
@@ -105,28 +102,28 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
         tried.mesh.spacing_px = spacing_px;
         tried.exporting.tolerance_px = tolerance_px;
         if (spacing_px == solved_px) {
-            if (result) result->config = with_tolerance(tried, result->surface.mesh, view, run);
+            if (result) result->config = with_tolerance(tried, result->mesh, view, threads, log);
             return result.has_value();
         }
         solved_px = spacing_px;
         try {
-            result = make_surface(view, tried, run);
-            coarser = coarser_levels(view, result->config, run);
+            result = make_surface(view, tried, backend, log);
+            coarser = coarser_levels(view, result->config, backend, log);
         } catch (const Error& e) {
             if (e.kind() != ErrorKind::input) throw;
             result.reset();
             return false;
         }
-        run.log.decide("spacing " + fixed(spacing_px, 2) + " px, tolerance " + fixed(tolerance_px, 3) +
-                       " px: " + std::to_string(result->surface.mesh.positions.size()) + " vertices");
+        log.decide("spacing " + fixed(spacing_px, 2) + " px, tolerance " + fixed(tolerance_px, 3) +
+                   " px: " + std::to_string(result->mesh.positions.size()) + " vertices");
         return true;
     };
-    search.vertices = [&] { return static_cast<double>(result->surface.mesh.positions.size()); };
-    search.bytes = [&] { return largest_output(view, *result, coarser, outputs, run); };
+    search.vertices = [&] { return static_cast<double>(result->mesh.positions.size()); };
+    search.bytes = [&] { return largest_output(view, *result, coarser, outputs, threads, log); };
     search.error_px = [&] {
         return stages::measure_surface_quality(
-                   as_written(result->surface.mesh, view.calibration, result->config.exporting, outputs),
-                   view.disparity, view.density.background_px, run.threads)
+                   as_written(result->mesh, view.calibration, result->config.exporting, outputs),
+                   view.disparity, view.density.background_px, threads)
             .duo_rmse_near_px;
     };
     search.texture = texture_limits(view, config, outputs);
@@ -136,13 +133,13 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
     search.use_texture = [&](const budget::TextureChoice& texture) {
         config.exporting = with_texture(config.exporting, texture);
         if (result) result->config.exporting = with_texture(result->config.exporting, texture);
-        run.log.decide("budget: " + text_of(texture));
+        log.decide("budget: " + text_of(texture));
     };
     const budget::BudgetResult found = budget::fit_budget(config.budget, search);
     result->budget = found;
     result->budget.tolerance_px = result->config.exporting.tolerance_px;
-    run.log.decide("budget " + found.kind + ": " + fixed(found.reached, 3) + " of " + fixed(found.limit, 3) +
-                   " reached in " + std::to_string(found.solves) + " solves");
+    log.decide("budget " + found.kind + ": " + fixed(found.reached, 3) + " of " + fixed(found.limit, 3) +
+               " reached in " + std::to_string(found.solves) + " solves");
     return std::move(*result);
 }
 

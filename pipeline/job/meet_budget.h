@@ -8,12 +8,10 @@
 
 namespace hexrelief::job {
 
-bool has_budget(const config::BudgetConfig& budget);
-
 // make_surface() at other spacings and tolerances until it keeps the configured limit (budget.h); what was
 // found is in the result's configuration and budget. Bytes are those of the largest of `outputs`. Throws
 // Error(usage) where the limit is out of reach.
 SurfaceResult meet_budget(const LeftView& view, const config::Config& config,
-                          const std::vector<std::filesystem::path>& outputs, const RunContext& run);
+                          const std::vector<std::filesystem::path>& outputs, Backend& backend, RunLog& log);
 
 }  // namespace hexrelief::job

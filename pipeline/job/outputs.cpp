@@ -13,8 +13,8 @@ namespace hexrelief::job {
 namespace fs = std::filesystem;
 
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
-                          const std::vector<DetailLevel>& coarser) {
-    exporters::Scene scene{&result.surface.mesh,
+                          const std::vector<SurfaceMesh>& coarser) {
+    exporters::Scene scene{&result.mesh,
                            view.texture.empty() ? nullptr : &view.texture,
                            std::string("hexrelief ") + HEXRELIEF_VERSION,
                            extras_json(view, result),
@@ -22,15 +22,15 @@ exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                            {}};
     scene.image_width = view.disparity.width;
     scene.image_height = view.disparity.height;
-    for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
+    for (const SurfaceMesh& level : coarser) scene.coarser.push_back(&level);
     return scene;
 }
 
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
-                                const std::vector<fs::path>& outputs, const RunContext& run) {
-    const SurfaceMesh& surface = result.surface.mesh;
+                                const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
+    const SurfaceMesh& surface = result.mesh;
     return measure_surface(surface, as_written(surface, view.calibration, result.config.exporting, outputs),
-                           view, run);
+                           view, threads, log);
 }
 
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
@@ -56,28 +56,28 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
 }
 
 void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder,
-                 files::OutputSet& files, const RunContext& run) {
+                 files::OutputSet& files, int threads, const RunLog& log) {
     files.make_folder(folder);
     const pictures::StageResults results{&view.meshed,
                                          &view.density,
                                          &result.lattice.mesh,
-                                         &result.surface.mesh,
+                                         &result.mesh,
                                          view.color.empty() ? nullptr : &view.color,
                                          result.config.mesh.seed,
-                                         run.threads};
+                                         threads};
     double done = 0;
     for (const fs::path& name : pictures::stage_file_names()) {
         files.files().write(folder / name, pictures::encode_stage_file(results, name));
-        run.log.progress(++done / static_cast<double>(pictures::stage_file_names().size()));
+        log.progress(++done / static_cast<double>(pictures::stage_file_names().size()));
     }
 }
 
-void save_rectified(const RunInput& input, const fs::path& folder, files::OutputSet& files) {
+void save_rectified(const StereoPair& pair, const Calibration& camera, const fs::path& folder,
+                    files::OutputSet& files) {
     files.make_folder(folder);
     const std::vector<fs::path>& names = rectified_file_names();
-    files.files().write(folder / names[0], exporters::encode_png(input.pair.left));
-    files.files().write(folder / names[1], exporters::encode_png(input.pair.right));
-    const Calibration& camera = input.calibration;
+    files.files().write(folder / names[0], exporters::encode_png(pair.left));
+    files.files().write(folder / names[1], exporters::encode_png(pair.right));
     std::string text = "# The camera of " + names[0].string() + " and " + names[1].string() + ".\n";
     const auto line = [&](const char* key, double value) {
         char number[64];

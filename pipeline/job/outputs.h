@@ -22,11 +22,12 @@ struct OutputFile {
 
 // What the exporters are given; it refers to its arguments.
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
-                          const std::vector<DetailLevel>& coarser);
+                          const std::vector<SurfaceMesh>& coarser);
 
 // The surface as the files among `outputs` hold it, against the map.
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
-                                const std::vector<std::filesystem::path>& outputs, const RunContext& run);
+                                const std::vector<std::filesystem::path>& outputs, int threads,
+                                const RunLog& log);
 
 // Writes each of `paths` with the files beside it; missing folders are made. Throws Error(output).
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
@@ -35,10 +36,11 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
 
 // Data and pictures of all stages. Throws Error(output).
 void save_stages(const LeftView& view, const SurfaceResult& result, const std::filesystem::path& folder,
-                 files::OutputSet& files, const RunContext& run);
+                 files::OutputSet& files, int threads, const RunLog& log);
 
-// The rectified pair, and its camera as a file that --calib reads. Throws Error(output).
-void save_rectified(const RunInput& input, const std::filesystem::path& folder, files::OutputSet& files);
+// A rectified pair, and its camera as a file that --calib reads. Throws Error(output).
+void save_rectified(const StereoPair& pair, const Calibration& camera, const std::filesystem::path& folder,
+                    files::OutputSet& files);
 
 // Throws Error(output).
 void write_text_file(const std::string& text, const std::filesystem::path& name, files::OutputSet& files);

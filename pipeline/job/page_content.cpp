@@ -23,7 +23,7 @@ exporters::PageContent page_content(const LeftView& view, const SurfaceResult& r
                                     const SurfaceMeasures& measures, int threads) {
     const HexMesh2D& lattice = result.lattice.mesh;
     std::future<Image> relief = start_work(threads, [&] {
-        return pictures::render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
+        return pictures::render_relief(result.mesh, view.color.empty() ? nullptr : &view.color);
     });
     const Image disparities = pictures::disparity_picture(view.meshed);
     exporters::PageContent page;

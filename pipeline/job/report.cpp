@@ -29,31 +29,35 @@ Json calibration_json(const Calibration& camera) {
     return json;
 }
 
-Json filling_json(const std::optional<FillingReport>& filling) {
-    if (!filling) return nullptr;
+Json filling_json(const DisparityResult& disparity) {
+    const std::optional<OriginShares> shares = origin_shares(disparity.map);
+    if (disparity.matched || !shares) return nullptr;
     Json json;
-    json["measured_share"] = filling->measured_share;
-    json["filled_share"] = filling->filled_share;
+    json["measured_share"] = shares->measured;
+    json["filled_share"] = shares->filled;
     return json;
 }
 
 Json input_json(const RunReport& report) {
+    const RunInput& input = report.relief->input;
+    const DisparityResult& disparity = report.relief->disparity;
     Json json;
     json["paths"] = Json::object();
-    json["width"] = report.width;
-    json["height"] = report.height;
+    json["width"] = disparity.map.width;
+    json["height"] = disparity.map.height;
     json["sha256"] = Json::object();
-    for (const InputFile& file : report.inputs) {
+    for (const InputFile& file : input.files) {
         json["paths"][file.role] = file.path;
         json["sha256"][file.role] = file.sha256;
     }
-    json["calibration"] = calibration_json(report.calibration);
-    json["believed"]["focal"] = report.believed.focal_from;
-    json["believed"]["baseline"] = report.believed.baseline_from;
-    json["believed"]["depth"] = report.believed.depth.empty() ? Json(nullptr) : Json(report.believed.depth);
+    json["calibration"] = calibration_json(input.calibration);
+    json["believed"]["focal"] = input.focal_from;
+    json["believed"]["baseline"] = input.baseline_from;
+    const bool is_depth = input.map() && input.map()->is_depth();
+    json["believed"]["depth"] = is_depth ? Json(input.map()->depth_read_as) : Json(nullptr);
     json["known_share"] = report.shares.known();
-    json["densified"] = filling_json(report.filling);
-    json["quantum_px"] = report.quantum_px > 0 ? Json(report.quantum_px) : Json(nullptr);
+    json["densified"] = filling_json(disparity);
+    json["quantum_px"] = disparity.quantum_px > 0 ? Json(disparity.quantum_px) : Json(nullptr);
     return json;
 }
 
@@ -67,14 +71,15 @@ Json picture_json(const PictureShares& shares) {
     return json;
 }
 
-Json matching_json(const std::optional<MatchingReport>& matching) {
-    if (!matching) return nullptr;
+Json matching_json(const DisparityResult& disparity) {
+    const std::optional<OriginShares> shares = origin_shares(disparity.map);
+    if (!disparity.matched || !shares) return nullptr;
     Json json;
-    json["method"] = matching->config.method == stages::DisparityMethod::sgm ? "sgm" : "sgbm";
-    json["min_disparity_px"] = matching->config.min_disparity_px;
-    json["num_disparities_px"] = matching->config.num_disparities_px;
-    json["matched_share"] = matching->matched_share;
-    json["filled_share"] = matching->filled_share;
+    json["method"] = disparity.matched->method == stages::DisparityMethod::sgm ? "sgm" : "sgbm";
+    json["min_disparity_px"] = disparity.matched->min_disparity_px;
+    json["num_disparities_px"] = disparity.matched->num_disparities_px;
+    json["matched_share"] = shares->measured;
+    json["filled_share"] = shares->filled;
     return json;
 }
 
@@ -101,44 +106,56 @@ Json angles_json(const quality::MeshQuality& quality) {
     return json;
 }
 
-Json mesh_json(const RunReport& report) {
+Json mesh_json(const SurfaceResult& surface) {
+    const mesher::MeshResult& lattice = surface.lattice;
+    const quality::MeshQuality& quality = surface.quality;
     Json json;
-    json["columns"] = report.columns;
-    json["rows"] = report.rows;
-    json["vertices"] = static_cast<long long>(report.columns) * report.rows;
-    json["triangles"] = report.lattice_triangles;
-    json["iterations"] = report.iterations;
-    json["device_seconds"] = report.device_training_s;
-    json["device_balance_seconds"] = report.device_balance_s;
-    json["device_surface_seconds"] = report.device_surface_s;
-    json["device_sheet_seconds"] = report.device_surface_s;  // its former name, for those who still read it
-    json["device_bytes"] = report.device_bytes;
-    json["percent_cost"] = finite(report.quality.percent_cost);
-    json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);
-    json["inverted_triangles"] = report.quality.inverted_triangles;
-    json["min_angle_deg"] = finite(report.quality.min_angle_deg);
-    json["honeycomb_cells"] = report.quality.honeycomb_cells;
-    json["weights_percent"] = weights_json(report.quality);
-    json["angles_deg"] = angles_json(report.quality);
+    json["columns"] = lattice.mesh.columns;
+    json["rows"] = lattice.mesh.rows;
+    json["vertices"] = static_cast<long long>(lattice.mesh.columns) * lattice.mesh.rows;
+    json["triangles"] = lattice.mesh.triangle_count();
+    json["iterations"] = lattice.iterations;
+    json["device_seconds"] = lattice.device_training_s;
+    json["device_balance_seconds"] = lattice.device_balance_s;
+    json["device_surface_seconds"] = surface.device_s;
+    json["device_sheet_seconds"] = surface.device_s;  // its former name, for those who still read it
+    json["device_bytes"] = lattice.device_bytes;
+    json["percent_cost"] = finite(quality.percent_cost);
+    json["max_deviation_percent"] = finite(quality.max_deviation_percent);
+    json["inverted_triangles"] = quality.inverted_triangles;
+    json["min_angle_deg"] = finite(quality.min_angle_deg);
+    json["honeycomb_cells"] = quality.honeycomb_cells;
+    json["weights_percent"] = weights_json(quality);
+    json["angles_deg"] = angles_json(quality);
     return json;
 }
 
-Json surface_json(const RunReport& report) {
+Json surface_json(const SurfaceResult& surface, const SurfaceMeasures& measures) {
+    const auto& [low, high] = surface.bounds;
     Json json;
-    json["vertices"] = report.vertices;
-    json["triangles"] = report.triangles;
-    json["components"] = report.components;
-    json["boundary_loops"] = report.boundary_loops;
-    json["bounds"] = {{report.bounds.low.x, report.bounds.low.y, report.bounds.low.z},
-                      {report.bounds.high.x, report.bounds.high.y, report.bounds.high.z}};
-    json["metric"] = report.calibration.metric;
-    const stages::SurfaceQuality& quality = report.surface_quality;
+    json["vertices"] = surface.mesh.positions.size();
+    json["triangles"] = surface.mesh.triangles.size();
+    json["components"] = measures.topology.components;
+    json["boundary_loops"] = measures.topology.boundary_loops;
+    json["bounds"] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+    json["metric"] = surface.mesh.metric;
+    const stages::SurfaceQuality& quality = measures.quality;
     json["rmse_near_px"] = quality.rmse_near_px;
     json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
     json["flat_rmse_px"] = quality.flat_rmse_px;
     json["sheet_share"] = quality.sheet_share;
     json["coverage"] = quality.coverage;
     json["slack_coverage"] = quality.slack_coverage;
+    return json;
+}
+
+Json levels_json(const RunReport& report) {
+    Json json = Json::array();
+    double spacing_px = report.config().mesh.spacing_px;
+    for (const SurfaceMesh& level : report.coarser)
+        json.push_back({{"spacing_px", spacing_px *= 2},
+                        {"vertices", level.positions.size()},
+                        {"triangles", level.triangles.size()}});
     return json;
 }
 
@@ -169,92 +186,54 @@ std::size_t peak_bytes() {
 
 }  // namespace
 
-PictureShares shares_of(const LeftView& view, const SurfaceResult& result) {
-    return share_picture(view.meshed, view.density.background_px, result.surface.mesh);
+LeftView Relief::view() const {
+    return {disparity.map, disparity.meshed(), density, input.color(), input.texture(), input.calibration};
 }
 
-RunReport assemble_report(const RunResults& results, const RunContext& run) {
-    const auto& [backend_reason, input, disparity, view, result, measures, coarser, outputs, shares] =
-        results;
-    const mesher::MeshResult& lattice = result.lattice;
-    RunReport report;
-    report.backend = run.backend.name;
-    report.backend_reason = backend_reason;
-    report.device = run.backend.device;
-    report.threads = run.threads;
-    report.config = result.config;
-    report.inputs = input.files;
-    report.believed = input.believed;
-    report.width = view.disparity.width;
-    report.height = view.disparity.height;
-    report.calibration = view.calibration;
-    report.quantum_px = disparity.quantum_px;
-    if (const DisparityMap& map = disparity.map; !map.origins.empty()) {
-        const double measured = share_of(PixelOrigin::matched, map),
-                     filled = share_of(PixelOrigin::filled, map);
-        if (disparity.is_matched)
-            report.matching = {disparity.config, measured, filled};
-        else
-            report.filling = {measured, filled};
-    }
-    report.stage_seconds = run.log.stage_seconds();
-    report.columns = lattice.mesh.columns;
-    report.rows = lattice.mesh.rows;
-    report.lattice_triangles = lattice.mesh.triangle_count();
-    report.iterations = lattice.iterations;
-    report.device_training_s = lattice.device_training_s;
-    report.device_balance_s = lattice.device_balance_s;
-    report.device_surface_s = result.surface.device_s;
-    report.device_bytes = lattice.device_bytes;
-    report.quality = result.quality;
-    report.vertices = result.surface.mesh.positions.size();
-    report.triangles = result.surface.mesh.triangles.size();
-    report.components = measures.topology.components;
-    report.boundary_loops = measures.topology.boundary_loops;
-    for (const auto& [spacing_px, mesh] : coarser)
-        report.levels.push_back({spacing_px, mesh.positions.size(), mesh.triangles.size()});
-    report.bounds = result.surface.bounds;
-    report.surface_quality = measures.quality;
-    report.budget = result.budget;
-    report.outputs = outputs;
-    report.warnings = run.log.warnings();
-    report.shares = shares;
-    if (!input.believed.depth.empty())  // no right camera
-        report.shares.unknown += std::exchange(report.shares.occluded, 0);
-    report.seconds = run.log.seconds();
+std::optional<OriginShares> origin_shares(const DisparityMap& map) {
+    if (map.origins.empty()) return std::nullopt;
+    return OriginShares{share_of(PixelOrigin::matched, map), share_of(PixelOrigin::filled, map)};
+}
+
+PictureShares shares_of(const Relief& relief) {
+    PictureShares shares =
+        share_picture(relief.disparity.meshed(), relief.density.background_px, relief.surface.mesh);
+    if (const InputMap* const map = relief.input.map(); map && map->is_depth())
+        shares.unknown += std::exchange(shares.occluded, 0);
+    return shares;
+}
+
+void take_figures(const RunLog& log, RunReport& report) {
+    report.stage_seconds = log.stage_seconds();
+    report.warnings = log.warnings();
+    report.seconds = log.seconds();
     report.peak_bytes = peak_bytes();
-    return report;
 }
 
 std::string report_json(const RunReport& report) {
+    const auto& [input, backend, backend_reason, disparity, density, surface] = *report.relief;
     Json json;
     json["schema"] = 1;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     if (!report.stamp.empty()) json["stamp"] = report.stamp;
-    json["backend"] = report.backend;
-    json["backend_reason"] = report.backend_reason;
-    json["device"] = report.device;
-    json["threads"] = report.threads;
-    json["seed"] = report.config.mesh.seed;
-    json["config"] = config::config_json(report.config);
+    json["backend"] = backend->name();
+    json["backend_reason"] = backend_reason + (backend->is_replaced() ? ", but the device failed" : "");
+    json["device"] = backend->device();
+    json["threads"] = backend->threads();
+    json["seed"] = report.config().mesh.seed;
+    json["config"] = config::config_json(report.config());
     json["input"] = input_json(report);
     json["foreground_share"] = report.shares.foreground;
     json["picture"] = picture_json(report.shares);
-    json["depth_range"] = {report.nearest(), report.farthest()};
-    json["disparity"] = matching_json(report.matching);
+    json["depth_range"] = {surface.nearest(), surface.farthest()};
+    json["disparity"] = matching_json(disparity);
     json["stages"] = Json::array();
     for (const auto& [name, seconds] : report.stage_seconds)
         json["stages"].push_back({{"name", name}, {"seconds", seconds}});
-    json["mesh"] = mesh_json(report);
-    json["surface"] = surface_json(report);
-    if (!report.levels.empty()) {
-        json["levels"] = Json::array();
-        for (const LevelReport& level : report.levels)
-            json["levels"].push_back({{"spacing_px", level.spacing_px},
-                                      {"vertices", level.vertices},
-                                      {"triangles", level.triangles}});
-    }
-    json["budget"] = budget_json(report.budget);
+    json["mesh"] = mesh_json(surface);
+    json["surface"] = surface_json(surface, report.measures.value_or(SurfaceMeasures{}));
+    if (!report.coarser.empty()) json["levels"] = levels_json(report);
+    json["budget"] = budget_json(surface.budget);
     json["outputs"] = Json::array();
     for (const OutputFile& file : report.outputs)
         json["outputs"].push_back(

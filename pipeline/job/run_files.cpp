@@ -19,30 +19,6 @@ namespace fs = std::filesystem;
     throw Error(ErrorKind::usage, what);
 }
 
-void check_inputs_named(const RunRequest& request) {
-    const bool pair = !request.left.empty() || !request.right.empty();
-    if (!request.disparity.empty() && !request.depth.empty())
-        refuse("give either --disparity or --depth, not both");
-    const bool map = !request.disparity.empty() || !request.depth.empty();
-    const bool stereo = !request.stereo.empty();
-    if (stereo && (pair || map || !request.color.empty()))
-        refuse(
-            "--stereo holds both views; give it without --left, --right, --disparity, --depth and --color");
-    if ((pair || stereo) && !request.confidence.empty())
-        refuse(
-            "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
-    if (stereo) return;
-    if (map && !request.left.empty() && request.right.empty())
-        refuse("a map takes its colours from --color: give --color " + request.left.string() +
-               " in place of --left");
-    if (pair && map) refuse("give either --left and --right, or --disparity or --depth, not both");
-    if (!pair && !map) refuse("nothing to do: give --left and --right, --stereo, --disparity, or --depth");
-    if (pair && request.left.empty()) refuse("--right needs --left");
-    if (pair && request.right.empty()) refuse("--left needs --right");
-    if (pair && !request.color.empty())
-        refuse("--color goes with --disparity or --depth; a pair takes its colours from --left");
-}
-
 int files_for_standard_output(const RunRequest& request) {
     return static_cast<int>(
         files::is_standard_output(request.report) +
@@ -129,17 +105,16 @@ struct MainInput {
 };
 
 MainInput main_input(const RunRequest& request) {
-    for (const fs::path& path : {request.left, request.stereo, request.disparity, request.depth}) {
-        if (path.empty()) continue;
-        try {
-            if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
-                return {path, static_cast<std::uint64_t>(raster->width),
-                        static_cast<std::uint64_t>(raster->height)};
-        } catch (const Error&) {  // the run will tell
-        }
-        return {path};
+    const std::vector<InputFile> files = files_of(request.source);
+    if (files.empty()) return {};
+    const fs::path path = files.front().path;
+    try {
+        if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
+            return {path, static_cast<std::uint64_t>(raster->width),
+                    static_cast<std::uint64_t>(raster->height)};
+    } catch (const Error&) {  // the run will tell
     }
-    return {};
+    return {path};
 }
 
 std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
@@ -217,11 +192,35 @@ std::vector<fs::path> written_files(const RunRequest& request) {
     return files;
 }
 
+std::vector<InputFile> files_of(const Source& source) {
+    std::vector<InputFile> files;
+    const auto add = [&](const char* role, const fs::path& path) {
+        if (!path.empty()) files.push_back({role, path.string()});
+    };
+    if (const auto* const pair = std::get_if<PairFiles>(&source)) {
+        add("left", pair->left);
+        add("right", pair->right);
+        add("mask", pair->mask);
+    }
+    if (const auto* const stereo = std::get_if<StereoFile>(&source)) {
+        add("stereo", stereo->file);
+        add("mask", stereo->mask);
+    }
+    const auto add_map = [&](const char* role, const auto& map) {
+        add(role, map.map);
+        add("color", map.color);
+        add("mask", map.mask);
+        add("confidence", map.confidence);
+    };
+    if (const auto* const map = std::get_if<DisparityFiles>(&source)) add_map("disparity", *map);
+    if (const auto* const map = std::get_if<DepthFiles>(&source)) add_map("depth", *map);
+    return files;
+}
+
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
-    for (const fs::path& file : {request.left, request.right, request.stereo, request.disparity,
-                                 request.depth, request.color, request.mask, request.confidence,
-                                 fs::path(request.config.input.calibration.file), request.config_file})
+    for (const InputFile& file : files_of(request.source)) files.emplace_back(file.path);
+    for (const fs::path& file : {fs::path(request.config.input.calibration.file), request.config_file})
         if (!file.empty()) files.push_back(file);
     return files;
 }
@@ -231,7 +230,6 @@ std::uint64_t estimated_memory(const RunRequest& request) {
 }
 
 void check_request(const RunRequest& request) {
-    check_inputs_named(request);
     if (request.outputs.empty() && request.stages_folder.empty() && request.report.empty())
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
     if (request.outputs.empty() && request.config.budget.max_bytes > 0)

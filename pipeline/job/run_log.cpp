@@ -9,11 +9,11 @@ namespace hexrelief::job {
 
 void RunLog::begin_stage(const std::string& name) const {
     files::wait_if_interrupted();
-    if (observer_.stage_begins) observer_.stage_begins(name);
+    if (stage_begins) stage_begins(name);
 }
 
 void RunLog::end_stage(const std::string& name, double seconds) {
-    if (observer_.stage_ends) observer_.stage_ends(name, seconds);
+    if (stage_ends) stage_ends(name, seconds);
     const auto known = std::find_if(stage_seconds_.begin(), stage_seconds_.end(),
                                     [&](const auto& entry) { return entry.first == name; });
     if (known == stage_seconds_.end())
@@ -24,16 +24,16 @@ void RunLog::end_stage(const std::string& name, double seconds) {
 
 void RunLog::progress(double share) const {
     files::wait_if_interrupted();
-    if (observer_.stage_progresses) observer_.stage_progresses(share);
+    if (stage_progresses) stage_progresses(share);
 }
 
 void RunLog::decide(const std::string& decision) const {
-    if (observer_.decides) observer_.decides(decision);
+    if (decides) decides(decision);
 }
 
 void RunLog::warn(const std::string& warning) {
     warnings_.push_back(warning);
-    if (observer_.warns) observer_.warns(warning);
+    if (warns) warns(warning);
 }
 
 std::string fixed(double value, int digits) {

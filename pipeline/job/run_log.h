@@ -11,22 +11,20 @@
 
 namespace hexrelief::job {
 
-// Told what happens; every function may be empty.
-struct RunObserver {
+// Tells at once what happens, and keeps times and warnings for the report. Stages and progress end the
+// process where the run has been interrupted (interrupt.h).
+class RunLog {
+  public:
+    RunLog() = default;
+    RunLog(const RunLog&) = delete;
+    RunLog& operator=(const RunLog&) = delete;
+
+    // Told what happens; each may be empty.
     std::function<void(const std::string& stage)> stage_begins;
     std::function<void(double share)> stage_progresses;
     std::function<void(const std::string& stage, double seconds)> stage_ends;
     std::function<void(const std::string& decision)> decides;
     std::function<void(const std::string& warning)> warns;
-};
-
-// Passes everything on to the observer at once, and keeps times and warnings for the report. Stages and
-// progress end the process where the run has been interrupted (interrupt.h).
-class RunLog {
-  public:
-    explicit RunLog(const RunObserver& observer) : observer_(observer) {}
-    RunLog(const RunLog&) = delete;
-    RunLog& operator=(const RunLog&) = delete;
 
     // Runs one stage and returns what `work` returns. The times of stages of one name are added up: a budget
     // comes to the same stage several times.
@@ -55,7 +53,6 @@ class RunLog {
     void begin_stage(const std::string& name) const;
     void end_stage(const std::string& name, double seconds);
 
-    const RunObserver& observer_;
     const double begun_ = now_seconds();
     std::vector<std::pair<std::string, double>> stage_seconds_;  // in the order in which they first ended
     std::vector<std::string> warnings_;

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "pipeline/data/background.h"
+#include "pipeline/files/output_set.h"
+#include "pipeline/files/unchanged_files.h"
 #include "pipeline/job/input_checks.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/meet_budget.h"
@@ -12,7 +14,6 @@
 #include "pipeline/job/page_content.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/steps.h"
-#include "pipeline/job/tolerance.h"
 
 namespace hexrelief::job {
 
@@ -21,150 +22,169 @@ namespace {
 // A device's driver starts in a thread of its own whatever the job's threads: it mostly waits.
 constexpr int kWithDriver = 2;
 
-RunSize size_of(const RunInput& input, int threads, int jobs) {
-    if (input.is_pair()) return {input.pair.left.width, input.pair.left.height, true, threads, jobs};
-    return {input.map.width, input.map.height, false, threads, jobs};
-}
-
-std::string reason_for(const Backend& backend, const BackendDecision& decision) {
-    const bool missing = decision.choice == config::BackendChoice::automatic && backend.name == "cpu";
-    return decision.reason + (missing ? ", but none is usable" : "");
-}
-
-// Input, backend and threads of the relief, and the range to search where the input is a pair. A device that
-// is asked for starts while the files are read; one that auto takes, when their size is known, while the
-// range is chosen.
-ChosenRange prepare(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
-                    RunLog& log, Relief& relief) {
-    const config::Config& config = request.config;
-    const int threads = relief.threads = effective_threads(config.run.threads);
+int threads_for(const config::Config& config, const RunLog& log) {
+    const int threads = effective_threads(config.run.threads);
     if (threads < config.run.threads)
         log.decide("threads: " + std::to_string(threads) + " in place of " +
                    std::to_string(config.run.threads) + ": more would wait for each other");
-    const auto start = [&](config::BackendChoice choice) {
-        return start_work(kWithDriver, [&, choice] { return pick(choice, threads, config.mesh.method); });
-    };
-    std::future<Backend> starting;
-    if (config.run.backend != config::BackendChoice::automatic) starting = start(config.run.backend);
-    const RunInput& input = relief.input = log.stage("input", [&] { return read(threads, log); });
-    const BackendDecision decision = choose_backend(size_of(input, threads, request.jobs), config);
-    if (!starting.valid()) starting = start(decision.choice);
-    ChosenRange range{{config.disparity, {}, {}}};
-    if (input.is_pair())
-        range = log.stage("range", [&] {
-            return choose_range(input.pair, input.calibration, config.disparity, threads, log);
-        });
-    log.stage("checks", [&] { check_input(request, input, range, threads, log); });
-    relief.backend = log.stage("device", [&] { return starting.get(); });
-    relief.backend_reason = reason_for(relief.backend, decision);
-    if (!relief.backend.missed.empty()) log.warn(going_on_without(relief.backend.missed));
-    if (config.run.backend == config::BackendChoice::automatic && relief.backend.name != "cpu")
-        relief.backend = with_replacement(
-            relief.backend, pick_backend(config::BackendChoice::cpu, threads, config.mesh.method),
-            [&log](const std::string& warning) { log.warn(warning); });
-    log.decide("backend: " + relief.backend.name + ", " + relief.backend_reason);
-    return range;
+    return threads;
 }
 
-// What the report calls the backend, where the CPU had to take over.
-void tell_of_replacement(Relief& relief) {
-    if (!relief.backend.is_replaced || !*relief.backend.is_replaced) return;
-    const Backend cpu = pick_backend(config::BackendChoice::cpu, relief.threads);
-    relief.backend.name = cpu.name;
-    relief.backend.device = cpu.device;
-    relief.backend_reason += ", but the device failed";
+RunInput read_source(RunRequest& request, int threads, RunLog& log) {
+    const std::vector<std::filesystem::path> files = read_files(request);
+    const files::UnchangedFiles sources(files);
+    RunInput input = read_input(std::move(request.source), request.config.input,
+                                request.config.limits.reading, threads, log);
+    if (input.pair() && input.pair()->is_rectified && !request.stages_folder.empty())
+        for (const std::filesystem::path& name : rectified_file_names())
+            files::check_overwrites({request.stages_folder / name}, files);
+    sources.check();
+    return input;
+}
+
+std::string reason_for(const Backend& backend, const BackendDecision& decision) {
+    const bool missing = decision.choice == config::BackendChoice::automatic && backend.name() == "cpu";
+    return decision.reason + (missing ? ", but none is usable" : "");
+}
+
+// The backend that has been started, and the CPU in its place should it fail where the choice is free.
+BackendPointer take_backend(BackendPointer started, const config::Config& config, RunLog& log) {
+    if (!started->missed.empty()) log.warn(going_on_without(started->missed));
+    if (config.run.backend != config::BackendChoice::automatic || started->name() == "cpu") return started;
+    const BackendPointer cpu =
+        pick_backend(config::BackendChoice::cpu, started->threads(), config.mesh.method);
+    return with_replacement(started, cpu, log);
+}
+
+DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& mask,
+                                     const config::Config& config, int threads, RunLog& log) {
+    DisparityMap map = std::move(input.disparities);
+    if (config.input.densify == config::Densification::automatic)
+        map = densify_map(std::move(map), input.color, mask, threads, log);
+    return log.stage("disparity", [&] {
+        if (config.disparity.dequantize == stages::Dequantization::none)
+            return DisparityResult{std::move(map), {}};
+        return smooth_map(std::move(map), config.budget.max_error_px, threads, log);
+    });
 }
 
 }  // namespace
 
-LeftView Relief::view() const {
-    return {disparity.map, disparity.meshed(), density, input.pair.left, input.texture(), input.calibration};
-}
-
-Relief make_disparities(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
-                        RunLog& log) {
+Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     const config::Config& config = request.config;
     for (const std::string& warning : config.warnings) log.warn(warning);
     if (const std::string told = levels_inside_warning(request); !told.empty()) log.warn(told);
     for (const std::string& decision : config.decisions) log.decide(decision);
+    const int threads = threads_for(config, log);
+    // A device that is asked for starts while the files are read; one that auto takes, when their size is
+    // known, while the range is found.
+    const auto start = [&](config::BackendChoice choice) {
+        return start_work(kWithDriver,
+                          [&, choice] { return backends.get(choice, threads, config.mesh.method); });
+    };
+    std::future<BackendPointer> starting;
+    if (config.run.backend != config::BackendChoice::automatic) starting = start(config.run.backend);
     Relief relief;
-    const ChosenRange range = prepare(read, request, pick, log, relief);
-    RunInput& input = relief.input;
-    const RunContext run{relief.backend, relief.threads, log};
-    if (!input.is_pair())
-        input.map = densify_input(std::move(input.map), input.pair.left, input.mask, config, run);
-    relief.disparity = log.stage("disparity", [&] {
-        if (!input.is_pair()) return smooth_input(std::move(input.map), config, run);
-        DisparityResult matched = match_input(input.pair, range, run);
-        hide(matched.map, input.mask);
-        return matched;
-    });
+    RunInput& input = relief.input = log.stage("input", [&] { return read_source(request, threads, log); });
+    const InputPair* const pair = input.pair();
+    const BackendDecision decision = choose_backend(
+        {input.calibration.width, input.calibration.height, pair != nullptr, threads, request.jobs}, config);
+    if (!starting.valid()) starting = start(decision.choice);
+    stages::FoundRange range;
+    StereoPair as_matched;
+    if (pair)
+        log.stage("range", [&] {
+            range = stages::find_range(pair->views, input.calibration, config.disparity, threads);
+            log.decide(range_text(range.config, range.origin));
+            as_matched = stages::corrected(pair->views, range.correction, threads);
+        });
+    log.stage("checks", [&] { check_input(input, range, config, threads, log); });
+    const BackendPointer started = log.stage("device", [&] { return starting.get(); });
+    relief.backend_reason = reason_for(*started, decision);
+    relief.backend = take_backend(started, config, log);
+    log.decide("backend: " + relief.backend->name() + ", " + relief.backend_reason);
+    if (InputMap* const map = std::get_if<InputMap>(&input.views)) {
+        relief.disparity = supplied_disparities(*map, input.mask, config, threads, log);
+    } else {
+        relief.disparity = log.stage("disparity", [&] {
+            DisparityResult matched =
+                disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
+            hide(matched.map, input.mask);
+            return matched;
+        });
+    }
     return relief;
 }
 
-Relief make_relief(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
-                   RunLog& log) {
-    const config::Config& config = request.config;
-    Relief relief = make_disparities(read, request, pick, log);
+Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
+    const config::Config config = request.config;
+    const std::vector<std::filesystem::path> outputs = request.outputs;
+    Relief relief = make_disparities(std::move(request), backends, log);
+    Backend& backend = *relief.backend;
     count_from_infinity(relief.disparity, relief.input.calibration, log);
-    const RunContext run{relief.backend, relief.threads, log};
     relief.density = log.stage("density", [&] {
-        return density_of(relief.disparity.meshed(), config.density, relief.threads, log);
+        return density_of(relief.disparity.meshed(), config.density, backend.threads(), log);
     });
     const LeftView view = relief.view();
-    relief.result = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
-                                              : make_surface(view, config, run);
-    warn_of_inversions(relief.result.quality, log);
-    tell_of_replacement(relief);
+    relief.surface = budget::has_budget(config.budget) ? meet_budget(view, config, outputs, backend, log)
+                                                       : make_surface(view, config, backend, log);
+    warn_of_inversions(relief.surface.quality, log);
     return relief;
 }
 
-RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& log) {
-    const SurfaceResult& result = relief.result;
+RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& request, RunLog& log) {
+    const Relief& relief = *made;
+    const SurfaceResult& surface = relief.surface;
     const LeftView view = relief.view();
-    const RunContext run{relief.backend, relief.threads, log};
-    SurfaceMeasures measures;
+    const int threads = relief.backend->threads();
+    RunReport report{std::move(made), request.stamp};
     const bool with_page = has_page(request.outputs);
     if (!request.report.empty() || with_page)
-        measures = log.stage("measures", [&] { return measure_written(view, result, request.outputs, run); });
-    std::vector<DetailLevel> coarser;
-    if (result.config.exporting.lod > 1)
-        coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
+        report.measures = log.stage(
+            "measures", [&] { return measure_written(view, surface, request.outputs, threads, log); });
+    if (surface.config.exporting.lod > 1)
+        report.coarser =
+            log.stage("levels", [&] { return coarser_levels(view, surface.config, *relief.backend, log); });
 
     files::OutputSet files;
-    exporters::Scene scene = scene_of(view, result, coarser);
-    scene.threads = relief.threads;
+    exporters::Scene scene = scene_of(view, surface, report.coarser);
+    scene.threads = threads;
     exporters::PageContent page;
     if (with_page)
-        page = log.stage("page", [&] { return page_content(view, result, measures, relief.threads); });
+        page = log.stage("page", [&] { return page_content(view, surface, *report.measures, threads); });
     scene.page = with_page ? &page : nullptr;
-    auto shares = start_work(relief.threads, [&] { return shares_of(view, result); });
-    const std::vector<OutputFile> outputs = log.stage(
-        "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
+    auto shares = start_work(threads, [&] { return shares_of(relief); });
+    report.outputs = log.stage(
+        "export", [&] { return export_all(scene, surface.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())
         log.stage("pictures", [&] {
-            save_stages(view, result, request.stages_folder, files, run);
-            if (relief.input.is_rectified) save_rectified(relief.input, request.stages_folder, files);
+            save_stages(view, surface, request.stages_folder, files, threads, log);
+            if (const InputPair* const pair = relief.input.pair(); pair && pair->is_rectified)
+                save_rectified(pair->views, view.calibration, request.stages_folder, files);
         });
-    RunReport report = assemble_report({relief.backend_reason, relief.input, relief.disparity, view, result,
-                                        measures, coarser, outputs, shares.get()},
-                                       run);
-    report.stamp = request.stamp;
+    report.shares = shares.get();
+    take_figures(log, report);
     if (!request.depfile.empty()) write_text_file(depfile_rule(request), request.depfile, files);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;
 }
 
-RunReport run_job(const RunRequest& request, const RunObserver& observer, const BackendPicker& pick) {
+RunReport run_job(const RunRequest& request, Backends& backends, RunLog& log) {
     check_request(request);
-    RunLog log(observer);
-    const auto read = [&](int threads, RunLog& told) { return read_input(request, threads, told); };
-    const Relief relief = make_relief(read, request, pick, log);
+    const auto relief = std::make_shared<const Relief>(make_relief(request, backends, log));
     std::future<void> giving_back;
-    const bool needed = request.config.exporting.lod > 1;  // coarser levels are solved when files are written
-    if (relief.backend.give_back && !needed) giving_back = start_work(kWithDriver, relief.backend.give_back);
+    // Coarser levels are solved when files are written.
+    if (backends.ends_with_run() && relief->backend->name() != "cpu" &&
+        relief->surface.config.exporting.lod == 1)
+        giving_back = start_work(kWithDriver, [&] { relief->backend->give_back(); });
     return write_relief(relief, request, log);
+}
+
+RunReport run_job(const RunRequest& request) {
+    Backends backends;
+    RunLog log;
+    return run_job(request, backends, log);
 }
 
 }  // namespace hexrelief::job

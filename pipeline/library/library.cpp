@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 
 #include "pipeline/files/interrupt.h"
@@ -10,8 +11,7 @@
 #include "pipeline/job/report.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
-#include "pipeline/job/tolerance.h"
-#include "pipeline/library/conversions.h"
+#include "pipeline/library/arguments.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -23,39 +23,50 @@ namespace {
 // Held by each call that works: a set of files is the process's own, and a device does one job at a time.
 std::mutex library_mutex;
 
-job::RunObserver observer_of(const Options& options) {
-    job::RunObserver observer;
+// What happens, by the caller's functions.
+void tell_caller(const Options& options, job::RunLog& log) {
     if (options.progress) {
         const auto stage = std::make_shared<std::string>();
-        observer.stage_begins = [stage, tell = options.progress](const std::string& name) {
+        log.stage_begins = [stage, tell = options.progress](const std::string& name) {
             tell(*stage = name, 0);
         };
-        observer.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
+        log.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
     }
-    observer.warns = options.warn;
-    observer.stage_ends = options.stage_ended;
-    observer.decides = options.decided;
-    return observer;
+    log.warns = options.warn;
+    log.stage_ends = options.stage_ended;
+    log.decides = options.decided;
+}
+
+void tell_nobody(job::RunLog& log) {
+    log.stage_begins = {};
+    log.stage_progresses = {};
+    tell_caller({}, log);
 }
 
 // The first device that is taken is kept: the next call need not wait for it to start. It is never given
 // back, for at the process's end the driver may be gone before.
-const job::BackendPicker& kept_backends() {
-    static const auto* const picker = new job::BackendPicker(job::keep_backends());
-    return *picker;
+job::Backends& kept_backends() {
+    static auto* const backends = new job::Backends;
+    return *backends;
 }
 
-job::MapArrays arrays_of(const MapInput& input, const config::InputConfig& config) {
-    job::MapArrays arrays;
-    if (input.depth.values)
-        arrays.depth = library::depth_of(input.depth, config.depth);
-    else
-        arrays.disparity = library::map_of(input.disparity, config.disparity);
+// What the mesh of a map in memory is made for: a limit on bytes is one of such a file's.
+constexpr const char* kLimitedOutput = "relief.glb";
+
+template <typename Arrays>
+Arrays with_views(Arrays arrays, const MapInput& input, const config::InputConfig& config) {
     if (input.color.pixels) arrays.color = library::image_of(input.color, "color");
     if (input.mask.pixels) arrays.mask = library::mask_of(input.mask, config.mask);
     if (input.confidence.values)
         arrays.confidence = library::confidence_of(input.confidence, config.confidence);
     return arrays;
+}
+
+job::Source source_of(const MapInput& input, const config::InputConfig& config) {
+    if (input.depth.values)
+        return with_views(job::DepthArrays{library::depth_of(input.depth, config.depth)}, input, config);
+    return with_views(job::DisparityArrays{library::map_of(input.disparity, config.disparity)}, input,
+                      config);
 }
 
 const float* floats_of(const std::vector<Vec2f>& points) {
@@ -73,13 +84,11 @@ const float* floats_of(const std::vector<Vec3f>& points) {
 inline namespace v0 {
 
 struct Mesh::State {
-    job::RunObserver observer;  // the log's, empty between the calls
-    job::RunLog log{observer};
-    job::RunRequest request;
-    job::Relief relief;
+    job::RunLog log;  // tells nobody between the calls
+    std::shared_ptr<job::Relief> relief;
     std::vector<job::OutputFile> written;
 
-    const SurfaceMesh& surface() const { return relief.result.surface.mesh; }
+    const SurfaceMesh& surface() const { return relief->surface.mesh; }
 };
 
 Mesh::Mesh(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -106,62 +115,56 @@ bool Mesh::is_metric() const {
     return state_->surface().metric;
 }
 const float* Mesh::lattice() const {
-    return floats_of(state_->relief.result.lattice.mesh.positions);
+    return floats_of(state_->relief->surface.lattice.mesh.positions);
 }
 int Mesh::lattice_columns() const {
-    return state_->relief.result.lattice.mesh.columns;
+    return state_->relief->surface.lattice.mesh.columns;
 }
 int Mesh::lattice_rows() const {
-    return state_->relief.result.lattice.mesh.rows;
+    return state_->relief->surface.lattice.mesh.rows;
 }
 
 std::string Mesh::report() const {
     const std::lock_guard lock(library_mutex);
-    const job::Relief& relief = state_->relief;
-    const job::LeftView view = relief.view();
-    const job::RunContext run{relief.backend, relief.threads, state_->log};
+    const job::Relief& relief = *state_->relief;
     std::vector<std::filesystem::path> paths;
     for (const job::OutputFile& file : state_->written) paths.emplace_back(file.path);
     std::erase_if(paths, [](const auto& path) {  // textures and the like
         const auto& known = exporters::export_extensions();
         return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
     });
-    const job::SurfaceMeasures measures = job::measure_written(view, relief.result, paths, run);
-    return job::report_json(job::assemble_report({relief.backend_reason,
-                                                  relief.input,
-                                                  relief.disparity,
-                                                  view,
-                                                  relief.result,
-                                                  measures,
-                                                  {},
-                                                  state_->written,
-                                                  job::shares_of(view, relief.result)},
-                                                 run));
+    job::RunReport report{state_->relief};
+    report.measures =
+        job::measure_written(relief.view(), relief.surface, paths, relief.backend->threads(), state_->log);
+    report.shares = job::shares_of(relief);
+    report.outputs = state_->written;
+    job::take_figures(state_->log, report);
+    return job::report_json(report);
 }
 
 std::vector<std::string> Mesh::save(const std::string& path, const Options& options) const {
     const std::lock_guard lock(library_mutex);
     State& state = *state_;
+    config::Config& config = state.relief->surface.config;
     // For this call alone.
     struct Restore {
         State& state;
-        const config::Config config = state.relief.result.config;
+        config::Config& changed;
+        const config::Config config = changed;
         ~Restore() {
-            state.relief.result.config = config;
-            state.observer = {};
+            changed = config;
+            tell_nobody(state.log);
         }
-    } restore{state};
-    state.observer = observer_of(options);
-    config::Config& config = state.relief.result.config;
+    } restore{state, config};
+    tell_caller(options, state.log);
     library::apply_export_settings(config, options);
     if (library::sets_tolerance(options))
-        config = job::with_tolerance(config, state.surface(), state.relief.view(),
-                                     {state.relief.backend, state.relief.threads, state.log});
-    job::RunRequest request = state.request;
-    request.config = config;
-    request.outputs = {path};
+        config = job::with_tolerance(config, state.surface(), state.relief->view(),
+                                     state.relief->backend->threads(), state.log);
     for (const std::filesystem::path& file : job::planned_files(path, config.exporting))
         files::check_writable_file(file);
+    job::RunRequest request;
+    request.outputs = {path};
     const job::RunReport report = job::write_relief(state.relief, request, state.log);
     std::vector<std::string> files;
     for (const job::OutputFile& file : report.outputs) {
@@ -197,15 +200,10 @@ Disparities compute_disparity(const ImageView& left, const ImageView& right, con
     const std::lock_guard lock(library_mutex);
     job::RunRequest request;
     request.config = library::config_of(options, camera);
-    const job::RunObserver observer = observer_of(options);
-    job::RunLog log(observer);
-    job::Relief relief = job::make_disparities(
-        [&](int, job::RunLog& told) {
-            return job::take_pair({library::image_of(left, "left"), library::image_of(right, "right")},
-                                  request, told);
-        },
-        request, kept_backends(), log);
-    DisparityMap& map = relief.disparity.map;
+    request.source = job::PairArrays{{library::image_of(left, "left"), library::image_of(right, "right")}};
+    job::RunLog log;
+    tell_caller(options, log);
+    DisparityMap map = job::make_disparities(std::move(request), kept_backends(), log).disparity.map;
     return {map.width, map.height, std::move(map.values)};
 }
 
@@ -215,17 +213,14 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     if (is_depth && input.disparity.values != nullptr)
         throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
-    state->observer = observer_of(options);
-    job::RunRequest& request = state->request;
-    request.config = library::config_of(options, camera, {is_depth ? "--depth" : "--disparity"});
-    request.outputs = {"relief.glb"};
-    if (is_depth) request.depth = "depth";
-    state->relief = job::make_relief(
-        [&](int, job::RunLog& told) {
-            return job::take_map(arrays_of(input, request.config.input), request, told);
-        },
-        request, kept_backends(), state->log);
-    state->observer = {};
+    tell_caller(options, state->log);
+    job::RunRequest request;
+    request.config = library::config_of(options, camera, is_depth);
+    request.source = source_of(input, request.config.input);
+    request.outputs = {kLimitedOutput};
+    state->relief =
+        std::make_shared<job::Relief>(job::make_relief(std::move(request), kept_backends(), state->log));
+    tell_nobody(state->log);
     return Mesh(std::move(state));
 }
 
@@ -240,9 +235,11 @@ RunSummary run(const FileRequest& files, const Options& options) {
         job::check_request(request);
         if (stamp::stamp_request(request) == stamp::UnitState::current) return {.is_up_to_date = true};
     }
-    const job::RunObserver observer = observer_of(options);
-    const job::BackendPicker pick = files.ends_process ? job::pick_for_one_run() : kept_backends();
-    return library::summary_of(job::run_job(request, observer, pick), request);
+    job::RunLog log;
+    tell_caller(options, log);
+    if (!files.ends_process) return library::summary_of(job::run_job(request, kept_backends(), log));
+    job::Backends backends = job::Backends::for_one_run();
+    return library::summary_of(job::run_job(request, backends, log));
 }
 
 void check_run(const FileRequest& files, const Options& options) {

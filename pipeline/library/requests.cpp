@@ -11,13 +11,51 @@
 namespace hexrelief::library {
 namespace {
 
-// The options of the files that are given, as far as other options go with them.
-std::vector<std::string> given_files(const FileRequest& files) {
-    std::vector<std::string> given;
-    if (!files.stereo.empty()) given.emplace_back("--stereo");
-    if (!files.disparity.empty()) given.emplace_back("--disparity");
-    if (!files.depth.empty()) given.emplace_back("--depth");
-    return given;
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorKind::usage, what);
+}
+
+// What the names that are given make up.
+job::Source source_of(const FileRequest& files) {
+    const bool pair = !files.left.empty() || !files.right.empty();
+    if (!files.disparity.empty() && !files.depth.empty())
+        refuse("give either --disparity or --depth, not both");
+    const bool map = !files.disparity.empty() || !files.depth.empty();
+    const bool stereo = !files.stereo.empty();
+    if (stereo && (pair || map || !files.color.empty()))
+        refuse(
+            "--stereo holds both views; give it without --left, --right, --disparity, --depth and --color");
+    if ((pair || stereo) && !files.confidence.empty())
+        refuse(
+            "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
+    if (stereo) return job::StereoFile{files.stereo, files.mask};
+    if (map && !files.left.empty() && files.right.empty())
+        refuse("a map takes its colours from --color: give --color " + files.left + " in place of --left");
+    if (pair && map) refuse("give either --left and --right, or --disparity or --depth, not both");
+    if (!pair && !map) refuse("nothing to do: give --left and --right, --stereo, --disparity, or --depth");
+    if (pair && files.left.empty()) refuse("--right needs --left");
+    if (pair && files.right.empty()) refuse("--left needs --right");
+    if (pair && !files.color.empty())
+        refuse("--color goes with --disparity or --depth; a pair takes its colours from --left");
+    if (pair) return job::PairFiles{files.left, files.right, files.mask};
+    if (!files.depth.empty()) return job::DepthFiles{files.depth, files.color, files.mask, files.confidence};
+    return job::DisparityFiles{files.disparity, files.color, files.mask, files.confidence};
+}
+
+void refuse_options_without_their_file(const FileRequest& files, const Options& options) {
+    const bool is_depth = !files.depth.empty(), is_map = is_depth || !files.disparity.empty();
+    const auto need = [&](const std::string& option, bool is_given, const std::string& file) {
+        const bool is_asked = std::any_of(options.direct.begin(), options.direct.end(),
+                                          [&](const auto& direct) { return direct.first == option; });
+        if (is_asked && !is_given) refuse(option + " goes with " + file + ", which is not given");
+    };
+    need("--layout", !files.stereo.empty(), "--stereo");
+    need("--disparity-scale", !files.disparity.empty(), "--disparity");
+    need("--disparity-offset", !files.disparity.empty(), "--disparity");
+    need("--depth-unit", is_depth, "--depth");
+    need("--depth-kind", is_depth, "--depth");
+    need("--key", is_map, "--disparity or --depth");
+    need("--unknown", is_map, "--disparity or --depth");
 }
 
 // "-" is written as GLB, "drc:-" and the like as what they say.
@@ -26,11 +64,22 @@ std::filesystem::path standard_output_name(const std::string& name) {
     return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;
 }
 
-bool lacks_color(const job::RunRequest& request) {
-    return request.left.empty() && request.stereo.empty() && request.color.empty() &&
-           request.config.exporting.texture != exporters::TextureFormat::none &&
-           std::any_of(request.outputs.begin(), request.outputs.end(), [](const std::filesystem::path& path) {
-               return exporters::export_format(path) != exporters::MeshFormat::drc;
+// Where the request's files go; the source is still to be named.
+job::RunRequest request_to(const FileRequest& files) {
+    job::RunRequest request;
+    for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
+    request.report = files.report;
+    request.depfile = files.depfile;
+    request.stages_folder = files.stages_folder;
+    request.jobs = files.runs;
+    return request;
+}
+
+bool lacks_color(const job::RunReport& report) {
+    return report.relief->input.texture().empty() &&
+           report.config().exporting.texture != exporters::TextureFormat::none &&
+           std::any_of(report.outputs.begin(), report.outputs.end(), [](const job::OutputFile& file) {
+               return file.format != exporters::format_name(exporters::MeshFormat::drc);
            });
 }
 
@@ -38,54 +87,52 @@ bool lacks_color(const job::RunRequest& request) {
 
 job::RunRequest request_of(const FileRequest& files, const Options& options) {
     if (files.update && (files.report.empty() || files.report == "-"))
-        throw Error(ErrorKind::usage, "--update goes with --report FILE, which says what was done");
-    job::RunRequest request;
-    request.left = files.left;
-    request.right = files.right;
-    request.stereo = files.stereo;
-    request.disparity = files.disparity;
-    request.depth = files.depth;
-    request.color = files.color;
-    request.mask = files.mask;
-    request.confidence = files.confidence;
-    for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
-    request.report = files.report;
-    request.depfile = files.depfile;
-    request.stages_folder = files.stages_folder;
-    request.jobs = files.runs;
-    request.config = config_of(options, {}, given_files(files));
+        refuse("--update goes with --report FILE, which says what was done");
+    job::RunRequest request = request_to(files);
+    request.config = config_of(options, {}, !files.depth.empty());
     if (!config::find_preset(options.config)) request.config_file = options.config;
+    request.source = source_of(files);
     return request;
 }
 
-RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request) {
+inline namespace v0 {
+
+bool uses_standard_output(const FileRequest& files) {
+    return job::writes_standard_output(request_to(files));
+}
+
+}  // namespace v0
+
+RunSummary summary_of(const job::RunReport& report) {
+    const job::Relief& relief = *report.relief;
+    const job::SurfaceResult& surface = relief.surface;
+    const budget::BudgetResult& budget = surface.budget;
     RunSummary summary;
     for (const job::OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
-    summary.width = report.width;
-    summary.height = report.height;
-    summary.vertices = report.vertices;
-    summary.triangles = report.triangles;
-    summary.percent_cost = report.quality.percent_cost;
-    summary.nearest = report.nearest();
-    summary.farthest = report.farthest();
-    summary.is_metric = report.calibration.metric;
+    summary.width = relief.disparity.map.width;
+    summary.height = relief.disparity.map.height;
+    summary.vertices = surface.mesh.positions.size();
+    summary.triangles = surface.mesh.triangles.size();
+    summary.percent_cost = surface.quality.percent_cost;
+    summary.nearest = surface.nearest();
+    summary.farthest = surface.farthest();
+    summary.is_metric = surface.mesh.metric;
     summary.meshed = report.shares.meshed;
     summary.background = report.shares.background;
     summary.unknown = report.shares.unknown;
     summary.occluded = report.shares.occluded;
-    if (report.filling) {
+    if (const auto shares = job::origin_shares(relief.disparity.map); shares && !relief.disparity.matched) {
         summary.is_filled = true;
-        summary.measured = report.filling->measured_share;
-        summary.filled = report.filling->filled_share;
+        summary.measured = shares->measured;
+        summary.filled = shares->filled;
     }
-    summary.lacks_color = lacks_color(request);
-    const budget::BudgetResult& budget = report.budget;
+    summary.lacks_color = lacks_color(report);
     summary.budget = {budget.kind,       budget.limit,        budget.reached,
                       budget.spacing_px, budget.tolerance_px, budget.solves};
-    summary.backend = report.backend;
-    summary.device = report.device;
-    summary.threads = report.threads;
-    summary.device_bytes = report.device_bytes;
+    summary.backend = relief.backend->name();
+    summary.device = relief.backend->device();
+    summary.threads = relief.backend->threads();
+    summary.device_bytes = surface.lattice.device_bytes;
     summary.peak_bytes = report.peak_bytes;
     return summary;
 }

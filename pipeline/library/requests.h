@@ -11,6 +11,6 @@ namespace hexrelief::library {
 // Throws Error(usage).
 job::RunRequest request_of(const FileRequest& files, const Options& options);
 
-RunSummary summary_of(const job::RunReport& report, const job::RunRequest& request);
+RunSummary summary_of(const job::RunReport& report);
 
 }  // namespace hexrelief::library

@@ -181,26 +181,31 @@ PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middl
     return correction;
 }
 
-RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    check(pair, config);
-    const int min_px = config.min_disparity_px;
-    RangedPair ranged{config, match_coarsely(pair, min_px, threads), {}};
-    const SmallMatch& coarse = ranged.coarse;
-    const PixelRect middle = middle_of(pair.left.width, pair.left.height);
-    ranged.correction = find_correction(coarse, cropped(pair.left, middle), cropped(pair.right, middle));
-    int& count = ranged.config.num_disparities_px;
-    count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, coarse, min_px, threads);
-    double& farthest_px = ranged.config.farthest_px;
-    if (std::isnan(farthest_px)) farthest_px = farthest_disparity_px(coarse);
-    return ranged;
+int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width) {
+    const int below_ndisp = calibration.ndisp_px - config.min_disparity_px;
+    if (config.num_disparities_px > 0 || calibration.ndisp_px <= 0 || below_ndisp <= 0) return 0;
+    return std::min({below_ndisp, width, kLargestRange_px - std::max(0, config.min_disparity_px)});
 }
 
-DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    check(pair, config);
-    if (config.num_disparities_px == 0) return find_range(pair, config, threads).config;
-    DisparityConfig result = config;
-    result.num_disparities_px = round_up_range(config.num_disparities_px);
-    return result;
+FoundRange find_range(const StereoPair& pair, const Calibration& calibration, const DisparityConfig& config,
+                      int threads) {
+    FoundRange found{config};
+    const int by_calibration = num_disparities_by(calibration, config, pair.left.width);
+    int& count = found.config.num_disparities_px;
+    if (count > 0) found.origin = RangeOrigin::given;
+    if (by_calibration > 0) {
+        found.origin = RangeOrigin::ndisp;
+        count = by_calibration;
+    }
+    check(pair, found.config);
+    const int min_px = config.min_disparity_px;
+    found.coarse = match_coarsely(pair, min_px, threads);
+    const PixelRect middle = middle_of(pair.left.width, pair.left.height);
+    found.correction = find_correction(found.coarse, cropped(pair.left, middle), cropped(pair.right, middle));
+    count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, found.coarse, min_px, threads);
+    double& farthest_px = found.config.farthest_px;
+    if (std::isnan(farthest_px)) farthest_px = farthest_disparity_px(found.coarse);
+    return found;
 }
 
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads) {
@@ -210,26 +215,30 @@ StereoPair corrected(StereoPair pair, const PairCorrection& correction, int thre
     return pair;
 }
 
-DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& config, const PairMatcher& match,
-                            int threads) {
-    const DisparityConfig ranged = with_range(pair, config, threads);
+DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                         int threads) {
+    check(pair, config);
+    DisparityConfig ranged = config;
+    ranged.num_disparities_px = round_up_range(config.num_disparities_px);
     if (config.method == DisparityMethod::sgm)
-        return to_pixels(match(pair, matching_config(ranged)), config, threads);
+        return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
     return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),
                      config, threads);
 }
 
-DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
-                               const PairMatcher& match, int threads) {
-    const RangedPair ranged = find_range(pair, config, threads);
-    return match_in_range(corrected(pair, ranged.correction, threads), ranged.config, match, threads);
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                               int threads) {
+    const FoundRange range = find_range(pair, {}, config, threads);
+    return match_range(corrected(pair, range.correction, threads), range.config, matcher, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    const PairMatcher on_cpu = [threads](const StereoPair& views, const matching::MatchingConfig& matching) {
-        return matching::match_pair(views, matching, threads);
-    };
+    CpuMatcher on_cpu(threads);
     return compute_disparity(pair, config, on_cpu, threads);
+}
+
+matching::MatchedMap CpuMatcher::match_pair(const StereoPair& pair, const matching::MatchingConfig& config) {
+    return matching::match_pair(pair, config, threads_);
 }
 
 }  // namespace hexrelief::stages

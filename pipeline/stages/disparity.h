@@ -1,10 +1,10 @@
 // Stage: from a rectified pair to a disparity map.
 #pragma once
 
-#include <functional>
 #include <limits>
 #include <string>
 
+#include "pipeline/data/calibration.h"
 #include "pipeline/data/crop.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/value_range.h"
@@ -66,11 +66,22 @@ struct DisparityConfig {
     double wls_sigma = 1.5;
 };
 
-// Returns what is wrong with a configuration for any pair: "disparity.p1 must be ..."; empty if nothing is.
-std::string wrong_disparity_config(const DisparityConfig& config);
+// What sgm matches by: pipeline/matching's match_pair(), or the same on a device.
+class PairMatcher {
+  public:
+    virtual ~PairMatcher() = default;
+    virtual matching::MatchedMap match_pair(const StereoPair& pair,
+                                            const matching::MatchingConfig& config) = 0;
+};
 
-// The matcher used by the method sgm: on the CPU, or its equal on a device.
-using PairMatcher = std::function<matching::MatchedMap(const StereoPair&, const matching::MatchingConfig&)>;
+class CpuMatcher final : public PairMatcher {
+  public:
+    explicit CpuMatcher(int threads) : threads_(threads) {}
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config) override;
+
+  private:
+    int threads_;
+};
 
 // The corrections that a pair's images get before they are matched.
 struct PairCorrection {
@@ -84,40 +95,41 @@ PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middl
 // Returns the middle part of an image that find_noise() is applied to: at most 1024x1024 px.
 PixelRect middle_of(int width, int height);
 
-// A pair's search range and corrections. In `config`, num_disparities_px and farthest_px are set: the
-// former, if it was 0, to a range that holds all disparities of the coarse match; the latter, if it was NaN,
-// from the coarse match.
-struct RangedPair {
-    DisparityConfig config;
-    SmallMatch coarse;
-    PairCorrection correction;
+// The range to search in a pair, and what both views agree on at a small size, which tells it.
+struct FoundRange {
+    DisparityConfig config;  // with num_disparities_px and farthest_px
+    RangeOrigin origin = RangeOrigin::chosen;
+    SmallMatch coarse = {};
+    PairCorrection correction = {};
 };
 
 // Throws what compute_disparity() throws, except for images that are too large. Looks at the images' sizes,
 // not at their pixels.
 void check_matchable(const StereoPair& pair, const DisparityConfig& config);
 
-// Matches the pair coarsely and returns its range and corrections. Throws what compute_disparity() throws.
-RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads);
-// Returns find_range().config if num_disparities_px is 0; else rounds num_disparities_px
-// up and matches nothing.
-DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads);
+// The disparities below a calibration's ndisp that can be searched in pictures of this width; 0 where the
+// configuration has a range of its own, or the calibration says none.
+int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width);
 
-// Returns the disparities of the left view in px (multiples of 1/16 px), and their origins. A disparity is
-// never 0, which would be a point without a depth, if the range begins at 0 or above. The result is the
-// same for any number of threads. Throws Error(input) if the images differ in size, have fewer than 16
-// columns or more than kLargestPairSide_px on a side; Error(usage) if a parameter is out of range or the
-// range is wider than the image.
-DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
-                               const PairMatcher& match, int threads);
-// The second part of compute_disparity(): returns the pair with the right image in the left one's light and
-// with less noise in both.
+// The configuration's own range, else the calibration's, else the one that holds the disparities of the
+// coarse match, which also say what farthest_px is where that is NaN. Throws as match_range().
+FoundRange find_range(const StereoPair& pair, const Calibration& calibration, const DisparityConfig& config,
+                      int threads);
+
+// The pair in the left picture's light and with less noise, as it is best matched.
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
-// The last part of compute_disparity(): matches a corrected pair in the configuration's range. No match
-// counts as far if farthest_px is NaN.
-DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& config, const PairMatcher& match,
-                            int threads);
-// As compute_disparity() above, with the matcher of the CPU.
+
+// Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a
+// point without a depth, where the range begins at 0 or above. config: FoundRange's; no match is far where
+// farthest_px is NaN. The same bytes for any number of threads. Throws Error(input) where the images differ
+// in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for a parameter out of
+// range, or a range wider than the image.
+DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                         int threads);
+
+// The three in turn, for a pair of which no calibration is known; on the CPU where no matcher is given.
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                               int threads);
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
 }  // namespace hexrelief::stages

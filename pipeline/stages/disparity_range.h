@@ -6,6 +6,9 @@
 
 namespace hexrelief::stages {
 
+// Where the range searched comes from: the pair itself, the configuration, or the calibration's ndisp.
+enum class RangeOrigin { chosen, given, ndisp };
+
 struct ReducedPair {
     double scale = 1;  // columns of the full pair per column of the reduced one
     StereoPair pair;

@@ -35,10 +35,10 @@ std::string config_text(const config::Config& config) {
     return text;
 }
 
-std::string digest_line(const char* role, const fs::path& path) {
+std::string digest_line(const std::string& role, const fs::path& path) {
     if (path.empty()) return "";
     static_cast<void>(readers::codec::load_head(path, 0));  // refuses as the run would
-    return std::string(role) + " " + files::sha256_of_file(path) + "\n";
+    return role + " " + files::sha256_of_file(path) + "\n";
 }
 
 bool is_as_written(const Json& output, const fs::path& file) {
@@ -94,11 +94,9 @@ std::string unit_stamp(const job::RunRequest& request) {
         std::string("hexrelief ") + HEXRELIEF_VERSION + "\n" + config_text(request.config) + "\n";
     for (const fs::path& output : request.outputs) text += "output " + output.filename().string() + "\n";
     if (!request.stages_folder.empty()) text += "stages\n";
-    text += digest_line("left", request.left) + digest_line("right", request.right) +
-            digest_line("stereo", request.stereo) + digest_line("disparity", request.disparity) +
-            digest_line("depth", request.depth) + digest_line("color", request.color) +
-            digest_line("mask", request.mask) + digest_line("confidence", request.confidence) +
-            digest_line("calibration", request.config.input.calibration.file);
+    for (const job::InputFile& file : job::files_of(request.source))
+        text += digest_line(file.role, file.path);
+    text += digest_line("calibration", request.config.input.calibration.file);
     return files::sha256_of(text.data(), text.size());
 }
 

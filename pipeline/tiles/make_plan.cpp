@@ -201,7 +201,8 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::
 
 }  // namespace
 
-TilePlan make_plan(const PlanRequest& request, const job::Backend& backend, int threads, job::RunLog& log) {
+TilePlan make_plan(const PlanRequest& request, job::Backend& backend, job::RunLog& log) {
+    const int threads = backend.threads();
     check_settings(request.config);
     keep_freed_memory();
     TilePlan plan;
@@ -222,8 +223,7 @@ TilePlan make_plan(const PlanRequest& request, const job::Backend& backend, int 
     mesh_tiles::CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
     const DensityMap shrunk = log.stage("shrunk density", [&] { return shrunk_density(plan, map, threads); });
     coarse.mesh = log.stage("coarse lattice", [&] {
-        return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })
-            .mesh;
+        return backend.solve_mesh(shrunk, plan.config.mesh, [&](double share) { log.progress(share); }).mesh;
     });
     files::OutputSet files;
     write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));

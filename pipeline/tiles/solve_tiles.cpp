@@ -141,7 +141,7 @@ std::uint64_t tile_memory(const TilePlan& plan) {
            kBytesPerPixel;
 }
 
-void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const job::Backend& backend,
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, job::Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer) {
     if (tiles.empty()) return;
     check_planned_file(plan, coarse_file(plan));

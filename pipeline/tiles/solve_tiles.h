@@ -23,12 +23,11 @@ struct SolveObserver {
     std::function<void(const TileNumber& tile, const std::string& failure, int exit_code)> ended;
 };
 
-// Solves tiles of the finest level. For each it writes together the files tile_file() with .mesh (corners,
-// triangles and seam edges, tile_files.h), .glb (the mesh in space; left out if the tile is empty) and, last,
-// .json, the report. A tile that fails is reported and skipped; the others continue. The result is the same
-// in any order, for any number of threads and jobs, on any backend. Throws Error(input) if the coarse lattice
-// is not the plan's.
-void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const job::Backend& backend,
+// Solves tiles of the finest level and writes of each, together, tile_file()'s .mesh (corners, triangles and
+// seam edges, tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as
+// the last. A tile that fails is told and left out; the others go on. The same bytes in any order, for any
+// number of threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, job::Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer);
 
 // Returns the estimated number of bytes that solving a tile takes.

@@ -20,16 +20,16 @@ int pool_size(std::size_t count, int jobs) {
 
 }  // namespace
 
-TileWorkers workers_of(const job::Backend& backend, int threads) {
-    if (backend.name == "cpu") return {threads, balance::balance_patch, surface::cut_disparity_mesh};
+TileWorkers workers_of(job::Backend& backend, int threads) {
+    if (backend.name() == "cpu") return {threads, balance::balance_patch, surface::cut_disparity_mesh};
     const auto turn = std::make_shared<std::mutex>();
     return {threads,
-            [backend, turn](const DensityMap& density, const BalanceConfig& config, int,
-                            balance::LatticePatch& patch) {
+            [&backend, turn](const DensityMap& density, const BalanceConfig& config, int,
+                             balance::LatticePatch& patch) {
                 const std::lock_guard lock(*turn);
                 backend.balance_patch(density, config, patch);
             },
-            [backend, turn](const surface::DisparityMeshInput& input, const SurfaceConfig& config, int) {
+            [&backend, turn](const surface::DisparityMeshInput& input, const SurfaceConfig& config, int) {
                 const std::lock_guard lock(*turn);
                 return backend.cut_disparity_mesh(input, config).cut_mesh;
             }};

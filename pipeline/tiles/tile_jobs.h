@@ -19,9 +19,8 @@ struct TileWorkers {
     mesh_tiles::CutMesh cut;
 };
 
-// Returns the backend's functions. A device serves one caller at a time; the CPU works
-// on the caller's thread.
-TileWorkers workers_of(const job::Backend& backend, int threads);
+// A device is one caller's at a time; the CPU works on the caller's thread.
+TileWorkers workers_of(job::Backend& backend, int threads);
 
 // Makes the process keep the memory of freed windows for the next ones, for the rest of its life: sixteen
 // threads would wait for each other if each took fresh pages from the system.

@@ -58,25 +58,42 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     std::_Exit(0);
 }
 
-// Under `auto` the run that loses the device ends on the CPU, with the same bytes, and so do later runs.
+// The device's solver, whose first run loses the device.
+class LosingBackend final : public Backend {
+  public:
+    LosingBackend() : Backend(2) {}
+    std::string name() const override { return "cuda"; }
+    std::string device() const override { return "lost"; }
+    matching::MatchedMap match_pair(const StereoPair&, const matching::MatchingConfig&) override {
+        return {};
+    }
+    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
+                                  const ProgressFunction&) override {
+        return mesher_.solve(density, config, losing_progress());
+    }
+    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput&,
+                                                    const SurfaceConfig&) override {
+        return {};
+    }
+    void balance_patch(const DensityMap&, const BalanceConfig&, balance::LatticePatch&) override {}
+
+  private:
+    CudaMesher mesher_;
+};
+
+// Under `auto` the run that loses the device ends on the CPU, with the same bytes, and so do those after it.
 [[noreturn]] void the_cpu_goes_on() {
     bool same = true;
     {
-        cuda::CudaMesher mesher;
-        job::Backend device = job::pick_backend(config::BackendChoice::cpu, 2);
-        device.solve_mesh = [&](const DensityMap& of, const DisparityMap& map, const MeshConfig& config,
-                                const ProgressFunction&) {
-            return mesher.solve(of, config, losing_progress(), &map);
-        };
-        const job::Backend both =
-            job::with_replacement(std::move(device), job::pick_backend(config::BackendChoice::cpu, 2),
-                                  [](const std::string& warning) { std::cerr << warning << "\n"; });
-        const DisparityMap map = varied_map(density());
+        job::RunLog log;
+        log.warns = [](const std::string& warning) { std::cerr << warning << "\n"; };
+        const job::BackendPointer both = job::with_replacement(
+            std::make_shared<LosingBackend>(), job::pick_backend(config::BackendChoice::cpu, 2), log);
         const MeshConfig config = balanced_config(20);
         const mesher::MeshResult expected = mesher::solve_mesh(density(), config, 2, {});
         for (int i = 0; i < 2; ++i)
-            same = same && same_bytes(both.solve_mesh(density(), map, config, {}), expected);
-        same = same && *both.is_replaced;
+            same = same && same_bytes(both->solve_mesh(density(), config, {}), expected);
+        same = same && both->is_replaced();
     }
     std::_Exit(same ? 0 : 1);
 }

@@ -69,7 +69,7 @@ void change(config::Config& config, Draw& draw) {
             value = number(field, draw);
             break;
         case config::FieldType::text:
-        case FieldType::file:
+        case config::FieldType::file:
             return;
     }
     field.set(config, value);
@@ -105,14 +105,15 @@ void run_whole(Bytes bytes, const std::string&) {
     const std::string format = kFormats[draw.byte() % kFormats.size()];
     request.config.mesh.spacing_px = 2 + draw.byte() % 6;  // the default is too wide for most of these maps
     for (unsigned i = 0; i < changes; ++i) change(request.config, draw);
-    request.disparity = file_of(map_of(draw), ".pfm");
-    const fs::path folder = request.disparity.parent_path() / "out";
+    const fs::path map = file_of(map_of(draw), ".pfm");
+    request.source = job::DisparityFiles{map};
+    const fs::path folder = map.parent_path() / "out";
     fs::create_directories(folder);
     request.outputs = {folder / ("relief" + format)};
     request.report = folder / "report.json";
     try {
         config::check_rules(request.config, "config");
-        job::run_job(request, {}, job::pick_backend);
+        job::run_job(request);
     } catch (const Error& error) {
         if (std::string(error.what()).find('\n') != std::string::npos) throw;
     }

@@ -34,12 +34,11 @@ class Library : public testing::Test {
     // What the command line writes.
     std::string expected(const std::vector<std::string>& settings, const std::string& name = "expected.glb") {
         job::RunRequest request;
-        request.disparity = sample("disparity.pfm");
-        request.color = sample("left.png");
+        request.source = job::DisparityFiles{sample("disparity.pfm"), sample("left.png")};
         request.config = config::read_config({"", settings}, {});
         request.config.input.calibration.file = sample("calib.txt");
         request.outputs = {file(name)};
-        job::run_job(request, {});
+        job::run_job(request);
         return bytes(file(name));
     }
     template <typename Call>
@@ -72,11 +71,10 @@ TEST_F(Library, WritesTheBytesOfTheCommandLine) {
 
 TEST_F(Library, MatchesAsTheCommandLineDoes) {
     job::RunRequest request;
-    request.left = sample("left.png");
-    request.right = sample("right.png");
+    request.source = job::PairFiles{sample("left.png"), sample("right.png")};
     request.config.input.calibration.file = sample("calib.txt");
     request.outputs = {file("pair.glb")};
-    job::run_job(request, {});
+    job::run_job(request);
     const Picture right = read_picture(sample("right.png"));
     const Disparities found = compute_disparity(left_.view(), right.view(), camera_);
     mesh(found.view(), left_.view(), camera_).save(file("found.glb"));
@@ -163,6 +161,23 @@ TEST_F(Library, RefusesRunsAsTheCommandLineDoes) {
     EXPECT_FALSE(uses_standard_output(none));
     none.outputs = {"drc:-"};
     EXPECT_TRUE(uses_standard_output(none));
+}
+
+TEST_F(Library, RefusesFilesThatDoNotGoTogether) {
+    const auto told = [&](FileRequest files) {
+        files.outputs = {file("a.glb")};
+        return refusal([&] { check_run(files); }).second;
+    };
+    const std::string left = sample("left.png"), right = sample("right.png"), map = sample("disparity.pfm");
+    EXPECT_EQ(told({}), "nothing to do: give --left and --right, --stereo, --disparity, or --depth");
+    EXPECT_EQ(told({.left = left}), "--left needs --right");
+    EXPECT_EQ(told({.left = left, .right = right, .stereo = left}).substr(0, 27),
+              "--stereo holds both views; ");
+    EXPECT_EQ(told({.left = left, .right = right, .confidence = map}).substr(0, 35),
+              "--confidence goes with --disparity ");
+    EXPECT_EQ(told({.disparity = map, .depth = map}), "give either --disparity or --depth, not both");
+    EXPECT_EQ(told({.left = left, .disparity = map}).substr(0, 36), "a map takes its colours from --color");
+    EXPECT_EQ(told({.left = left, .right = right}), "nothing was refused");
 }
 
 TEST_F(Library, TellsOfTheMesh) {

@@ -44,17 +44,18 @@ struct BatchRow {
     std::uint64_t bytes = 0;  // of one GLB
 };
 
-// Does the steps of run_job(), without its files.
-std::uint64_t do_job(const Scenery& scene, const config::Config& config, const job::RunContext& run) {
-    const job::ChosenRange chosen =
-        job::choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
-    const job::DisparityResult matched = job::match_input(scene.pair, chosen, run);
-    const DensityMap density = job::density_of(matched.meshed(), config.density, run.threads, run.log);
+// The steps of run_job(), without its files.
+std::uint64_t do_job(const Scenery& scene, const config::Config& config, Backend& backend, RunLog& log) {
+    const int threads = backend.threads();
+    const FoundRange range = find_range(scene.pair, scene.camera, config.disparity, threads);
+    const job::DisparityResult matched = disparities_of_pair(
+        scene.pair, corrected(scene.pair, range.correction, threads), range.config, backend);
+    const DensityMap density = job::density_of(matched.meshed(), config.density, threads, log);
     const job::LeftView view{matched.map,     matched.meshed(), density,
                              scene.pair.left, scene.pair.left,  scene.camera};
-    const job::SurfaceResult result = job::make_surface(view, config, run);
+    const job::SurfaceResult result = job::make_surface(view, config, backend, log);
     exporters::Scene written = job::scene_of(view, result, {});
-    written.threads = run.threads;
+    written.threads = threads;
     return exporters::export_size(written, config.exporting, "job.glb");
 }
 
@@ -63,10 +64,7 @@ std::uint64_t do_job(const Scenery& scene, const config::Config& config, const j
 class Worker {
   public:
     Worker(const Scenery& scene, const config::Config& config, const Crew& crew)
-        : scene_(scene),
-          config_(config),
-          threads_(crew.threads),
-          backend_(job::pick_backend(crew.backend, crew.threads)) {
+        : scene_(scene), config_(config), backend_(job::pick_backend(crew.backend, crew.threads)) {
         bytes_ = job();
     }
     std::vector<double> work(std::atomic<int>& left) {
@@ -82,14 +80,12 @@ class Worker {
 
   private:
     std::uint64_t job() const {
-        const job::RunObserver silent;
-        job::RunLog log(silent);
-        return do_job(scene_, config_, {backend_, threads_, log});
+        job::RunLog log;
+        return do_job(scene_, config_, *backend_, log);
     }
     const Scenery& scene_;
     const config::Config& config_;
-    int threads_;
-    job::Backend backend_;
+    BackendPointer backend_;
     std::uint64_t bytes_ = 0;
 };
 
@@ -182,20 +178,21 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     json["settings"] = options.settings;
     json["backends"] = Json::array();
     json["rows"] = Json::array();
-    const std::vector<job::Backend> backends = usable_backends(threads);
-    for (const job::Backend& backend : backends) {
-        out << backend.name << ": " << backend.device << '\n';
-        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    const std::vector<BackendPointer> backends = usable_backends(threads);
+    for (const BackendPointer& backend : backends) {
+        out << backend->name() << ": " << backend->device() << '\n';
+        json["backends"].push_back({{"name", backend->name()}, {"device", backend->device()}});
     }
     out << "From two images in memory to a GLB in memory; threads " << threads << " in all.\n"
         << format("%-20s %-11s %-5s %-11s %8s %9s %9s %10s %10s %10s\n", "scene", "size", "on", "at a time",
                   "jobs", "start s", "jobs/s", "median ms", "most ms", "bytes");
     for (const Scenery& scene : scenes)
-        for (const job::Backend& backend : backends) {
+        for (const BackendPointer& backend : backends) {
             const config::BackendChoice choice =
-                backend.name == "cuda" ? config::BackendChoice::cuda : config::BackendChoice::cpu;
+                backend->name() == "cuda" ? config::BackendChoice::cuda : config::BackendChoice::cpu;
             const Crew crew{choice, workers, std::max(1, threads / workers)};
-            report(scene, backend.name, crew, measure(scene, config, crew, options.jobs), out, json["rows"]);
+            report(scene, backend->name(), crew, measure(scene, config, crew, options.jobs), out,
+                   json["rows"]);
         }
     write_json(options.json, json);
 }

@@ -65,8 +65,7 @@ Throughput measure_workers(const match::ScenePair& scene, const config::Config& 
     settings.workers = settings.threads = workers;
     settings.rules.parse = [&](const std::vector<std::string>& words) {
         job::RunRequest request;
-        request.left = scene.left;
-        request.right = scene.right;
+        request.source = job::PairFiles{scene.left, scene.right};
         request.config = config;
         request.outputs = {words[0] + ".glb"};
         request.report = words[0] + ".json";

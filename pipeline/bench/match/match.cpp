@@ -30,10 +30,10 @@ struct Method {
     std::function<DisparityMap(const StereoPair&, const stages::DisparityConfig&, int threads)> match;
 };
 
-// Returns StereoSGBM's own result: the disparities that both views agree on, neither filled nor refined.
+// StereoSGBM's own answer: both views agree on it, nothing is filled or refined.
 DisparityMap match_by_opencv(const StereoPair& pair, const stages::DisparityConfig& config, int threads) {
     stages::RawViews views =
-        stages::match_views_sgbm(pair, stages::with_range(pair, config, threads), threads);
+        stages::match_views_sgbm(pair, stages::find_range(pair, {}, config, threads).config, threads);
     stages::check_left_right(views.left, views.right, 1);
     stages::remove_speckles(views.left, config.speckle_window_px, config.speckle_range_px);
     DisparityMap map{views.left.width, views.left.height, {}, {}};
@@ -45,16 +45,15 @@ DisparityMap match_by_opencv(const StereoPair& pair, const stages::DisparityConf
     return map;
 }
 
-std::vector<Method> all_methods(const std::vector<job::Backend>& backends) {
-    const auto on = [](const job::Backend& backend) {
-        return [match = backend.match_pair](const StereoPair& pair, const stages::DisparityConfig& config,
-                                            int threads) {
-            return stages::compute_disparity(pair, config, match, threads);
+std::vector<Method> all_methods(const std::vector<job::BackendPointer>& backends) {
+    const auto on = [](const job::BackendPointer& backend) {
+        return [backend](const StereoPair& pair, const stages::DisparityConfig& config, int threads) {
+            return stages::compute_disparity(pair, config, *backend, threads);
         };
     };
     std::vector<Method> methods;
-    for (const job::Backend& backend : backends)
-        methods.push_back({"sgm", backend.name, stages::DisparityMethod::sgm, on(backend)});
+    for (const job::BackendPointer& backend : backends)
+        methods.push_back({"sgm", backend->name(), stages::DisparityMethod::sgm, on(backend)});
     methods.push_back({"sgbm", "cpu", stages::DisparityMethod::sgbm, on(backends.front())});
     methods.push_back({"opencv", "cpu", stages::DisparityMethod::sgbm, match_by_opencv});
     return methods;
@@ -104,7 +103,7 @@ match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, con
     config.method = method.which;
     match::Row row{
         scene.name, scene.size, method.name, method.backend, loaded.pair.left.width, loaded.pair.left.height};
-    row.disparities = stages::with_range(loaded.pair, config, threads).num_disparities_px;
+    row.disparities = stages::find_range(loaded.pair, {}, config, threads).config.num_disparities_px;
     DisparityMap map;
     for (int run = 0; run < options.runs; ++run) {
         const double begun = now_seconds();
@@ -119,18 +118,18 @@ match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, con
     return row;
 }
 
-// Writes the lines above the rows, and returns the JSON without its rows.
-Json begin(const MatchOptions& options, const std::vector<job::Backend>& backends, int threads,
+// What stands above the rows, as text and JSON.
+Json begin(const MatchOptions& options, const std::vector<job::BackendPointer>& backends, int threads,
            const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
     json["backends"] = Json::array();
-    for (const job::Backend& backend : backends) {
-        out << backend.name << ": " << backend.device
-            << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
-        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    for (const job::BackendPointer& backend : backends) {
+        out << backend->name() << ": " << backend->device()
+            << (backend->name() == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
+        json["backends"].push_back({{"name", backend->name()}, {"device", backend->device()}});
     }
     json["settings"] = options.settings;
     json["noise_percent"] = options.disturbance.noise_percent;
@@ -160,7 +159,7 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
         if (options.warns) options.warns(warning);
     match::check_disturbance(options.disturbance);
     const int threads = job::effective_threads(options.threads);
-    const std::vector<job::Backend> backends = usable_backends(threads);
+    const std::vector<job::BackendPointer> backends = usable_backends(threads);
     const std::vector<Method> methods = chosen(all_methods(backends), options.methods, "--methods");
     std::vector<std::string> left_out;
     const std::vector<match::ScenePair> found = match::find_scenes(options.data, left_out);

@@ -18,7 +18,7 @@ void add_config_options(Command& command, config::ConfigOptions& options, const 
 void add_key_options(Command& command, KeyOptions& options, const std::vector<std::string>& flags,
                      const std::string& group) {
     for (const std::string& flag : flags) {
-        const Field& row = *rows_of_option(flag).at(0);
+        const config::Field& row = *rows_of_option(flag).at(0);
         command.add_option(flag,
                            [&options, flag](const std::string& text) { options.emplace_back(flag, text); },
                            option_help(row), {.group = group, .value = option_value(row)});

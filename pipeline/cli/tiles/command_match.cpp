@@ -21,23 +21,20 @@ struct MatchOptions {
 };
 
 int match_tiles(const MatchOptions& options) {
-    tiles::MatchRequest request{.left = options.left,
-                                .right = options.right,
-                                .map = options.output,
-                                .tile_px = options.tile_px,
-                                .config = read_config(options.config)};
-    apply_options(request.config, options.keys, {"--left", "--right"});
-    finish_config(request.config);
+    const tiles::MatchRequest request{.left = options.left,
+                                      .right = options.right,
+                                      .map = options.output,
+                                      .tile_px = options.tile_px,
+                                      .config = library::config_of(options)};
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(request.config.run.threads);
-    const job::Backend backend =
-        job::pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
     files::install_interrupt_handling();
 
-    const StageTeller teller(options.quiet, options.verbose);
-    job::RunLog log(teller.observer());
-    const tiles::TiledMatch match = tiles::match_in_tiles(request, backend, threads, log);
-    if (backend.give_back) backend.give_back();
+    StageTeller teller(options.quiet, options.verbose);
+    job::RunLog& log = teller.log();
+    const tiles::TiledMatch match = tiles::match_in_tiles(request, *backend, log);
+    backend->give_back();
     if (!options.quiet)
         std::printf("%s: %dx%d px in %d tiles, %.1f %% matched, %.1f %% known; %.1f s\n",
                     printable(options.output.string()).c_str(), match.width, match.height, match.tiles,

@@ -22,8 +22,8 @@ int merge(const MergeOptions& options) {
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(options.threads);
     files::install_interrupt_handling();
-    const StageTeller teller(options.quiet, options.verbose);
-    job::RunLog log(teller.observer());
+    StageTeller teller(options.quiet, options.verbose);
+    job::RunLog& log = teller.log();
     const tiles::MergedTiles merged = tiles::merge_tiles(plan, options.output, threads, log);
     if (!options.quiet)
         std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",

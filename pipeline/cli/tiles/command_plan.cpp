@@ -23,23 +23,22 @@ struct PlanOptions {
 
 int plan_tiles(const PlanOptions& options) {
     tiles::PlanRequest request{options.map, options.color,         options.folder,
-                               {},          options.tile_vertices, read_config(options.config)};
+                               {},          options.tile_vertices, config::read_config(options.config)};
     apply_options(request.config, options.keys, {"--disparity"});
-    finish_config(request.config);
+    config::finish_config(request.config);
     if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
     files::check_writable_folder(options.folder);
     files::check_overwrites(
         {tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
         {options.map, options.color, options.config.file, request.config.input.calibration.file});
     const int threads = job::effective_threads(request.config.run.threads);
-    const job::Backend backend =
-        job::pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
+    const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
     files::install_interrupt_handling();
 
-    const StageTeller teller(options.quiet, options.verbose);
-    job::RunLog log(teller.observer());
-    const tiles::TilePlan plan = tiles::make_plan(request, backend, threads, log);
-    if (backend.give_back) backend.give_back();
+    StageTeller teller(options.quiet, options.verbose);
+    job::RunLog& log = teller.log();
+    const tiles::TilePlan plan = tiles::make_plan(request, *backend, log);
+    backend->give_back();
     if (options.quiet) return 0;
     const mesh_tiles::LatticeTiling tiling = plan.tiling();
     std::printf("%s: %d x %d tiles, a lattice of %d x %d vertices; %.1f s\n",

@@ -119,15 +119,15 @@ int solve_here(const tiles::TilePlan& plan, const std::vector<tiles::TileNumber>
         if (options.force || !tiles::is_solved(plan, tile)) missing.push_back(tile);
     TileTeller teller(plan, tiles.size(), tiles.size() - missing.size(), options.quiet);
     if (missing.empty()) return teller.all_ended();
-    const job::Backend backend =
-        job::pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
+    const job::BackendPointer backend =
+        job::Backends::for_one_run().get(backend_of(options, plan.config), threads);
     files::install_interrupt_handling();
     const tiles::SolveSettings settings{threads, options.jobs, memory};
-    tiles::solve_tiles(plan, missing, backend, settings,
+    tiles::solve_tiles(plan, missing, *backend, settings,
                        {[&](const tiles::TileNumber& tile, const std::string& failure, int exit_code) {
                            teller.tile_ended(tile, failure, exit_code);
                        }});
-    if (backend.give_back) backend.give_back();
+    backend->give_back();
     return teller.all_ended();
 }
 

@@ -16,18 +16,18 @@ namespace hexrelief::cli {
 class StageTeller {
   public:
     StageTeller(bool quiet, bool verbose) : progress_(!quiet && !verbose && isatty(STDERR_FILENO)) {
-        observer_.stage_begins = [this](const std::string& stage) { progress_.begin(stage); };
-        observer_.stage_progresses = [this](double share) { progress_.update(share); };
-        observer_.stage_ends = [this, verbose](const std::string& stage, double seconds) {
+        log_.stage_begins = [this](const std::string& stage) { progress_.begin(stage); };
+        log_.stage_progresses = [this](double share) { progress_.update(share); };
+        log_.stage_ends = [this, verbose](const std::string& stage, double seconds) {
             progress_.end();
             if (verbose) std::fprintf(stderr, "%-14s %8.3f s\n", stage.c_str(), seconds);
         };
         if (verbose)
-            observer_.decides = [](const std::string& decision) {
+            log_.decides = [](const std::string& decision) {
                 std::fprintf(stderr, "%s\n", printable(decision).c_str());
             };
         if (!quiet)
-            observer_.warns = [this](const std::string& warning) {
+            log_.warns = [this](const std::string& warning) {
                 progress_.break_line();
                 print_warning(warning);
             };
@@ -35,11 +35,11 @@ class StageTeller {
     StageTeller(const StageTeller&) = delete;
     StageTeller& operator=(const StageTeller&) = delete;
 
-    const job::RunObserver& observer() const { return observer_; }
+    job::RunLog& log() { return log_; }
 
   private:
     ProgressLine progress_;
-    job::RunObserver observer_;
+    job::RunLog log_;
 };
 
 }  // namespace hexrelief::cli

@@ -41,9 +41,9 @@ Calibration camera_of(const MatchRequest& request, const windows::PictureWindows
 
 class TiledMatcher {
   public:
-    TiledMatcher(const MatchRequest& request, const PairWindows& pair, const WholePair& whole,
-                 const job::Backend& backend, int threads)
-        : request_(request), pair_(pair), whole_(whole), backend_(backend), threads_(threads) {
+    TiledMatcher(const MatchRequest& request, const PairWindows& pair, const stages::FoundRange& range,
+                 job::Backend& backend)
+        : request_(request), pair_(pair), range_(range), backend_(backend), threads_(backend.threads()) {
         for (int y = 0; y < height(); y += request.tile_px)
             for (int x = 0; x < width(); x += request.tile_px)
                 tiles_.push_back(
@@ -75,7 +75,7 @@ class TiledMatcher {
     int width() const { return pair_.left.width(); }
     int height() const { return pair_.left.height(); }
     mesh_tiles::MapRect window(const mesh_tiles::MapRect& tile) const {
-        return window_of_tile(tile, {width(), height()}, whole_.config, request_.collar_px);
+        return window_of_tile(tile, {width(), height()}, range_.config, request_.collar_px);
     }
     // Reads the pair of tile k, at the same time as the work on the tile before.
     std::future<StereoPair> read(std::size_t k) const {
@@ -90,8 +90,8 @@ class TiledMatcher {
     void put_tile(const mesh_tiles::MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
         is_left_blank_ = is_left_blank_ && checks::is_blank(pair.left);
         is_right_blank_ = is_right_blank_ && checks::is_blank(pair.right);
-        const DisparityMap map = stages::match_in_range(stages::corrected(pair, whole_.correction, threads_),
-                                                        whole_.config, backend_.match_pair, threads_);
+        const StereoPair as_matched = stages::corrected(pair, range_.correction, threads_);
+        const DisparityMap map = stages::match_range(as_matched, range_.config, backend_, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
         const mesh_tiles::MapRect around = window(tile);
@@ -111,8 +111,8 @@ class TiledMatcher {
 
     const MatchRequest& request_;
     const PairWindows& pair_;
-    const WholePair& whole_;
-    const job::Backend& backend_;
+    const stages::FoundRange& range_;
+    job::Backend& backend_;
     int threads_;
     std::vector<mesh_tiles::MapRect> tiles_;
     long long matched_ = 0, known_ = 0;
@@ -121,8 +121,7 @@ class TiledMatcher {
 
 }  // namespace
 
-TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backend, int threads,
-                          job::RunLog& log) {
+TiledMatch match_in_tiles(const MatchRequest& request, job::Backend& backend, job::RunLog& log) {
     check_request(request);
     const readers::ReaderLimits& limits = request.config.limits.reading;
     const auto left = windows::PictureWindows::open(request.left, limits);
@@ -131,10 +130,11 @@ TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backe
     files::OutputSet outputs;
     outputs.place(request.map);
     windows::MapWriter writer(outputs.files(), request.map, left->width(), left->height());
-    const WholePair whole = log.stage("range", [&] {
-        return look_at_whole(pair, camera_of(request, *left), request.config.disparity, threads, log);
+    const stages::FoundRange range = log.stage("range", [&] {
+        return find_range_of_whole(pair, camera_of(request, *left), request.config.disparity,
+                                   backend.threads(), log);
     });
-    TiledMatcher matcher(request, pair, whole, backend, threads);
+    TiledMatcher matcher(request, pair, range, backend);
     const TiledMatch match = log.stage("disparity", [&] {
         return matcher.match(log, [&](const float* rows, int count) { writer.write(rows, count); });
     });

@@ -29,10 +29,9 @@ struct TiledMatch {
 // the map, two windows of the pair (window_of_tile()), and what compute_disparity() takes for one window. The
 // result is the same for any number of threads and on any backend.
 //
-// Throws Error(usage) for settings that tiles do not support and as MapWriter does; Error(input) as
-// PictureWindows and compute_disparity() do, if nothing matches, and if the calibration says that the pair is
-// not rectified; Error(output) as MapWriter does.
-TiledMatch match_in_tiles(const MatchRequest& request, const job::Backend& backend, int threads,
-                          job::RunLog& log);
+// Throws Error(usage) for settings that tiles cannot have and as MapWriter; Error(input) as
+// PictureWindows and compute_disparity(), where nothing matches, and where the calibration says that the pair
+// is not rectified; Error(output) as MapWriter.
+TiledMatch match_in_tiles(const MatchRequest& request, job::Backend& backend, job::RunLog& log);
 
 }  // namespace hexrelief::tiles

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/data/background.h"
 #include "pipeline/job/steps.h"
@@ -31,10 +32,9 @@ StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
     return {std::move(left), right.get()};
 }
 
-// Converts the shrunk pair's range to a number of disparities at full size.
-int num_disparities_of_whole(const stages::DisparityConfig& shrunk, int by,
-                             const stages::DisparityConfig& config, int width) {
-    const long long end = 1LL * by * (shrunk.min_disparity_px + shrunk.num_disparities_px);
+// Pixels of the range at full size that the shrunk pair's stands for.
+int num_disparities_of_whole(int shrunk_end_px, int by, const stages::DisparityConfig& config, int width) {
+    const long long end = 1LL * by * shrunk_end_px;
     const int widest = std::min(
         width, stages::round_up_range(stages::kLargestRange_px - std::max(0, config.min_disparity_px)) - 16);
     return static_cast<int>(
@@ -43,47 +43,48 @@ int num_disparities_of_whole(const stages::DisparityConfig& shrunk, int by,
 
 }  // namespace
 
-WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const stages::DisparityConfig& config, int threads, job::RunLog& log) {
+stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibration& calibration,
+                                       const stages::DisparityConfig& config, int threads, job::RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
     const auto sizes_of = [](const windows::PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
     };
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
     stages::check_matchable(sizes, config);
-    checks::RangeOrigin origin = checks::RangeOrigin::given;
-    WholePair whole{config, {}};
+    stages::FoundRange whole{config, checks::RangeOrigin::given};
     stages::DisparityConfig& ranged = whole.config;
     std::string how;
     const int by = shrunk_by(width, height);
     const bool is_narrow = width < kLeastColumns * by;  // and very high
-    stages::RangedPair small;
+    int shrunk_end_px = 0;
     if (!is_narrow) {
         stages::DisparityConfig shrunk = config;
         shrunk.min_disparity_px =
             static_cast<int>(std::floor(static_cast<double>(config.min_disparity_px) / by));
         shrunk.num_disparities_px = 0;
-        small = stages::find_range(shrunk_pair(pair, by, threads), shrunk, threads);
+        stages::FoundRange small = stages::find_range(shrunk_pair(pair, by, threads), {}, shrunk, threads);
+        shrunk_end_px = small.config.min_disparity_px + small.config.num_disparities_px;
         const PixelRect middle = stages::middle_of(width, height);
         const auto read = [&](const windows::PictureWindows& picture) {
             return picture.read(middle.x, middle.y, middle.width, middle.height);
         };
         whole.correction = stages::find_correction(small.coarse, read(pair.left), read(pair.right));
         if (std::isnan(ranged.farthest_px)) ranged.farthest_px = by * small.config.farthest_px;
+        whole.coarse = std::move(small.coarse);
     }
     if (const int by_calibration = job::num_disparities_by(calibration, config, width); by_calibration > 0) {
-        origin = checks::RangeOrigin::ndisp;
+        whole.origin = checks::RangeOrigin::ndisp;
         ranged.num_disparities_px = by_calibration;
     } else if (config.num_disparities_px == 0) {
-        origin = checks::RangeOrigin::chosen;
+        whole.origin = checks::RangeOrigin::chosen;
         ranged.num_disparities_px =
-            is_narrow ? width : num_disparities_of_whole(small.config, by, config, width);
+            is_narrow ? width : num_disparities_of_whole(shrunk_end_px, by, config, width);
         if (by > 1 && !is_narrow) how = " at 1/" + std::to_string(by) + " of its size";
     }
     stages::check_matchable(sizes, ranged);
     stages::DisparityConfig rounded = ranged;
     rounded.num_disparities_px = stages::round_up_range(ranged.num_disparities_px);
-    log.decide(job::range_text(rounded, origin) + how);
+    log.decide(job::range_text(rounded, whole.origin) + how);
     return whole;
 }
 

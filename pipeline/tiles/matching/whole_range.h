@@ -13,16 +13,12 @@ struct PairWindows {
     const windows::PictureWindows &left, &right;
 };
 
-struct WholePair {
-    stages::DisparityConfig config;  // with the range
-    stages::PairCorrection correction;
-};
-
-// Finds the settings. The range is the configuration's own, else the calibration's, else the one found in the
-// whole pair, shrunk by an integer factor if it has more than 16 Mpx. The light is found in this pair, the
-// noise in the middle of the full-size pictures. For pairs that are not shrunk the range is that of
-// choose_range(). Writes the range to the log. Throws what check_matchable() throws.
-WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
-                        const stages::DisparityConfig& config, int threads, job::RunLog& log);
+// The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
+// by a whole number where it has more than 16 Mpx; the light is that of this pair, the noise that of the
+// whole one's middle. Pairs that are not shrunk get what find_range() gives, but for a range that is not
+// rounded up; of others `coarse` is that of the shrunk pair. Tells the log of it. Throws as
+// check_matchable().
+stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibration& calibration,
+                                       const stages::DisparityConfig& config, int threads, job::RunLog& log);
 
 }  // namespace hexrelief::tiles

@@ -22,7 +22,7 @@ job::RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
     job::RunRequest request;
-    request.disparity = words[1];
+    request.source = job::DisparityFiles{words[1]};
     request.outputs = {words[0] + ".drc"};
     request.report = words[0] + ".json";
     config::apply_setting(request.config, "mesh.spacing_px=24");

@@ -58,7 +58,7 @@ TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
     rule.learn(100, 300);
     EXPECT_EQ(rule.expected(100), 300u);
     job::RunRequest request;
-    request.left = test::sample("left.png");  // 320 x 240
+    request.source = job::PairFiles{test::sample("left.png"), test::sample("right.png")};  // 320 x 240
     EXPECT_EQ(job::estimated_memory(request), (40u << 20) + 320 * 240 * 150);
     EXPECT_GT(memory_to_use(), 1u << 20);
 }

@@ -33,12 +33,14 @@ std::vector<Mistake> mistakes_in(const std::vector<Finding>& findings) {
     return result;
 }
 
-std::vector<Finding> judge(const StereoPair& pair, const SearchedRange& range = {}) {
-    return check_pair(pair, stages::match_coarsely(pair, range.min_px, 1), range, 1);
+std::vector<Finding> judge(const StereoPair& pair, const matching::DisparityRange& range = {},
+                           stages::RangeOrigin origin = stages::RangeOrigin::chosen) {
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, 1), range, origin, 1);
 }
 
-std::vector<Mistake> found(const StereoPair& pair, const SearchedRange& range = {}) {
-    return mistakes_in(judge(pair, range));
+std::vector<Mistake> found(const StereoPair& pair, const matching::DisparityRange& range = {},
+                           stages::RangeOrigin origin = stages::RangeOrigin::chosen) {
+    return mistakes_in(judge(pair, range, origin));
 }
 
 using List = std::vector<Mistake>;
@@ -47,11 +49,11 @@ TEST(CheckPair, SaysNothingOfARightPair) {
     const auto& [left, right] = scene().pair;
     EXPECT_EQ(found(scene().pair), List{});
     EXPECT_EQ(found({left, mistakes::exposed(right, 1.4, 1)}), List{});
-    EXPECT_EQ(found(scene().pair, {0, 48, RangeOrigin::given}), List{});
+    EXPECT_EQ(found(scene().pair, {0, 48}, stages::RangeOrigin::given), List{});
 }
 
 TEST(CheckPair, NoticesSwappedViews) {
-    const auto findings = judge({scene().pair.right, scene().pair.left}, {0, 16, RangeOrigin::given});
+    const auto findings = judge({scene().pair.right, scene().pair.left}, {0, 16}, stages::RangeOrigin::given);
     ASSERT_EQ(mistakes_in(findings), List{Mistake::views_swapped}) << "and nothing of the range";
     EXPECT_NE(findings[0].text.find("exchange --left and --right"), std::string::npos) << findings[0].text;
 }
@@ -59,10 +61,10 @@ TEST(CheckPair, NoticesSwappedViews) {
 TEST(CheckPair, NoticesOnePictureGivenTwice) {
     const Image &left = scene().pair.left, &right = scene().pair.right;
     EXPECT_EQ(found({left, left}), List{Mistake::views_equal});
-    EXPECT_EQ(found({left, left}, {0, 192, RangeOrigin::ndisp}), List{Mistake::views_equal})
+    EXPECT_EQ(found({left, left}, {0, 192}, stages::RangeOrigin::ndisp), List{Mistake::views_equal})
         << "and nothing of the range";
     EXPECT_EQ(found({left, mistakes::as_stored(left, 60)}), List{Mistake::views_equal});
-    EXPECT_EQ(found({right, mistakes::as_stored(right, 90)}, {-32, 64, RangeOrigin::given}),
+    EXPECT_EQ(found({right, mistakes::as_stored(right, 90)}, {-32, 64}, stages::RangeOrigin::given),
               List{Mistake::views_equal});
     EXPECT_EQ(found({left, mistakes::shifted(left, -1, 0)}), List{})
         << "a wall, a pixel nearer than infinity";
@@ -88,11 +90,11 @@ TEST(CheckPair, NoticesPicturesThatDoNotMatch) {
 
 TEST(CheckPair, NoticesARangeThatDoesNotFit) {
     const StereoPair& pair = scene().pair;
-    EXPECT_EQ(found(pair, {0, 16, RangeOrigin::given}), List{Mistake::range_ends_low});
-    EXPECT_EQ(found(pair, {0, 192, RangeOrigin::ndisp}), List{Mistake::range_wide});
-    EXPECT_EQ(found(pair, {0, 192, RangeOrigin::chosen}), List{}) << "the program's own choice";
+    EXPECT_EQ(found(pair, {0, 16}, stages::RangeOrigin::given), List{Mistake::range_ends_low});
+    EXPECT_EQ(found(pair, {0, 192}, stages::RangeOrigin::ndisp), List{Mistake::range_wide});
+    EXPECT_EQ(found(pair, {0, 192}, stages::RangeOrigin::chosen), List{}) << "the program's own choice";
     EXPECT_EQ(found({pair.left, mistakes::shifted(pair.right, 16, 0)}), List{Mistake::range_begins_high});
-    EXPECT_EQ(found({pair.left, mistakes::shifted(pair.right, 16, 0)}, {-32, 64, RangeOrigin::given}),
+    EXPECT_EQ(found({pair.left, mistakes::shifted(pair.right, 16, 0)}, {-32, 64}, stages::RangeOrigin::given),
               List{});
 }
 

@@ -25,8 +25,9 @@ namespace {
 
 constexpr int kThreads = 1;
 
-Findings judge(const StereoPair& pair, const SearchedRange& range = {}) {
-    return check_pair(pair, stages::match_coarsely(pair, range.min_px, kThreads), range, kThreads);
+Findings judge(const StereoPair& pair, const matching::DisparityRange& range = {},
+               stages::RangeOrigin origin = stages::RangeOrigin::chosen) {
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, kThreads), range, origin, kThreads);
 }
 
 // Checks a map whose samples were read with the scene's own scale.
@@ -122,7 +123,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
                      checks::kSwappedAgreement);
     }
     wrong_rows(scene, table);
-    const Image grey = plain(left, 120, 2, 1), black = plain(left, 3, 3, 1);
+    const Image grey = plain(left, 120, 2, 1), black = config::plain(left, 3, 3, 1);
     table.add("grey pictures with noise", scene.name, judge({grey, plain(right, 120, 2, 2)}),
               {Mistake::no_texture});
     table.add("black pictures with noise", scene.name, judge({black, plain(right, 3, 3, 2)}),
@@ -155,7 +156,7 @@ void unrelated_pairs(const std::vector<TestScene>& scenes, Table& table) {
 void ranges(const TestScene& scene, Table& table) {
     const int right = rounded_up(scene.largest_px + 1);
     const auto judge_range = [&](int min_px, int count) {
-        return judge(scene.pair, {min_px, count, RangeOrigin::given});
+        return judge(scene.pair, {min_px, count}, stages::RangeOrigin::given);
     };
     table.add("right range given", scene.name, judge_range(0, right), {});
     table.add("right range and a half given", scene.name, judge_range(0, rounded_up(1.5 * right)), {});

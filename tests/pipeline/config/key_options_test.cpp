@@ -11,7 +11,7 @@
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 using test::run_program;
@@ -73,7 +73,7 @@ TEST(KeyOptions, AreKeysOfManifests) {
     for (const Field& row : rows_with_options()) {
         const std::string &flag = row.option.flag, value = some_value(row);
         test::write_text(folder / "m.csv", "name," + flag.substr(2) + "\na," + value + "\n");
-        const std::vector<BatchUnit> units = read_manifest(folder / "m.csv", {.output = "out"});
+        const std::vector<batch::BatchUnit> units = batch::read_manifest(folder / "m.csv", {.output = "out"});
         ASSERT_EQ(units.size(), 1u);
         EXPECT_EQ(units[0].wrong, "") << flag;
         const bool is_flag = row.type == FieldType::boolean, is_file = row.type == FieldType::file;
@@ -123,4 +123,4 @@ TEST(KeyOptions, OfOneFlagGoWithFilesOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -9,7 +9,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/disparity_reader.h"
 
-namespace hexrelief {
+namespace hexrelief::config {
 namespace {
 
 // Numbers whose stage takes any: a limit beyond what is searched, the optional filter's weights, a sample.
@@ -38,10 +38,10 @@ bool stages_take(const Field& field, double number) {
     Config config;
     field.set(config, value_of(field, number));
     try {
-        const Image wide{2 * kLargestRange_px, 1, 1, {}};
-        check_matchable({wide, wide}, config.disparity);
+        const Image wide{2 * stages::kLargestRange_px, 1, 1, {}};
+        stages::check_matchable({wide, wide}, config.disparity);
         const DisparityMap map{8, 8, std::vector<float>(64, 5.0F)};
-        compute_density(map, config.density);
+        stages::compute_density(map, config.density);
         codec::Raster raster;
         raster.width = 1, raster.height = 1;
         raster.samples = std::vector<float>{5};
@@ -79,9 +79,9 @@ TEST(Ranges, OfTheTableAreThoseOfTheStages) {
 }
 
 TEST(Ranges, WhatTheMatcherCannotSearchIsRefusedByTheTable) {
-    EXPECT_FALSE(table_takes(*find_field("disparity.num_disparities_px"), kLargestRange_px + 1));
-    EXPECT_FALSE(table_takes(*find_field("disparity.min_disparity_px"), -kLargestRange_px));
+    EXPECT_FALSE(table_takes(*find_field("disparity.num_disparities_px"), stages::kLargestRange_px + 1));
+    EXPECT_FALSE(table_takes(*find_field("disparity.min_disparity_px"), -stages::kLargestRange_px));
 }
 
 }  // namespace
-}  // namespace hexrelief
+}  // namespace hexrelief::config

@@ -10,9 +10,10 @@ namespace hexrelief::job {
 namespace {
 
 TEST(Backend, CpuIsAlwaysThere) {
-    const Backend backend = pick_backend(config::BackendChoice::cpu, 1, MeshMethod::cellular);
-    EXPECT_EQ(backend.name, "cpu");
-    EXPECT_FALSE(backend.device.empty());
+    const BackendPointer backend = pick_backend(config::BackendChoice::cpu, 1);
+    EXPECT_EQ(backend->name(), "cpu");
+    EXPECT_EQ(backend->threads(), 1);
+    EXPECT_FALSE(backend->device().empty());
     ASSERT_FALSE(list_devices().empty());
     EXPECT_EQ(list_devices().front().backend, "cpu");
 }
@@ -32,19 +33,21 @@ TEST(Backend, CudaIsADeviceErrorWhereItIsNotBuiltIn) {
         EXPECT_EQ(e.kind(), ErrorKind::device);
         EXPECT_NE(std::string(e.what()).find("built without CUDA"), std::string::npos);
     }
-    EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::cellular).name, "cpu");
+    EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::cellular)->name(), "cpu");
 }
 #endif
 
 TEST(Backend, AutoTakesTheCpuForWhatOnlyItCanDo) {
-    EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::sequential).name, "cpu");
+    EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::sequential)->name(), "cpu");
 }
 
 TEST(Backend, KeptOnesAreThoseOfTheSameRequest) {
-    const BackendPicker pick = keep_backends();
-    EXPECT_EQ(pick(config::BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
-    EXPECT_EQ(pick(config::BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
-    EXPECT_EQ(pick(config::BackendChoice::cpu, 2, MeshMethod::sequential).name, "cpu");
+    Backends backends;
+    const BackendPointer first = backends.get(config::BackendChoice::cpu, 1);
+    EXPECT_EQ(first->name(), "cpu");
+    EXPECT_EQ(backends.get(config::BackendChoice::cpu, 1), first);
+    EXPECT_NE(backends.get(config::BackendChoice::cpu, 2, MeshMethod::sequential), first);
+    EXPECT_FALSE(backends.ends_with_run());
 }
 
 }  // namespace

@@ -15,6 +15,8 @@
 namespace hexrelief::job {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct DepthScene {
     Calibration camera;
     DisparityMap disparities;
@@ -42,6 +44,20 @@ void write_floats(const std::string& path, const DisparityMap& size, const std::
     test::write_text(path, pfm);
 }
 
+// The scene's depths as a file.
+DepthFiles depth_file(const test::TemporaryFolder& folder, const DepthScene& scene) {
+    write_floats(folder / "z.pfm", scene.disparities, scene.depths);
+    return {folder / "z.pfm"};
+}
+
+double triangles(const RunReport& report) {
+    return static_cast<double>(report.relief->surface.mesh.triangles.size());
+}
+
+Bounds bounds(const RunReport& report) {
+    return report.relief->surface.bounds;
+}
+
 RunRequest request_for(const test::TemporaryFolder& folder) {
     RunRequest request;
     request.config.input.calibration.file = test::sample("calib.txt");
@@ -55,20 +71,19 @@ TEST(DepthInput, ADepthMapGivesTheMeshOfItsDisparityMap) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();
     RunRequest request = request_for(folder);
-    request.disparity = test::sample("disparity.pfm");
-    const RunReport expected = run_job(request, {});
-    request.disparity.clear();
-    request.depth = folder / "z.pfm";
-    write_floats(request.depth, scene.disparities, scene.depths);
-    const RunReport report = run_job(request, {});
-    EXPECT_EQ(report.inputs.front().role, "depth");
-    EXPECT_EQ(report.calibration.baseline_m, scene.camera.baseline_m);
-    EXPECT_TRUE(report.calibration.metric);
-    EXPECT_NEAR(static_cast<double>(report.triangles), static_cast<double>(expected.triangles),
-                0.002 * static_cast<double>(expected.triangles));
-    EXPECT_NEAR(report.surface_quality.rmse_near_px, expected.surface_quality.rmse_near_px, 0.01);
-    EXPECT_NEAR(report.bounds.low.z, expected.bounds.low.z, 1e-3 * std::abs(expected.bounds.low.z));
-    EXPECT_NEAR(report.bounds.high.x, expected.bounds.high.x, 1e-3 * std::abs(expected.bounds.high.x));
+    request.source = DisparityFiles{test::sample("disparity.pfm")};
+    const RunReport expected = run_job(request);
+    request.source = depth_file(folder, scene);
+    const RunReport report = run_job(request);
+    const RunInput& input = report.relief->input;
+    EXPECT_EQ(input.files.front().role, "depth");
+    EXPECT_EQ(input.calibration.baseline_m, scene.camera.baseline_m);
+    EXPECT_TRUE(input.calibration.metric);
+    EXPECT_NEAR(triangles(report), triangles(expected), 0.002 * triangles(expected));
+    EXPECT_NEAR(report.measures->quality.rmse_near_px, expected.measures->quality.rmse_near_px, 0.01);
+    const Bounds there = bounds(report), here = bounds(expected);
+    EXPECT_NEAR(there.low.z, here.low.z, 1e-3 * std::abs(here.low.z));
+    EXPECT_NEAR(there.high.x, here.high.x, 1e-3 * std::abs(here.high.x));
 }
 
 // The camera's doffs says nothing about depths.
@@ -76,15 +91,15 @@ TEST(DepthInput, FarDepthsAreThereWhateverTheDoffs) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();
     RunRequest request = request_for(folder);
-    request.depth = folder / "z.pfm";
-    write_floats(request.depth, scene.disparities, scene.depths);
+    request.source = depth_file(folder, scene);
     request.config.input.calibration.doffs_px = 0;
-    const RunReport expected = run_job(request, {});
+    const RunReport expected = run_job(request);
     request.config.input.calibration.doffs_px = 100;
-    const RunReport report = run_job(request, {});
-    EXPECT_EQ(report.calibration.doffs_px, 0);
-    EXPECT_NEAR(static_cast<double>(report.triangles), static_cast<double>(expected.triangles), 3);
-    EXPECT_NEAR(report.bounds.low.z, expected.bounds.low.z, 1e-4 * std::abs(expected.bounds.low.z));
+    const RunReport report = run_job(request);
+    EXPECT_EQ(report.relief->input.calibration.doffs_px, 0);
+    EXPECT_NEAR(triangles(report), triangles(expected), 3);
+    const double deepest = bounds(expected).low.z;
+    EXPECT_NEAR(bounds(report).low.z, deepest, 1e-4 * std::abs(deepest));
 }
 
 TEST(DepthInput, DisparitiesMayReachDownToMinusDoffs) {
@@ -93,19 +108,19 @@ TEST(DepthInput, DisparitiesMayReachDownToMinusDoffs) {
     for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(20 + (i % 60) / 2);
     test::write_text(folder / "d.pgm", pgm);
     RunRequest request;
-    request.disparity = folder / "d.pgm";
+    request.source = DisparityFiles{folder / "d.pgm"};
     request.outputs = {folder / "a.ply"};
     request.config.input.disparity.scale = 1;
     request.config.disparity.dequantize = stages::Dequantization::none;
     request.config.input.calibration.focal_px = 60;
     request.config.input.calibration.baseline_m = 0.1;
     request.config.input.calibration.doffs_px = 0;
-    const RunReport expected = run_job(request, {});
+    const RunReport expected = run_job(request);
     request.config.input.disparity.offset_px = -30;
     request.config.input.calibration.doffs_px = 30;
-    const RunReport report = run_job(request, {});
+    const RunReport report = run_job(request);
     EXPECT_EQ(report.outputs.at(0).sha256, expected.outputs.at(0).sha256);
-    EXPECT_EQ(report.calibration.doffs_px, 0);
+    EXPECT_EQ(report.relief->input.calibration.doffs_px, 0);
     EXPECT_EQ(report.shares.foreground, 1);
 }
 
@@ -116,23 +131,23 @@ TEST(DepthInput, AFocalLengthIsEnoughForAMetricMesh) {
     RunRequest request = request_for(folder);
     request.config.input.calibration = {};
     request.config.input.calibration.focal_px = scene.camera.focal_px;
-    request.depth = folder / "z.pfm";
-    write_floats(request.depth, scene.disparities, scene.depths);
+    request.source = depth_file(folder, scene);
     std::string said;
-    RunObserver observer;
-    observer.decides = [&](const std::string& decision) { said += decision + "\n"; };
-    const RunReport report = run_job(request, observer);
+    RunLog log;
+    log.decides = [&](const std::string& decision) { said += decision + "\n"; };
+    Backends backends;
+    const RunReport report = run_job(request, backends, log);
     EXPECT_TRUE(report.warnings.empty()) << report.warnings.front();
-    EXPECT_TRUE(report.calibration.metric);
+    EXPECT_TRUE(report.relief->input.calibration.metric);
     float nearest = kUnknownDepth;
     for (const float depth : scene.depths)
         if (depth > 0) nearest = std::min(nearest, depth);
-    EXPECT_NEAR(report.calibration.baseline_m, 0.125 * nearest, 0.01 * nearest);
-    EXPECT_NEAR(-report.bounds.high.z, nearest, 0.01 * nearest);
+    EXPECT_NEAR(report.relief->input.calibration.baseline_m, 0.125 * nearest, 0.01 * nearest);
+    EXPECT_NEAR(-bounds(report).high.z, nearest, 0.01 * nearest);
     EXPECT_NE(said.find("depth: floats, m; "), std::string::npos) << said;
     EXPECT_NE(said.find("of a baseline of"), std::string::npos) << said;
     const auto json = nlohmann::json::parse(report_json(report));
-    EXPECT_EQ(json["input"]["calibration"]["baseline_m"], report.calibration.baseline_m);
+    EXPECT_EQ(json["input"]["calibration"]["baseline_m"], report.relief->input.calibration.baseline_m);
     const auto& believed = json["input"]["believed"];
     EXPECT_EQ(believed["depth"], "floats, m");
     EXPECT_EQ(believed["focal"], "input.calibration.focal_px");
@@ -143,19 +158,18 @@ TEST(DepthInput, WithoutFocalLengthOrWithRelativeDepthsTheMeshIsRelative) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();
     RunRequest request = request_for(folder);
-    request.depth = folder / "z.pfm";
-    write_floats(request.depth, scene.disparities, scene.depths);
+    request.source = depth_file(folder, scene);
     request.config.input.calibration = {};
-    const RunReport guessed = run_job(request, {});
-    EXPECT_FALSE(guessed.calibration.metric);
-    EXPECT_EQ(guessed.calibration.focal_px, scene.disparities.width);
+    const RunReport guessed = run_job(request);
+    EXPECT_FALSE(guessed.relief->input.calibration.metric);
+    EXPECT_EQ(guessed.relief->input.calibration.focal_px, scene.disparities.width);
     ASSERT_EQ(guessed.warnings.size(), 1u);
     EXPECT_NE(guessed.warnings[0].find("focal length"), std::string::npos) << guessed.warnings[0];
     request.config = request_for(folder).config;
     request.config.input.depth.kind = readers::DepthKind::affine_inverse;
-    const RunReport relative = run_job(request, {});
-    EXPECT_FALSE(relative.calibration.metric);
-    EXPECT_NEAR(-relative.bounds.low.z, 10, 0.5);
+    const RunReport relative = run_job(request);
+    EXPECT_FALSE(relative.relief->input.calibration.metric);
+    EXPECT_NEAR(-bounds(relative).low.z, 10, 0.5);
 }
 
 // A black right half leaves the left one, in maps and in pairs.
@@ -168,52 +182,47 @@ TEST(MaskInput, WhatItHidesHasNoMesh) {
         pgm += i % (size.width / 2) < size.width / 4 ? '\xff' : '\0';
     test::write_text(folder / "mask.pgm", pgm);
     RunRequest request = request_for(folder);
-    request.disparity = test::sample("disparity.pfm");
-    const RunReport whole = run_job(request, {});
-    request.mask = folder / "mask.pgm";
-    const RunReport masked = run_job(request, {});
-    EXPECT_LT(masked.bounds.high.x, 0.2 * whole.bounds.high.x);
-    EXPECT_NEAR(masked.bounds.low.x, whole.bounds.low.x, 0.05 * std::abs(whole.bounds.low.x));
-    EXPECT_EQ(masked.inputs.back().role, "mask");
-    request.confidence = folder / "mask.pgm";
-    request.mask.clear();
-    EXPECT_EQ(run_job(request, {}).outputs[0].sha256, masked.outputs[0].sha256);
-    request.confidence.clear();
-    request.mask = folder / "mask.pgm";
-    request.disparity.clear();
-    request.left = test::sample("left.png");
-    request.right = test::sample("right.png");
-    EXPECT_LT(run_job(request, {}).bounds.high.x, 0.2 * whole.bounds.high.x);
+    const fs::path map = test::sample("disparity.pfm"), mask = folder / "mask.pgm";
+    request.source = DisparityFiles{map};
+    const Bounds whole = bounds(run_job(request));
+    request.source = DisparityFiles{.map = map, .mask = mask};
+    const RunReport masked = run_job(request);
+    EXPECT_LT(bounds(masked).high.x, 0.2 * whole.high.x);
+    EXPECT_NEAR(bounds(masked).low.x, whole.low.x, 0.05 * std::abs(whole.low.x));
+    EXPECT_EQ(masked.relief->input.files.back().role, "mask");
+    request.source = DisparityFiles{.map = map, .confidence = mask};
+    EXPECT_EQ(run_job(request).outputs[0].sha256, masked.outputs[0].sha256);
+    request.source = PairFiles{test::sample("left.png"), test::sample("right.png"), mask};
+    EXPECT_LT(bounds(run_job(request)).high.x, 0.2 * whole.high.x);
 }
 
 TEST(MaskInput, WhatIsTransparentInThePictureIsUnknown) {
-    const RunObserver observer;
-    RunLog log(observer);
-    RunRequest request;
+    RunLog log;
+    config::InputConfig config;
+    const auto read = [&](const Source& source) { return read_input(source, config, {}, 1, log); };
     // The picture has twice the map's size; its left half is transparent.
     Image picture{4, 2, 1, std::vector<std::uint8_t>(8, 100), {0, 127, 128, 255, 0, 0, 255, 255}};
     const DisparityMap map{2, 1, {5, 6}};
-    RunInput input = take_map({.disparity = map, .color = picture}, request, log);
-    EXPECT_EQ(input.map.values, (std::vector<float>{kUnknownDisparity, 6}));
+    const RunInput input = read(DisparityArrays{map, picture});
+    EXPECT_EQ(input.map()->disparities.values, (std::vector<float>{kUnknownDisparity, 6}));
     EXPECT_EQ(input.mask.kept, (std::vector<std::uint8_t>{0, 1}));
-    EXPECT_EQ(take_pair({picture, picture}, request, log).mask.kept,
+    EXPECT_EQ(read(PairArrays{{picture, picture}}).mask.kept,
               (std::vector<std::uint8_t>{0, 0, 1, 1, 0, 0, 1, 1}));
-    request.config.input.mask.alpha = false;
-    EXPECT_EQ(take_map({.disparity = map, .color = picture}, request, log).map.values, map.values);
-    request.config.input.mask.alpha = true;
+    config.mask.alpha = false;
+    EXPECT_EQ(read(DisparityArrays{map, picture}).map()->disparities.values, map.values);
+    config.mask.alpha = true;
     picture.alpha.assign(8, 0);
-    EXPECT_THROW(take_map({.disparity = map, .color = picture}, request, log), Error);
+    EXPECT_THROW(read(DisparityArrays{map, picture}), Error);
 }
 
 TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();
     RunRequest request = request_for(folder);
-    request.depth = folder / "z.pfm";
-    write_floats(request.depth, scene.disparities, scene.depths);
+    request.source = depth_file(folder, scene);
     request.config.input.depth.far_m = 1e-3;
     try {
-        run_job(request, {});
+        run_job(request);
         ADD_FAILURE() << "nothing was thrown";
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::input);

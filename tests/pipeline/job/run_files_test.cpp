@@ -23,7 +23,7 @@ std::string refusal_of(const RunRequest& request) {
 
 class RunFiles : public testing::Test {
   protected:
-    RunFiles() { request_.disparity = test::sample("disparity.pfm"); }
+    RunFiles() { request_.source = DisparityFiles{test::sample("disparity.pfm")}; }
 
     void expect_one_file(const std::string& one, const std::string& other) const {
         const std::string refusal = refusal_of(request_);
@@ -76,6 +76,20 @@ TEST_F(RunFiles, LinksAreSeenThrough) {
 TEST_F(RunFiles, OutputsMayShareATexture) {
     request_.outputs = {folder_ / "a.obj", folder_ / "a.gltf"};
     EXPECT_EQ(refusal_of(request_), "");
+}
+
+// By their roles, the main one first; what is in memory has none.
+TEST_F(RunFiles, FilesOfASource) {
+    const auto roles = [](const Source& source) {
+        std::string all;
+        for (const InputFile& file : files_of(source)) all += file.role + " " + file.path + ", ";
+        return all;
+    };
+    EXPECT_EQ(roles(PairFiles{"l", "r", "m"}), "left l, right r, mask m, ");
+    EXPECT_EQ(roles(StereoFile{"s"}), "stereo s, ");
+    EXPECT_EQ(roles(DisparityFiles{"d", "c", "m", "f"}), "disparity d, color c, mask m, confidence f, ");
+    EXPECT_EQ(roles(DepthFiles{.map = "z", .confidence = "f"}), "depth z, confidence f, ");
+    EXPECT_EQ(roles(PairArrays{}) + roles(DisparityArrays{}) + roles(DepthArrays{}), "");
 }
 
 TEST_F(RunFiles, NoInputIsOverwritten) {

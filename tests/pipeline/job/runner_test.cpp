@@ -10,27 +10,19 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/image_reader.h"
+#include "tests/pipeline/job/tested_backends.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::job {
 namespace {
 
-// The CPU, but with a device's clock: each cut takes a second more than the one before.
-Backend clocked_backend(config::BackendChoice, int threads, MeshMethod method) {
-    Backend backend = pick_backend(config::BackendChoice::cpu, threads, method);
-    const auto cuts = std::make_shared<int>(0);
-    backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](
-                                     const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
-        surface::DisparityMeshResult result = cut(input, config);
-        result.device_s = ++*cuts;
-        return result;
-    };
-    return backend;
-}
+using test::ClockedBackend;
+using test::FailingBackend;
+using test::Fails;
 
 RunRequest sample_request(const test::TemporaryFolder& folder) {
     RunRequest request;
-    request.disparity = test::sample("disparity.pfm");
+    request.source = DisparityFiles{test::sample("disparity.pfm")};
     request.config.input.calibration.file = test::sample("calib.txt");
     request.config.mesh.spacing_px = 12;
     request.outputs = {folder / "a.glb"};
@@ -41,51 +33,26 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
     const test::TemporaryFolder folder;
     RunRequest request = sample_request(folder);
     request.config.exporting.lod = 3;
-    const RunReport report = run_job(request, {}, clocked_backend);
-    ASSERT_EQ(report.levels.size(), 2u);
-    EXPECT_EQ(report.device_surface_s, 1);
+    Backends backends(std::make_shared<ClockedBackend>());
+    RunLog log;
+    const RunReport report = run_job(request, backends, log);
+    ASSERT_EQ(report.coarser.size(), 2u);
+    EXPECT_EQ(report.relief->surface.device_s, 1);
     const auto json = nlohmann::json::parse(report_json(report));
     EXPECT_EQ(json["mesh"]["device_surface_seconds"], 1);
     EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
 }
 
-enum class Fails { matching, solving, cutting };
-
-// The CPU in the place of a device that fails at `when`.
-BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
-    return [when, kind](config::BackendChoice, int threads, MeshMethod method) {
-        Backend backend = pick_backend(config::BackendChoice::cpu, threads, method);
-        backend.name = "cuda";
-        const auto fail = [kind] { throw Error(kind, "backend cuda: training: unspecified launch failure"); };
-        using Result = mesher::MeshResult;
-        if (when == Fails::matching)
-            backend.match_pair = [fail, match = backend.match_pair](const StereoPair& pair,
-                                                                    const matching::MatchingConfig& config) {
-                fail();
-                return match(pair, config);
-            };
-        if (when == Fails::solving)
-            backend.solve_mesh = [fail](const DensityMap&, const DisparityMap&, const MeshConfig&,
-                                        const ProgressFunction& progress) -> Result {
-                progress(0.5);
-                fail();
-                return {};
-            };
-        if (when == Fails::cutting)
-            backend.cut_disparity_mesh = [fail](const surface::DisparityMeshInput&,
-                                                const SurfaceConfig&) -> surface::DisparityMeshResult {
-                fail();
-                return {};
-            };
-        return backend;
-    };
+// A job on a device that fails at `when`.
+RunReport run_failing(const RunRequest& request, RunLog& log, Fails when,
+                      ErrorKind kind = ErrorKind::device) {
+    Backends backends(std::make_shared<FailingBackend>(when, kind));
+    return run_job(request, backends, log);
 }
 
 RunRequest pair_request(const test::TemporaryFolder& folder) {
     RunRequest request = sample_request(folder);
-    request.disparity.clear();
-    request.left = test::sample("left.png");
-    request.right = test::sample("right.png");
+    request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
     request.jobs = 1000;  // so many that auto takes a device
     return request;
 }
@@ -93,36 +60,38 @@ RunRequest pair_request(const test::TemporaryFolder& folder) {
 TEST(Runner, UnderAutoTheCpuGoesOnForADeviceThatFails) {
     const test::TemporaryFolder folder;
     RunRequest request = pair_request(folder);
-    run_job(request, {});
+    run_job(request);
     const std::string expected = test::read_text(folder / "a.glb");
     for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
         std::vector<std::string> told;
-        RunObserver observer;
-        observer.warns = [&](const std::string& warning) {
+        RunLog log;
+        log.warns = [&](const std::string& warning) {
             if (warning.find("backend") != std::string::npos) told.push_back(warning);
         };
         request.config.exporting.lod = 1;
-        const RunReport report = run_job(request, observer, failing_device(when));
+        const RunReport report = run_failing(request, log, when);
         EXPECT_EQ(told, std::vector<std::string>{
                             "backend cuda: training: unspecified launch failure; the CPU goes on"});
-        EXPECT_EQ(report.backend, "cpu");
-        EXPECT_NE(report.backend_reason.find("but the device failed"), std::string::npos);
+        const auto json = nlohmann::json::parse(report_json(report));
+        EXPECT_EQ(json["backend"], "cpu");
+        EXPECT_NE(json["device"], "a test's");
+        EXPECT_NE(json["backend_reason"].get<std::string>().find("but the device failed"), std::string::npos);
         EXPECT_EQ(test::read_text(folder / "a.glb"), expected);
     }
-    EXPECT_THROW(run_job(request, {}, failing_device(Fails::cutting, ErrorKind::input)), Error)
+    RunLog log;
+    EXPECT_THROW(run_failing(request, log, Fails::cutting, ErrorKind::input), Error)
         << "other errors are the run's own";
 }
 
 TEST(Runner, ADeviceThatDoesNotStartIsTold) {
     const test::TemporaryFolder folder;
     std::vector<std::string> told;
-    RunObserver observer;
-    observer.warns = [&](const std::string& warning) { told.push_back(warning); };
-    run_job(pair_request(folder), observer, [](config::BackendChoice, int threads, MeshMethod method) {
-        Backend cpu = pick_backend(config::BackendChoice::cpu, threads, method);
-        cpu.missed = "backend cuda: too little device memory";
-        return cpu;
-    });
+    RunLog log;
+    log.warns = [&](const std::string& warning) { told.push_back(warning); };
+    const BackendPointer cpu = pick_backend(config::BackendChoice::cpu, 1);
+    cpu->missed = "backend cuda: too little device memory";
+    Backends backends(cpu);
+    run_job(pair_request(folder), backends, log);
     EXPECT_EQ(std::count(told.begin(), told.end(), "backend cuda: too little device memory; the CPU goes on"),
               1);
 }
@@ -132,8 +101,9 @@ TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
     RunRequest request = pair_request(folder);
     request.config.run.backend = config::BackendChoice::cuda;
     for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
+        RunLog log;
         try {
-            run_job(request, {}, failing_device(when));
+            run_failing(request, log, when);
             ADD_FAILURE() << "the device has failed";
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::device);
@@ -148,14 +118,13 @@ TEST(Runner, TheCalibrationSaysTheRange) {
     Calibration calibration = readers::read_calibration(test::sample("calib.txt"));
     ASSERT_EQ(calibration.ndisp_px, 48);
     std::string said;
-    RunObserver observer;
-    observer.decides = [&](const std::string& decision) { said = decision; };
-    const RunLog log(observer);
     const auto searched = [&](int min_px, int count_px) {
         stages::DisparityConfig config;
         config.min_disparity_px = min_px;
         config.num_disparities_px = count_px;
-        return choose_range(pair, calibration, config, 1, log).config.num_disparities_px;
+        const stages::FoundRange range = stages::find_range(pair, calibration, config, 1);
+        said = range_text(range.config, range.origin);
+        return range.config.num_disparities_px;
     };
     EXPECT_EQ(searched(0, 0), 48);
     EXPECT_EQ(said, "disparity: 48 px searched from 0 px on, by the calibration's ndisp");
@@ -176,10 +145,11 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     request.report = folder / "r.json";
     request.stages_folder = folder / "stages";
     std::vector<std::string> begun, ended, timed;
-    RunObserver observer;
-    observer.stage_begins = [&](const std::string& stage) { begun.push_back(stage); };
-    observer.stage_ends = [&](const std::string& stage, double) { ended.push_back(stage); };
-    const RunReport report = run_job(request, observer);
+    RunLog log;
+    log.stage_begins = [&](const std::string& stage) { begun.push_back(stage); };
+    log.stage_ends = [&](const std::string& stage, double) { ended.push_back(stage); };
+    Backends backends;
+    const RunReport report = run_job(request, backends, log);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
     EXPECT_EQ(begun, (std::vector<std::string>{"input", "checks", "device", "disparity", "density", "mesh",
                                                "surface", "quality", "tolerance", "measures", "levels",
@@ -203,20 +173,19 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     test::write_text(folder / "camera",
                      "{focal_px: 80, baseline_m: 0.1, cx: 31, cy: 24, width: 64, height: 48}");
     RunRequest request;
-    request.disparity = folder / "d.pfm";
-    request.color = folder / "c.ppm";
+    request.source = DisparityFiles{folder / "d.pfm", folder / "c.ppm"};
     request.config.input.calibration.file = folder / "camera";
     request.config.mesh.spacing_px = 4;
     request.config.exporting.texture = exporters::TextureFormat::png;
     request.config.exporting.texture_crop = false;
     request.outputs = {folder / "a.obj"};
-    const RunReport report = run_job(request, {});
-    EXPECT_EQ(report.width, 32);
-    EXPECT_EQ(report.calibration.focal_px, 40);
-    EXPECT_EQ(report.calibration.cx, 15.5);
+    const RunReport report = run_job(request);
+    EXPECT_EQ(report.relief->disparity.map.width, 32);
+    EXPECT_EQ(report.relief->input.calibration.focal_px, 40);
+    EXPECT_EQ(report.relief->input.calibration.cx, 15.5);
     EXPECT_EQ(readers::read_image(folder / "a_texture.png").width, 64);
     test::write_text(folder / "c.ppm", "P6\n64 52\n255\n" + std::string(64 * 52 * 3, 'x'));
-    EXPECT_THROW(run_job(request, {}), Error);
+    EXPECT_THROW(run_job(request), Error);
 }
 
 // The samples' cameras stand side by side already: rectifying them scales a little, and depths stay.
@@ -232,33 +201,32 @@ TEST(Runner, APairIsRectifiedByItsCalibration) {
                                               matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") +
                                               matrix("T", 3, 1, "-0.16, 0., 0."));
     RunRequest request;
-    request.left = test::sample("left.png");
-    request.right = test::sample("right.png");
+    request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
     request.config.mesh.spacing_px = 12;
     request.config.input.calibration.file = folder / "pair.yml";
     request.outputs = {folder / "a.glb"};
     request.stages_folder = folder / "stages";
-    const RunReport report = run_job(request, {});
-    EXPECT_NEAR(report.calibration.baseline_m, 0.16, 1e-9);
-    EXPECT_NEAR(report.calibration.focal_px, 320, 16);
-    EXPECT_NEAR(report.nearest(), 1.28, 0.1);
+    const RunReport report = run_job(request);
+    const Relief& rectified = *report.relief;
+    EXPECT_NEAR(rectified.input.calibration.baseline_m, 0.16, 1e-9);
+    EXPECT_NEAR(rectified.input.calibration.focal_px, 320, 16);
+    EXPECT_NEAR(rectified.surface.nearest(), 1.28, 0.1);
 
     // The saved pair and camera give the same again.
-    request.left = folder / "stages/left_rectified.png";
-    request.right = folder / "stages/right_rectified.png";
+    request.source = PairFiles{folder / "stages/left_rectified.png", folder / "stages/right_rectified.png"};
     request.config.input.calibration.file = folder / "stages/calib.txt";
     request.outputs = {folder / "b.glb"};
     request.stages_folder.clear();
-    const RunReport again = run_job(request, {});
-    EXPECT_EQ(again.calibration.focal_px, report.calibration.focal_px);
-    EXPECT_EQ(again.calibration.cx, report.calibration.cx);
-    EXPECT_EQ(again.bounds.low.z, report.bounds.low.z);
+    const RunReport again = run_job(request);
+    EXPECT_EQ(again.relief->input.calibration.focal_px, rectified.input.calibration.focal_px);
+    EXPECT_EQ(again.relief->input.calibration.cx, rectified.input.calibration.cx);
+    EXPECT_EQ(again.relief->surface.bounds.low.z, rectified.surface.bounds.low.z);
 
     request.config.input.calibration.file = folder / "pair.yml";
     request.stages_folder = folder / "stages";
-    EXPECT_THROW(run_job(request, {}), Error) << "would overwrite its input";
+    EXPECT_THROW(run_job(request), Error) << "would overwrite its input";
     request.config.input.calibration.rectify = readers::Rectify::never;
-    EXPECT_THROW(run_job(request, {}), Error) << "no rectified camera in the file";
+    EXPECT_THROW(run_job(request), Error) << "no rectified camera in the file";
 }
 
 TEST(Runner, AStereoFileIsAPair) {
@@ -273,20 +241,16 @@ TEST(Runner, AStereoFileIsAPair) {
                         3 * static_cast<std::size_t>(left.width));
     test::write_text(folder / "both.ppm", both);
     RunRequest request;
-    request.left = test::sample("left.png");
-    request.right = test::sample("right.png");
+    request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
     request.config.mesh.spacing_px = 12;
     request.config.input.calibration.file = test::sample("calib.txt");
     request.outputs = {folder / "a.ply"};
-    run_job(request, {});
-    request.stereo = folder / "both.ppm";
-    EXPECT_THROW(run_job(request, {}), Error) << "two pairs";
-    request.left.clear();
-    request.right.clear();
+    run_job(request);
+    request.source = StereoFile{folder / "both.ppm"};
     request.outputs = {folder / "b.ply"};
-    EXPECT_THROW(run_job(request, {}), Error) << "the layout is not said";
+    EXPECT_THROW(run_job(request), Error) << "the layout is not said";
     request.config.input.stereo.layout = readers::StereoLayout::side_by_side;
-    EXPECT_EQ(run_job(request, {}).inputs.at(0).role, "stereo");
+    EXPECT_EQ(run_job(request).relief->input.files.at(0).role, "stereo");
     EXPECT_EQ(test::read_text(folder / "a.ply"), test::read_text(folder / "b.ply"));
 }
 
@@ -298,24 +262,24 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     test::write_text(folder / "d.pgm", pgm);
     const auto run = [&](stages::Dequantization dequantize, double max_error_px) {
         RunRequest request;
-        request.disparity = folder / "d.pgm";
+        request.source = DisparityFiles{folder / "d.pgm"};
         request.config.input.disparity.scale = 1;
         request.config.disparity.dequantize = dequantize;
         request.config.budget.max_error_px = max_error_px;
         request.outputs = {folder / "a.glb"};
         request.report = folder / "r.json";
-        return run_job(request, {});
+        return run_job(request);
     };
     const RunReport smooth = run(stages::Dequantization::automatic, 0),
                     exact = run(stages::Dequantization::none, 0);
-    EXPECT_EQ(smooth.quantum_px, 1);
+    EXPECT_EQ(smooth.relief->disparity.quantum_px, 1);
     EXPECT_EQ(nlohmann::json::parse(report_json(smooth))["input"]["quantum_px"], 1);
-    EXPECT_NEAR(smooth.surface_quality.flat_rmse_px, 0.29, 0.03);
-    EXPECT_EQ(exact.quantum_px, 0);
+    EXPECT_NEAR(smooth.measures->quality.flat_rmse_px, 0.29, 0.03);
+    EXPECT_EQ(exact.relief->disparity.quantum_px, 0);
     EXPECT_TRUE(nlohmann::json::parse(report_json(exact))["input"]["quantum_px"].is_null());
     EXPECT_NE(smooth.outputs[0].sha256, exact.outputs[0].sha256);
-    EXPECT_EQ(run(stages::Dequantization::automatic, 0.9).quantum_px, 0);
-    EXPECT_EQ(run(stages::Dequantization::automatic, 1.5).quantum_px, 1);
+    EXPECT_EQ(run(stages::Dequantization::automatic, 0.9).relief->disparity.quantum_px, 0);
+    EXPECT_EQ(run(stages::Dequantization::automatic, 1.5).relief->disparity.quantum_px, 1);
 }
 
 // Every fifth row of whole pixels is filled, and still known to be rounded; whole maps have no such stage.
@@ -330,34 +294,36 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     const auto run = [&](config::Densification densification, std::string& told,
                          const char* masked = nullptr) {
         RunRequest request;
-        if (masked) request.mask = folder / masked;
-        request.disparity = folder / "d.pgm";
+        DisparityFiles files{folder / "d.pgm"};
+        if (masked) files.mask = folder / masked;
+        request.source = files;
         request.config.input.disparity.scale = 1;
         request.config.input.densify = densification;
         request.outputs = {folder / "a.glb"};
         request.report = folder / "r.json";
-        RunObserver observer;
-        observer.decides = [&](const std::string& decision) {
+        RunLog log;
+        log.decides = [&](const std::string& decision) {
             if (decision.starts_with("densify: ")) told = decision;
         };
-        return run_job(request, observer);
+        Backends backends;
+        return run_job(request, backends, log);
     };
     std::string told;
     const RunReport filled = run(config::Densification::automatic, told);
     EXPECT_EQ(told,
               "densify: 20.0 % of the pixels are known, with unknown ones between them; 100.0 % are known "
               "when filled");
-    EXPECT_GT(filled.surface_quality.coverage, 0.95);
-    EXPECT_EQ(filled.quantum_px, 1);
+    EXPECT_GT(filled.measures->quality.coverage, 0.95);
+    EXPECT_EQ(filled.relief->disparity.quantum_px, 1);
     const auto input = nlohmann::json::parse(report_json(filled))["input"];
     EXPECT_NEAR(input["densified"]["measured_share"], 0.2, 1e-9);
     EXPECT_NEAR(input["densified"]["filled_share"], 0.8, 1e-9);
     const RunReport masked = run(config::Densification::automatic, told, "mask.pgm");
-    ASSERT_TRUE(masked.filling);
-    EXPECT_NEAR(masked.filling->measured_share + masked.filling->filled_share, 0.75, 1e-9)
-        << "nothing is filled where the mask hides";
+    const auto shares = origin_shares(masked.relief->disparity.map);
+    ASSERT_TRUE(shares);
+    EXPECT_NEAR(shares->measured + shares->filled, 0.75, 1e-9) << "nothing is filled where the mask hides";
     told.clear();
-    EXPECT_FALSE(run(config::Densification::off, told).filling);
+    EXPECT_FALSE(origin_shares(run(config::Densification::off, told).relief->disparity.map));
     EXPECT_EQ(told, "");
 }
 
@@ -367,11 +333,12 @@ TEST(Runner, ReportHoldsTheConfigurationInEffect) {
     RunRequest request = sample_request(folder);
     request.config.budget.vertices = 500;
     request.config.exporting.tolerance_share = 0.1;
-    const RunReport report = run_job(request, {});
-    EXPECT_EQ(report.config.mesh.spacing_px, report.budget.spacing_px);
-    EXPECT_EQ(report.config.exporting.tolerance_px, report.budget.tolerance_px);
-    EXPECT_LT(report.config.exporting.tolerance_px, request.config.exporting.tolerance_px);
-    EXPECT_LE(report.vertices, 500u);
+    const RunReport report = run_job(request);
+    const SurfaceResult& surface = report.relief->surface;
+    EXPECT_EQ(surface.config.mesh.spacing_px, surface.budget.spacing_px);
+    EXPECT_EQ(surface.config.exporting.tolerance_px, surface.budget.tolerance_px);
+    EXPECT_LT(surface.config.exporting.tolerance_px, request.config.exporting.tolerance_px);
+    EXPECT_LE(surface.mesh.positions.size(), 500u);
 }
 
 TEST(Runner, WarningsOfTheConfigurationAreToldFirst) {
@@ -380,9 +347,10 @@ TEST(Runner, WarningsOfTheConfigurationAreToldFirst) {
     request.config.input.calibration.file.clear();
     request.config.warnings = {"config: an old name"};
     std::vector<std::string> told;
-    RunObserver observer;
-    observer.warns = [&](const std::string& warning) { told.push_back(warning); };
-    const RunReport report = run_job(request, observer);
+    RunLog log;
+    log.warns = [&](const std::string& warning) { told.push_back(warning); };
+    Backends backends;
+    const RunReport report = run_job(request, backends, log);
     ASSERT_EQ(told.size(), 2u);
     EXPECT_EQ(told.front(), "config: an old name");
     EXPECT_EQ(report.warnings, told);

@@ -118,13 +118,11 @@ TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
     const auto bad = [](const DisparityMap& map) {
         return evaluation::evaluate_disparity(map, sample().disparity).bad_percent[1];
     };
-    const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
-        return matching::match_pair(views, matching, 2);
-    };
-    const DisparityConfig ranged = with_range(pair, {}, 2);
+    CpuMatcher on_cpu(2);
+    const DisparityConfig ranged = find_range(pair, {}, {}, 2).config;
     const double same = bad(compute_disparity(sample().pair, {}, 2));
     const double other = bad(compute_disparity(pair, ranged, 2));
-    const double as_it_is = bad(match_in_range(pair, ranged, on_cpu, 2));
+    const double as_it_is = bad(match_range(pair, ranged, on_cpu, 2));
     RecordProperty("bad1",
                    std::to_string(same) + " " + std::to_string(other) + " " + std::to_string(as_it_is));
     EXPECT_LT(other - same, (as_it_is - same) / 2);
@@ -140,16 +138,13 @@ TEST(Disparity, NoiseIsAveragedOut) {
                 sum += static_cast<int>((state = state * 1664525u + 1013904223u) >> 24) % 31;
             level = static_cast<std::uint8_t>(std::clamp(level + sum - 60, 0, 255));
         }
-    const RangedPair ranged = find_range(pair, {}, 2);
+    const FoundRange ranged = find_range(pair, {}, {}, 2);
     EXPECT_GT(ranged.correction.left_noise, 6);
     EXPECT_GT(ranged.correction.right_noise, 6);
-    const PairMatcher on_cpu = [](const StereoPair& views, const matching::MatchingConfig& matching) {
-        return matching::match_pair(views, matching, 2);
-    };
+    CpuMatcher on_cpu(2);
     const auto bad = [&](const PairCorrection& correction) {
         return evaluation::evaluate_disparity(
-                   match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
-                   sample().disparity)
+                   match_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2), sample().disparity)
             .bad_percent[2];
     };
     RecordProperty("bad2", std::to_string(bad(ranged.correction)) + " " + std::to_string(bad({})));
@@ -265,14 +260,14 @@ TEST(Disparity, DropsSmallPatchesBeyondTheScene) {
         return *std::min_element(map.values.begin(), map.values.end());
     };
     DisparityConfig config;
-    const double farthest_px = find_range(pair, config, 2).config.farthest_px;
+    const double farthest_px = find_range(pair, {}, config, 2).config.farthest_px;
     EXPECT_GT(farthest_px, 20);
     EXPECT_LT(farthest_px, kScene_px);
     EXPECT_GT(least_of(config), kScene_px - 3);
     config.farthest_px = 0;
     EXPECT_NEAR(least_of(config), kPatch_px, 1);
-    config.farthest_px = kScene_px + 10;  // the scene is not a small patch
-    EXPECT_EQ(find_range(pair, config, 2).config.farthest_px, kScene_px + 10);
+    config.farthest_px = kScene_px + 10;  // the scene is no small patch
+    EXPECT_EQ(find_range(pair, {}, config, 2).config.farthest_px, kScene_px + 10);
     EXPECT_GT(share_at(compute_disparity(pair, config, 2), 50, 450, kScene_px), 0.95);
 }
 

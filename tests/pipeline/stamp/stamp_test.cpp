@@ -19,7 +19,7 @@ using test::TemporaryFolder;
 job::RunRequest map_request(const TemporaryFolder& folder) {
     fs::copy_file(test::sample("disparity.pfm"), folder / "d.pfm");
     job::RunRequest request;
-    request.disparity = folder / "d.pfm";
+    request.source = job::DisparityFiles{folder / "d.pfm"};
     request.outputs = {folder / "a.drc"};
     request.report = folder / "a.json";
     config::apply_setting(request.config, "mesh.spacing_px=24");
@@ -28,7 +28,7 @@ job::RunRequest map_request(const TemporaryFolder& folder) {
 
 void run_stamped(job::RunRequest& request) {
     request.stamp = unit_stamp(request);
-    job::run_job(request, {});
+    job::run_job(request);
 }
 
 TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
@@ -49,7 +49,7 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     other.outputs = {folder / "a.glb"};
     EXPECT_NE(unit_stamp(other), stamp);
     other = request;
-    other.color = request.disparity;
+    other.source = job::DisparityFiles{folder / "d.pfm", folder / "d.pfm"};
     EXPECT_NE(unit_stamp(other), stamp);
     test::write_text(folder / "d.pfm", "another");
     EXPECT_NE(unit_stamp(request), stamp);
@@ -69,11 +69,11 @@ TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
         return std::string("nothing was refused");
     };
     const std::string missing = folder / "none", told = "cannot read '" + missing + "': ";
-    request.disparity = missing;
+    request.source = job::DisparityFiles{missing};
     EXPECT_EQ(refusal([&] { unit_stamp(request); }), told + "no such file; check the path");
     for (const fs::path& unreadable : {fs::path(missing), folder.path()}) {
-        request.disparity = unreadable;
-        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { job::run_job(request, {}); }));
+        request.source = job::DisparityFiles{unreadable};
+        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { job::run_job(request); }));
     }
 }
 
@@ -90,7 +90,7 @@ TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
     const TemporaryFolder folder;
     job::RunRequest request = map_request(folder);
     EXPECT_EQ(stamp_request(request), UnitState::missing);
-    job::run_job(request, {});
+    job::run_job(request);
     EXPECT_EQ(stamp_request(request), UnitState::current);
     EXPECT_EQ(unit_state(request, "another stamp"), UnitState::changed);
 
@@ -114,7 +114,8 @@ TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
     const TemporaryFolder folder;
     job::RunRequest request = map_request(folder);
     request.outputs = {folder / "one/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
-    request.color = test::sample("left.png");  // the last two outputs share its texture
+    // The last two share the picture's texture.
+    request.source = job::DisparityFiles{folder / "d.pfm", test::sample("left.png")};
     run_stamped(request);
     EXPECT_EQ(stamp_request(request), UnitState::current);
     job::RunRequest elsewhere = request;

@@ -107,9 +107,8 @@ void write_pnm(const std::string& path, const Image& image) {
 }
 
 DisparityMap match(const MatchRequest& request, int threads = 2) {
-    const job::RunObserver observer;
-    job::RunLog log(observer);
-    match_in_tiles(request, job::pick_backend(config::BackendChoice::cpu, threads), threads, log);
+    job::RunLog log;
+    match_in_tiles(request, *job::pick_backend(config::BackendChoice::cpu, threads), log);
     return readers::read_disparity_map(request.map, {});
 }
 
@@ -270,13 +269,12 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const auto left = windows::PictureWindows::open(folder / "left.pgm"),
                right = windows::PictureWindows::open(folder / "right.pgm");
     std::vector<std::string> told;
-    job::RunObserver observer;
-    observer.decides = [&](const std::string& decision) { told.push_back(decision); };
-    job::RunLog log(observer);
+    job::RunLog log;
+    log.decides = [&](const std::string& decision) { told.push_back(decision); };
     const auto range = [&](const Calibration& calibration, const stages::DisparityConfig& config) {
-        return look_at_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
+        return find_range_of_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
-    EXPECT_EQ(range({}, {}), stages::with_range(folder.made.pair, {}, 2).num_disparities_px);
+    EXPECT_EQ(range({}, {}), stages::find_range(folder.made.pair, {}, {}, 2).config.num_disparities_px);
     Calibration calibration;
     calibration.ndisp_px = 77;
     EXPECT_EQ(range(calibration, {}), 77);
@@ -303,11 +301,10 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     const auto left = windows::PictureWindows::open(folder / "left.pgm"),
                right = windows::PictureWindows::open(folder / "right.pgm");
     std::string told;
-    job::RunObserver observer;
-    observer.decides = [&](const std::string& decision) { told = decision; };
-    job::RunLog log(observer);
-    const int count = look_at_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
-    const int small = stages::with_range(folder.made.pair, {}, 2).num_disparities_px;
+    job::RunLog log;
+    log.decides = [&](const std::string& decision) { told = decision; };
+    const int count = find_range_of_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
+    const int small = stages::find_range(folder.made.pair, {}, {}, 2).config.num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));
     EXPECT_LT(count, 7 * (small + 16));
     EXPECT_NE(told.find("chosen from the pair at 1/2 of its size"), std::string::npos) << told;

@@ -24,7 +24,7 @@ Balanced undivided(const TilePlan& plan, const DisparityMap& map, const DensityM
     Balanced found;
     found.lattice = mesher::solve_mesh(density, plan.config.mesh, threads, {}).mesh;
     const DisparityMesh cut = surface::cut_disparity_mesh(
-        {&found.lattice, &map, plan.density.background_px, nullptr, 0, {}}, plan.config.surface, threads);
+        {&found.lattice, &map, plan.density.background_px, nullptr, {}}, plan.config.surface, threads);
     found.surface = stages::build_surface(cut, plan.width, plan.height, plan.calibration,
                                           plan.config.surface.min_component);
     return found;
@@ -76,7 +76,7 @@ int compare(const std::filesystem::path& folder) {
     const auto density_of = [&](const mesh_tiles::MapRect& window) {
         return stages::density_at_scale(file.read(window), plan.density, plan.config.density, threads);
     };
-    const DensityMap density = density_of({0, 0, plan.width, plan.height});
+    const DensityMap density = job::density_of({0, 0, plan.width, plan.height});
     const auto tell = [&](const std::string& name, const Balanced& found) {
         const quality::MeshQuality balance = quality::measure_quality(found.lattice, density, threads);
         const stages::SurfaceQuality fit =

@@ -61,7 +61,7 @@ config::Config small_config(exporters::Compression compression) {
     return config;
 }
 
-job::Backend cpu(int threads) {
+job::BackendPointer cpu(int threads) {
     return job::pick_backend(config::BackendChoice::cpu, threads);
 }
 
@@ -76,11 +76,11 @@ class PlannedFolder {
             exporters::write_png(folder_ / "left.png", busy_picture(map, 1));
             request.color = folder_ / "left.png";
         }
-        plan = make_plan(request, cpu(2), 2, log_);
+        plan = make_plan(request, *cpu(2), log_);
     }
     std::vector<TileNumber> tiles() const { return tiles_of_level(plan, plan.finest_level()); }
     void solve(const std::vector<TileNumber>& wanted, int threads, int jobs) const {
-        solve_tiles(plan, wanted, cpu(1), {threads, jobs, 0},
+        solve_tiles(plan, wanted, *cpu(1), {threads, jobs, 0},
                     {[](const TileNumber&, const std::string& failure, int) { EXPECT_EQ(failure, ""); }});
     }
     void solve() const { solve(tiles(), 2, 2); }
@@ -98,8 +98,7 @@ class PlannedFolder {
 
   private:
     TemporaryFolder folder_;
-    job::RunObserver observer_;
-    job::RunLog log_{observer_};
+    job::RunLog log_;
 };
 
 Point in_space(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
@@ -207,8 +206,7 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
     const DisparityMap map = busy_map(picture.width, picture.height, 1);
     write_map(folder / "map.tif", map);
     const mesh_tiles::MapRect window{10, 5, 60, 50};
-    job::RunObserver observer;
-    job::RunLog log(observer);
+    job::RunLog log;
     const auto unknown_pixels = [&](bool alpha) {
         PlanRequest request{folder / "map.tif",
                             sample("inputs/cut_out.png"),
@@ -217,7 +215,7 @@ TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
                             kTile,
                             small_config(exporters::Compression::none)};
         request.config.input.mask.alpha = alpha;
-        const DisparityMap read = PlannedMap(make_plan(request, cpu(1), 1, log), false).read(window);
+        const DisparityMap read = PlannedMap(make_plan(request, *cpu(1), log), false).read(window);
         std::vector<std::uint8_t> unknown;
         for (const float d : read.values) unknown.push_back(!DisparityMap::known(d));
         return unknown;
