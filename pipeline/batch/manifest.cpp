@@ -72,13 +72,13 @@ struct RowReader {
     std::string read_value(const std::string& key, const std::string& value, BatchUnit& unit) const {
         auto& words = unit.words;
         const std::string flag = "--" + key;
-        const std::vector<const config::Field*> rows = rows_of_option(flag);
+        const std::vector<const config::Field*> rows = config::rows_of_option(flag);
         if (holds(options.file_options, flag) ||
             (!rows.empty() && rows[0]->type == config::FieldType::file)) {
             words.insert(words.end(), {flag, placed(value)});
         } else if (!rows.empty() && rows[0]->type == config::FieldType::boolean) {
             if (value != "true" && value != "false")
-                return key + " must be true or false, not " + codec::excerpt(value);
+                return key + " must be true or false, not " + readers::codec::excerpt(value);
             if (value == "true") words.push_back(flag);
         } else if (!rows.empty()) {
             words.push_back(flag + "=" + value);  // one word: a value may begin with a dash

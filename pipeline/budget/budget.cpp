@@ -48,7 +48,7 @@ struct Search {
             {limit, slope, start_px, job.least_px, job.most_px},
             [&](double spacing_px) -> std::optional<double> {
                 if (!solve(spacing_px, tolerance_px)) return std::nullopt;
-                return checks::figure();
+                return figure();
             },
             nearest);
     }

@@ -63,7 +63,7 @@ job::RunRequest request_of_words(const std::vector<std::string>& words) {
 struct BatchCommand {
     fs::path what, output;
     config::ConfigOptions config;
-    KeyOptions keys;  // of all rows
+    config::KeyOptions keys;  // of all rows
     std::vector<std::string> formats;
     std::string gpus, shard, memory, log = "auto";
     int jobs = 0, threads = 0;
@@ -79,7 +79,8 @@ batch::ManifestOptions manifest_options(const BatchCommand& command) {
     for (const std::string& setting : command.config.settings)
         options.words.insert(options.words.end(), {"--set", setting});
     for (const auto& [flag, text] : command.keys)  // settings, which a row's own options override
-        options.words.insert(options.words.end(), {"--set", row_of_option(flag, {}).path + "=" + text});
+        options.words.insert(options.words.end(),
+                             {"--set", config::row_of_option(flag, {}).path + "=" + text});
     for (const FileOption& file : file_options()) options.file_options.emplace_back(file.flag);
     return options;
 }
@@ -272,7 +273,7 @@ void add_batch_options(Command& command, BatchCommand& options) {
     command.add_flag("--quiet", options.quiet, "nothing but failures");
     const char* const group = "Rows";
     add_config_options(command, options.config, group);
-    std::vector<std::string> flags = option_flags("Job");
+    std::vector<std::string> flags = config::option_flags("Job");
     std::erase(flags, "--threads");  // of all rows together, above
     add_key_options(command, options.keys, flags, group);
 }

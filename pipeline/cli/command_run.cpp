@@ -29,7 +29,7 @@ void add_input_options(Command& command, RunOptions& options) {
     const char* const group = "Input";
     for (const auto& [flag, value, help, file] : file_options())
         command.add_option(flag, &(options.request.*file), help, {.group = group, .value = value});
-    add_key_options(command, options.keys, option_flags(group), group);
+    add_key_options(command, options.keys, config::option_flags(group), group);
 }
 
 void add_output_options(Command& command, RunOptions& options) {
@@ -49,7 +49,7 @@ void add_output_options(Command& command, RunOptions& options) {
                        {.group = group, .value = "FILE.d"});
     command.add_option("--save-stages", &options.request.stages_folder, "each stage's result and pictures",
                        {.group = group, .value = "DIR"});
-    add_key_options(command, options.keys, option_flags(group), group);
+    add_key_options(command, options.keys, config::option_flags(group), group);
     command.add_flag("--quiet", options.quiet, "nothing but errors", {.group = group});
     command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage",
                      {.group = group, .excludes = "--quiet"});
@@ -58,7 +58,7 @@ void add_output_options(Command& command, RunOptions& options) {
 void add_job_options(Command& command, RunOptions& options) {
     const char* const group = "Job";
     add_config_options(command, options.config, group);
-    add_key_options(command, options.keys, option_flags(group), group);
+    add_key_options(command, options.keys, config::option_flags(group), group);
 }
 
 }  // namespace

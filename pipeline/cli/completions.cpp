@@ -30,7 +30,7 @@ std::string quoted(const std::string& text, const std::string& quote) {
 std::string choices_of(const OptionDescription& option) {
     const std::string& name = option.names.back();
     std::vector<std::string> words;
-    for (const config::Field* row : rows_of_option(name)) words = row->choices;
+    for (const config::Field* row : config::rows_of_option(name)) words = row->choices;
     if (name == "--config")
         for (const config::Preset& preset : config::presets()) words.push_back(preset.name);
     if (name == "--set")

@@ -21,7 +21,7 @@ const std::vector<FileOption>& file_options();
 struct RunOptions {
     FileRequest request;
     config::ConfigOptions config;
-    KeyOptions keys;
+    config::KeyOptions keys;
     bool quiet = false, verbose = false;
 };
 

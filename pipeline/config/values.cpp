@@ -161,7 +161,8 @@ std::string suggest_key(const std::string& path) {
 
 void check_rules(const Config& config, const std::string& origin) {
     const auto fail = [&](const std::string& what) { throw Error(ErrorKind::usage, origin + what); };
-    if (const std::string wrong = wrong_disparity_config(config.disparity); !wrong.empty()) fail(wrong);
+    if (const std::string wrong = stages::wrong_disparity_config(config.disparity); !wrong.empty())
+        fail(wrong);
     if (config.mesh.alpha_final > config.mesh.alpha_init)
         fail("mesh.alpha_final must not be above mesh.alpha_init");
     if (config.mesh.sigma_final > config.mesh.sigma_init)

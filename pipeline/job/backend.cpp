@@ -44,8 +44,8 @@ class CpuBackend final : public Backend {
                                                     const SurfaceConfig& config) override {
         return {surface::cut_disparity_mesh(input, config, threads())};
     }
-    void balance::balance_patch(const DensityMap& density, const BalanceConfig& config,
-                                balance::LatticePatch& patch) override {
+    void balance_patch(const DensityMap& density, const BalanceConfig& config,
+                       balance::LatticePatch& patch) override {
         balance::balance_patch(density, config, threads(), patch);
     }
 };

@@ -235,7 +235,7 @@ void InputReader::rectify_pair(RunInput& input) {
                                           " px, but the pictures have " + size_text(size) +
                                           " px; use the calibration of that size");
     for (const std::string& told : file->told) log_.warn(config.file + ": " + told);
-    rectify::rectify::RectifiedPair rectified = rectify::rectify(views, cameras, threads_);
+    rectify::RectifiedPair rectified = rectify::rectify(views, cameras, threads_);
     if (const Image alpha{size.width, size.height, 1, views.left.alpha}; !alpha.empty())
         rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads_).pair.left.pixels;
     views = std::move(rectified.pair);

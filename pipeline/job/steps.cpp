@@ -69,11 +69,11 @@ SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config&
 
 }  // namespace
 
-std::string range_text(const stages::DisparityConfig& searched, checks::RangeOrigin origin) {
+std::string range_text(const stages::DisparityConfig& searched, stages::RangeOrigin origin) {
     return "disparity: " + std::to_string(searched.num_disparities_px) + " px searched from " +
            std::to_string(searched.min_disparity_px) + " px on" +
-           (origin == checks::RangeOrigin::ndisp   ? ", by the calibration's ndisp"
-            : origin == checks::RangeOrigin::given ? ""
+           (origin == stages::RangeOrigin::ndisp   ? ", by the calibration's ndisp"
+            : origin == stages::RangeOrigin::given ? ""
                                                    : ", chosen from the pair") +
            (searched.farthest_px > searched.min_disparity_px
                 ? ", no small patch below " + fixed(searched.farthest_px, 1) + " px"
@@ -126,9 +126,9 @@ DisparityMap densify_map(DisparityMap map, const Image& left, const readers::Pix
         return filled;
     });
     const auto percent = [](double share) { return fixed(100 * share, 1) + " %"; };
-    log.decide("densify: " + checks::percent(sparsity.known_share) +
+    log.decide("densify: " + percent(sparsity.known_share) +
                " of the pixels are known, with unknown ones between them; " +
-               checks::percent(densify::measure_sparsity(dense).known_share) + " are known when filled" +
+               percent(densify::measure_sparsity(dense).known_share) + " are known when filled" +
                (left.empty() ? "" : ", by the picture's colours"));
     return dense;
 }

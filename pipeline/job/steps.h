@@ -65,7 +65,7 @@ struct SurfaceMeasures {
 };
 
 // What is told of a range.
-std::string range_text(const stages::DisparityConfig& searched, checks::RangeOrigin origin);
+std::string range_text(const stages::DisparityConfig& searched, stages::RangeOrigin origin);
 
 // Refuse a pair that has nothing to match, and one of which nothing was.
 void check_detail(bool is_left_blank, bool is_right_blank);

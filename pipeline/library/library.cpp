@@ -11,7 +11,7 @@
 #include "pipeline/job/report.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
-#include "pipeline/library/arguments.h"
+#include "pipeline/library/conversions.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -215,7 +215,7 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     auto state = std::make_unique<Mesh::State>();
     tell_caller(options, state->log);
     job::RunRequest request;
-    request.config = library::config_of(options, camera, is_depth);
+    request.config = library::config_of(options, camera, {is_depth ? "--depth" : "--disparity"});
     request.source = source_of(input, request.config.input);
     request.outputs = {kLimitedOutput};
     state->relief =

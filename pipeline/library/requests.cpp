@@ -15,7 +15,7 @@ namespace {
     throw Error(ErrorKind::usage, what);
 }
 
-// What the names that are given make up.
+// Returns the source that the given names make up. Throws Error(usage) if they do not go together.
 job::Source source_of(const FileRequest& files) {
     const bool pair = !files.left.empty() || !files.right.empty();
     if (!files.disparity.empty() && !files.depth.empty())
@@ -42,20 +42,13 @@ job::Source source_of(const FileRequest& files) {
     return job::DisparityFiles{files.disparity, files.color, files.mask, files.confidence};
 }
 
-void refuse_options_without_their_file(const FileRequest& files, const Options& options) {
-    const bool is_depth = !files.depth.empty(), is_map = is_depth || !files.disparity.empty();
-    const auto need = [&](const std::string& option, bool is_given, const std::string& file) {
-        const bool is_asked = std::any_of(options.direct.begin(), options.direct.end(),
-                                          [&](const auto& direct) { return direct.first == option; });
-        if (is_asked && !is_given) refuse(option + " goes with " + file + ", which is not given");
-    };
-    need("--layout", !files.stereo.empty(), "--stereo");
-    need("--disparity-scale", !files.disparity.empty(), "--disparity");
-    need("--disparity-offset", !files.disparity.empty(), "--disparity");
-    need("--depth-unit", is_depth, "--depth");
-    need("--depth-kind", is_depth, "--depth");
-    need("--key", is_map, "--disparity or --depth");
-    need("--unknown", is_map, "--disparity or --depth");
+// Returns the options of the files that are given, as far as other options go with them.
+std::vector<std::string> given_files(const FileRequest& files) {
+    std::vector<std::string> given;
+    if (!files.stereo.empty()) given.emplace_back("--stereo");
+    if (!files.disparity.empty()) given.emplace_back("--disparity");
+    if (!files.depth.empty()) given.emplace_back("--depth");
+    return given;
 }
 
 // "-" is written as GLB, "drc:-" and the like as what they say.
@@ -64,7 +57,7 @@ std::filesystem::path standard_output_name(const std::string& name) {
     return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;
 }
 
-// Where the request's files go; the source is still to be named.
+// Returns a request with the places of its outputs; its source is still to be set.
 job::RunRequest request_to(const FileRequest& files) {
     job::RunRequest request;
     for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
@@ -89,7 +82,7 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
     if (files.update && (files.report.empty() || files.report == "-"))
         refuse("--update goes with --report FILE, which says what was done");
     job::RunRequest request = request_to(files);
-    request.config = config_of(options, {}, !files.depth.empty());
+    request.config = config_of(options, {}, given_files(files));
     if (!config::find_preset(options.config)) request.config_file = options.config;
     request.source = source_of(files);
     return request;

@@ -83,6 +83,9 @@ class CpuMatcher final : public PairMatcher {
     int threads_;
 };
 
+// Returns what is wrong with a configuration for any pair: "disparity.p1 must be ..."; empty if nothing is.
+std::string wrong_disparity_config(const DisparityConfig& config);
+
 // The corrections that a pair's images get before they are matched.
 struct PairCorrection {
     matching::LightCurves light;  // maps the right image's light to the left image's

@@ -45,11 +45,12 @@ struct BatchRow {
 };
 
 // The steps of run_job(), without its files.
-std::uint64_t do_job(const Scenery& scene, const config::Config& config, Backend& backend, RunLog& log) {
+std::uint64_t do_job(const Scenery& scene, const config::Config& config, job::Backend& backend,
+                     job::RunLog& log) {
     const int threads = backend.threads();
-    const FoundRange range = find_range(scene.pair, scene.camera, config.disparity, threads);
-    const job::DisparityResult matched = disparities_of_pair(
-        scene.pair, corrected(scene.pair, range.correction, threads), range.config, backend);
+    const stages::FoundRange range = stages::find_range(scene.pair, scene.camera, config.disparity, threads);
+    const job::DisparityResult matched = job::disparities_of_pair(
+        scene.pair, stages::corrected(scene.pair, range.correction, threads), range.config, backend);
     const DensityMap density = job::density_of(matched.meshed(), config.density, threads, log);
     const job::LeftView view{matched.map,     matched.meshed(), density,
                              scene.pair.left, scene.pair.left,  scene.camera};
@@ -85,7 +86,7 @@ class Worker {
     }
     const Scenery& scene_;
     const config::Config& config_;
-    BackendPointer backend_;
+    job::BackendPointer backend_;
     std::uint64_t bytes_ = 0;
 };
 
@@ -178,8 +179,8 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     json["settings"] = options.settings;
     json["backends"] = Json::array();
     json["rows"] = Json::array();
-    const std::vector<BackendPointer> backends = usable_backends(threads);
-    for (const BackendPointer& backend : backends) {
+    const std::vector<job::BackendPointer> backends = usable_backends(threads);
+    for (const job::BackendPointer& backend : backends) {
         out << backend->name() << ": " << backend->device() << '\n';
         json["backends"].push_back({{"name", backend->name()}, {"device", backend->device()}});
     }
@@ -187,14 +188,14 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
         << format("%-20s %-11s %-5s %-11s %8s %9s %9s %10s %10s %10s\n", "scene", "size", "on", "at a time",
                   "jobs", "start s", "jobs/s", "median ms", "most ms", "bytes");
     for (const Scenery& scene : scenes)
-        for (const BackendPointer& backend : backends) {
+        for (const job::BackendPointer& backend : backends) {
             const config::BackendChoice choice =
                 backend->name() == "cuda" ? config::BackendChoice::cuda : config::BackendChoice::cpu;
             const Crew crew{choice, workers, std::max(1, threads / workers)};
             report(scene, backend->name(), crew, measure(scene, config, crew, options.jobs), out,
                    json["rows"]);
         }
-    write_json(options.json, json);
+    bench::write_json(options.json, json);
 }
 
 }  // namespace hexrelief::bench

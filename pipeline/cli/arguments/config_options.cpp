@@ -15,10 +15,10 @@ void add_config_options(Command& command, config::ConfigOptions& options, const 
                        {.group = group, .value = "key.path=value", .repeated = true});
 }
 
-void add_key_options(Command& command, KeyOptions& options, const std::vector<std::string>& flags,
+void add_key_options(Command& command, config::KeyOptions& options, const std::vector<std::string>& flags,
                      const std::string& group) {
     for (const std::string& flag : flags) {
-        const config::Field& row = *rows_of_option(flag).at(0);
+        const config::Field& row = *config::rows_of_option(flag).at(0);
         command.add_option(flag,
                            [&options, flag](const std::string& text) { options.emplace_back(flag, text); },
                            option_help(row), {.group = group, .value = option_value(row)});

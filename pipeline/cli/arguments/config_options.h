@@ -13,7 +13,7 @@ namespace hexrelief::cli {
 void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group);
 
 // Options of the field table, by their flags. Those that are given are appended.
-void add_key_options(Command& command, KeyOptions& options, const std::vector<std::string>& flags,
+void add_key_options(Command& command, config::KeyOptions& options, const std::vector<std::string>& flags,
                      const std::string& group);
 
 }  // namespace hexrelief::cli

@@ -15,17 +15,19 @@ namespace {
 struct MatchOptions {
     std::filesystem::path left, right, output;
     config::ConfigOptions config;
-    KeyOptions keys;
+    config::KeyOptions keys;
     int tile_px = tiles::MatchRequest().tile_px;
     bool quiet = false, verbose = false;
 };
 
 int match_tiles(const MatchOptions& options) {
-    const tiles::MatchRequest request{.left = options.left,
-                                      .right = options.right,
-                                      .map = options.output,
-                                      .tile_px = options.tile_px,
-                                      .config = library::config_of(options)};
+    tiles::MatchRequest request{.left = options.left,
+                                .right = options.right,
+                                .map = options.output,
+                                .tile_px = options.tile_px,
+                                .config = config::read_config(options.config)};
+    config::apply_options(request.config, options.keys, {"--left", "--right"});
+    config::finish_config(request.config);
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(request.config.run.threads);
     const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);

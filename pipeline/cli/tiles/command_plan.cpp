@@ -15,7 +15,7 @@ namespace {
 struct PlanOptions {
     std::filesystem::path map, color, folder;
     config::ConfigOptions config;
-    KeyOptions keys;
+    config::KeyOptions keys;
     std::string raw;
     int tile_vertices = 512;
     bool quiet = false, verbose = false;

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 struct SolveOptions {
     fs::path folder;
     std::string tile, shard, gpus, memory;
-    KeyOptions keys;
+    config::KeyOptions keys;
     int jobs = 0, threads = 0;
     bool force = false, print_commands = false, quiet = false;
 };

@@ -51,7 +51,7 @@ stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibratio
     };
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
     stages::check_matchable(sizes, config);
-    stages::FoundRange whole{config, checks::RangeOrigin::given};
+    stages::FoundRange whole{config, stages::RangeOrigin::given};
     stages::DisparityConfig& ranged = whole.config;
     std::string how;
     const int by = shrunk_by(width, height);
@@ -72,11 +72,12 @@ stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibratio
         if (std::isnan(ranged.farthest_px)) ranged.farthest_px = by * small.config.farthest_px;
         whole.coarse = std::move(small.coarse);
     }
-    if (const int by_calibration = job::num_disparities_by(calibration, config, width); by_calibration > 0) {
-        whole.origin = checks::RangeOrigin::ndisp;
+    if (const int by_calibration = stages::num_disparities_by(calibration, config, width);
+        by_calibration > 0) {
+        whole.origin = stages::RangeOrigin::ndisp;
         ranged.num_disparities_px = by_calibration;
     } else if (config.num_disparities_px == 0) {
-        whole.origin = checks::RangeOrigin::chosen;
+        whole.origin = stages::RangeOrigin::chosen;
         ranged.num_disparities_px =
             is_narrow ? width : num_disparities_of_whole(shrunk_end_px, by, config, width);
         if (by > 1 && !is_narrow) how = " at 1/" + std::to_string(by) + " of its size";
