@@ -32,8 +32,9 @@ class FolderLock {
 
     // Names in the folder: of a temporary file that is whole, and what it is to be renamed to.
     using Renames = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
-    // Puts them on the disk before they are done. Where this process is killed before it gives the lock back,
-    // the next one of the same user that takes the lock does those that are left.
+    // Puts them on the disk before they are done. If this process is killed before it gives the lock back,
+    // the next one of the same user that takes the lock does those that are left. Does nothing in a folder
+    // that others may write to: they could have a later process of this user rename what they like.
     void announce(const Renames& renames) noexcept;
     // They are not to be done: announced ones are forgotten.
     void revoke() noexcept;

@@ -5,6 +5,7 @@
 #include "exporters/images/texture.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/make_rule.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
@@ -47,19 +48,6 @@ int files_for_standard_output(const RunRequest& request) {
     return static_cast<int>(is_standard_output(request.report) + std::count_if(request.outputs.begin(),
                                                                                request.outputs.end(),
                                                                                is_standard_output));
-}
-
-// As make reads it: spaces, '#' and '%' after a backslash, '$' doubled. Make knows no name with a line end.
-std::string make_name(const fs::path& path) {
-    std::string name;
-    for (const char letter : path.string()) {
-        if (letter == '\n')
-            throw Error(ErrorKind::usage, "--depfile: make knows no file names with line ends");
-        if (letter == ' ' || letter == '#' || letter == '%' || letter == ':') name += '\\';
-        if (letter == '$') name += '$';
-        name += letter;
-    }
-    return name;
 }
 
 // One file can go to the standard output.
@@ -163,14 +151,10 @@ void check_memory(const RunRequest& request) {
 }  // namespace
 
 std::string depfile_rule(const RunRequest& request) {
-    std::string targets, sources, alone;
+    std::vector<fs::path> targets;
     for (const fs::path& output : request.outputs)
-        if (!is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
-    for (const fs::path& source : read_files(request)) {
-        sources += " \\\n  " + make_name(source);
-        alone += "\n" + make_name(source) + ":\n";
-    }
-    return targets + ":" + sources + "\n" + alone;
+        if (!is_standard_output(output)) targets.push_back(output);
+    return make_rule(targets, read_files(request));
 }
 
 bool writes_standard_output(const RunRequest& request) {
@@ -243,7 +227,7 @@ void check_request(const RunRequest& request) {
                 check_writable_file(file);
     if (!request.report.empty() && !is_standard_output(request.report)) check_writable_file(request.report);
     if (!request.depfile.empty()) {
-        static_cast<void>(depfile_rule(request));  // names that make cannot hold
+        static_cast<void>(depfile_rule(request));  // refuses names that make cannot read
         check_writable_file(request.depfile);
     }
     if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
