@@ -74,15 +74,28 @@ bool is_lit(const Scene& scene, const ExportConfig& config, MeshFormat format) {
     return !has_material || !textured || config.material == MaterialKind::lit;
 }
 
+ExportConfig with_normals_decided(const Scene& scene, ExportConfig config, MeshFormat format) {
+    if (config.normals == NormalsKind::automatic)
+        config.normals = is_lit(scene, config, format) ? NormalsKind::always : NormalsKind::never;
+    return config;
+}
+
 }  // namespace
+
+ExportConfig config_of_file(const Scene& scene, const ExportConfig& asked,
+                            const std::filesystem::path& path) {
+    const MeshFormat format = export_format(path);
+    ExportConfig config = with_normals_decided(scene, asked, format);
+    config.compression = compression_of(format, asked);
+    if (format == MeshFormat::html) config.tolerance_px = page_tolerance_px(scene, config, path);
+    return config;
+}
 
 void export_scene(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
                   FileTransaction& files) {
     const MeshFormat format = export_format(path);
     const FormatWriter write = writer_of(format);
-    ExportConfig config = asked;
-    if (config.normals == NormalsKind::automatic)
-        config.normals = is_lit(scene, config, format) ? NormalsKind::always : NormalsKind::never;
+    const ExportConfig config = with_normals_decided(scene, asked, format);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);

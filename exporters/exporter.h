@@ -24,6 +24,11 @@ std::vector<std::filesystem::path> export_scene(const Scene& scene, const Export
 void export_scene(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                   FileTransaction& files);
 
+// As the format of `path` holds the scene: whether normals are written, how positions are compressed, and
+// within which tolerance. export.compression is of .glb and .gltf alone.
+ExportConfig config_of_file(const Scene& scene, const ExportConfig& config,
+                            const std::filesystem::path& path);
+
 // The bytes of all files that export_scene() would write; nothing is left behind. Throws as that does.
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "exporters/compression/draco_plan.h"
@@ -29,6 +30,10 @@ struct QuantizedMesh {
     FileTransform transform;
     std::array<double, 2> texcoord_scale = {1, 1};
 };
+
+// The grid that positions lie on; none if 16 bits are too few for it, and they stay floats.
+std::optional<Grid<3>> position_grid(const TexturedMesh& textured, const Calibration* camera,
+                                     const ExportConfig& config, bool meshopt);
 
 // The smallest types that keep the tolerances, 32-bit floats where 16 bits are too few. For meshopt, normals
 // are octahedral, vertices are in the order of their first use, and triangles in the order that its index

@@ -42,6 +42,20 @@ MeshFormat export_format(const std::filesystem::path& path) {
                                       "': its extension is '" + extension + "'; use one of " + list);
 }
 
+Compression compression_of(MeshFormat format, const ExportConfig& config) {
+    switch (format) {
+        case MeshFormat::glb:
+        case MeshFormat::gltf:
+            return config.compression;
+        case MeshFormat::drc:
+            return Compression::draco;
+        case MeshFormat::html:
+            return Compression::meshopt;
+        default:
+            return Compression::none;
+    }
+}
+
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
     const MeshFormat format = export_format(path);
     if (format == MeshFormat::html) return false;  // the page changes between them

@@ -29,4 +29,7 @@ std::string format_name(MeshFormat format);
 // for an OBJ file whose name has a line break: it could not name its .mtl.
 MeshFormat export_format(const std::filesystem::path& path);
 
+// How files of a format hold positions: export.compression is of .glb and .gltf alone.
+Compression compression_of(MeshFormat format, const ExportConfig& config);
+
 }  // namespace hexrelief

@@ -11,7 +11,7 @@
 
 namespace hexrelief {
 
-// How .glb and .gltf hold the mesh; .drc is always Draco, the others never are
+// How .glb and .gltf hold the mesh; .drc is always Draco, .html always meshopt, the others never are
 // compressed.
 enum class Compression { none, draco, quantized, meshopt };
 

@@ -33,19 +33,25 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
     return glb_bytes(bare, config, path).size();
 }
 
-// How the page holds the mesh, whatever other files have. meshopt_bytes: of the mesh as config asks for it.
-ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path,
-                         std::size_t meshopt_bytes) {
+// How the page holds the mesh, whatever other files have.
+ExportConfig page_config(ExportConfig config) {
     config.normals = NormalsKind::never;
     config.material = MaterialKind::unlit;
     config.camera = false;
     config.lod_storage = LevelStorage::inside;
     config.compression = Compression::meshopt;
-    ExportConfig fine = config;
+    return config;
+}
+
+// meshopt_bytes: of the mesh as config asks for it.
+double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path,
+                         std::size_t meshopt_bytes) {
+    ExportConfig fine = page_config(config);
     fine.tolerance_px = std::min(config.tolerance_px, kFineTolerance_px);
     const std::size_t fine_bytes = mesh_bytes(scene, fine, Compression::meshopt, path);
-    return static_cast<double>(fine_bytes) <= kMostForFine * static_cast<double>(meshopt_bytes) ? fine
-                                                                                                : config;
+    const bool is_cheap =
+        static_cast<double>(fine_bytes) <= kMostForFine * static_cast<double>(meshopt_bytes);
+    return is_cheap ? fine.tolerance_px : config.tolerance_px;
 }
 
 Json camera_json(const Scene& scene) {
@@ -102,6 +108,10 @@ bool has_viewer() {
     return !viewer_page().empty();
 }
 
+double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path) {
+    return page_tolerance_px(scene, config, path, mesh_bytes(scene, config, Compression::meshopt, path));
+}
+
 void write_html(const Scene& scene, const ExportConfig& config, const fs::path& path,
                 FileTransaction& files) {
     if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
@@ -110,7 +120,9 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
     const auto count = [&](Compression compression) { return mesh_bytes(scene, config, compression, path); };
     std::future<std::size_t> draco = start_work(scene.threads, [&] { return count(Compression::draco); });
     const std::size_t meshopt = count(Compression::meshopt);
-    const std::string glb = base64(glb_bytes(scene, page_config(scene, config, path, meshopt), path));
+    ExportConfig held = page_config(config);
+    held.tolerance_px = page_tolerance_px(scene, config, path, meshopt);
+    const std::string glb = base64(glb_bytes(scene, held, path));
     const Json bytes = {{"plain", count(Compression::none)}, {"draco", draco.get()}, {"meshopt", meshopt}};
     const std::string title = html_escaped(path.stem().string()), facts = facts_json(scene, bytes, path);
     files.write(path, filled(viewer_page(),

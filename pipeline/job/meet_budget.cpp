@@ -31,11 +31,12 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
     return static_cast<double>(most);
 }
 
-// True where the tolerance changes the files.
+// True if the tolerance changes the files: a page is mostly finer than asked for.
 bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& config) {
     return config.draco.position_bits == 0 &&
-           std::any_of(outputs.begin(), outputs.end(),
-                       [&](const fs::path& path) { return is_compressed(path, config); });
+           std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
+               return is_compressed(path, config) && export_format(path) != MeshFormat::html;
+           });
 }
 
 // What may be changed of the texture, where there is one: whatever the configuration does not give.
@@ -122,8 +123,8 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
     search.bytes = [&] { return largest_output(view, *result, coarser, outputs, run); };
     search.error_px = [&] {
         return measure_surface_quality(
-                   as_written(result->surface.mesh, view.calibration, result->config.exporting, outputs),
-                   view.disparity, view.density.background_px, run.threads)
+                   as_written(scene_of(view, *result, {}), result->config.exporting, outputs), view.disparity,
+                   view.density.background_px, run.threads)
             .duo_rmse_near_px;
     };
     search.texture = texture_limits(view, config, outputs);

@@ -28,7 +28,7 @@ Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vec
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
                                 const std::vector<fs::path>& outputs, const RunContext& run) {
     const SurfaceMesh& surface = result.surface.mesh;
-    return measure_surface(surface, as_written(surface, view.calibration, result.config.exporting, outputs),
+    return measure_surface(surface, as_written(scene_of(view, result, {}), result.config.exporting, outputs),
                            view, run);
 }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
-#include "exporters/compression/quantisation.h"
-#include "exporters/core/file_names.h"
+#include "exporters/compression/quantized_streams.h"
+#include "exporters/exporter.h"
+#include "exporters/images/texture.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/stages/surface_quality.h"
 
@@ -13,10 +15,6 @@ namespace hexrelief {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_draco(const fs::path& path, const ExportConfig& config) {
-    return export_format(path) == MeshFormat::drc || config.compression == Compression::draco;
-}
 
 // What Draco makes of a fixed number of bits.
 Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
@@ -35,16 +33,16 @@ Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
     return grid;
 }
 
-// Quantised glTF files have one step for all axes, which leaves normals as they are; the others' depths have
-// a step of their own, but for .drc, which has no transform to hold it.
-Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
-                const fs::path& path) {
-    if (is_draco(path, config) && config.draco.position_bits > 0)
-        return grid_of_bits(surface, config.draco.position_bits);
-    const bool is_cubic =
-        export_format(path) == MeshFormat::drc || config.compression == Compression::quantized;
-    return quantise_positions(surface, camera, config.tolerance_px,
-                              is_cubic ? GridShape::cubic : GridShape::per_axis);
+// Draco in glTF has a step for each axis; .drc has no transform to hold them. None if positions stay floats.
+std::optional<Grid<3>> grid_of(const Scene& scene, const ExportConfig& config, const fs::path& path) {
+    const ExportConfig held = config_of_file(scene, config, path);
+    if (held.compression != Compression::draco)
+        return position_grid(untextured_mesh(scene, held), scene.camera, held,
+                             held.compression == Compression::meshopt);
+    if (held.draco.position_bits > 0) return grid_of_bits(*scene.mesh, held.draco.position_bits);
+    return quantise_positions(
+        *scene.mesh, *scene.camera, held.tolerance_px,
+        export_format(path) == MeshFormat::drc ? GridShape::cubic : GridShape::per_axis);
 }
 
 }  // namespace
@@ -60,19 +58,19 @@ double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, con
 }
 
 bool is_compressed(const fs::path& path, const ExportConfig& config) {
-    const MeshFormat format = export_format(path);
-    return format == MeshFormat::drc || ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
-                                         config.compression != Compression::none);
+    return compression_of(export_format(path), config) != Compression::none;
 }
 
-SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
-                       const std::vector<fs::path>& outputs) {
+SurfaceMesh as_written(const Scene& scene, const ExportConfig& config, const std::vector<fs::path>& outputs) {
     const auto path = std::find_if(outputs.begin(), outputs.end(),
                                    [&](const fs::path& output) { return is_compressed(output, config); });
-    if (path == outputs.end()) return surface;
-    const Grid<3> grid = grid_of(surface, camera, config, *path);
+    if (path == outputs.end()) return *scene.mesh;
+    const std::optional<Grid<3>> held = grid_of(scene, config, *path);
+    if (!held) return *scene.mesh;
+    const Grid<3>& grid = *held;
+    const Calibration& camera = *scene.camera;
     SurfaceMesh seen;
-    seen.triangles = surface.triangles;
+    seen.triangles = scene.mesh->triangles;
     for (std::size_t i = 0; i < grid.cells.size(); ++i) {
         const double depth = -grid.value(i, 2);
         seen.image_points.push_back(
