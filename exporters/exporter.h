@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "exporters/core/file_names.h"
 #include "exporters/core/file_transaction.h"
 #include "exporters/core/scene.h"
+#include "exporters/mesh_formats.h"
 
 namespace hexrelief {
 
@@ -25,7 +25,7 @@ void export_scene(const Scene& scene, const ExportConfig& config, const std::fil
                   FileTransaction& files);
 
 // As the format of `path` holds the scene: whether normals are written, how positions are compressed, and
-// within which tolerance. export.compression is of .glb and .gltf alone.
+// within which tolerance.
 ExportConfig config_of_file(const Scene& scene, const ExportConfig& config,
                             const std::filesystem::path& path);
 

@@ -5,11 +5,9 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <stdexcept>
 #include <type_traits>
 
 #include "exporters/compression/draco_codec.h"
-#include "exporters/core/file_names.h"
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/inspect/limited.h"
 
@@ -52,22 +50,6 @@ FileHead read_head(const fs::path& path, std::uintmax_t count) {
     return head;
 }
 
-std::vector<std::uint8_t> read_file(const fs::path& path) {
-    return read_head(path, std::numeric_limits<std::uintmax_t>::max()).bytes;
-}
-
-// What a GLB says of its buffer, without the buffer.
-MeshDescription describe_glb(const fs::path& path) {
-    constexpr std::size_t kStart = 20, kNextChunk = 8;
-    FileHead head = read_head(path, kStart);
-    if (head.bytes.size() == kStart) {
-        std::uint32_t json_bytes = 0;
-        std::memcpy(&json_bytes, head.bytes.data() + 12, sizeof json_bytes);
-        head = read_head(path, std::uintmax_t{kStart} + json_bytes + kNextChunk);
-    }
-    return describe_gltf(path, head.bytes, head.file_bytes, true);
-}
-
 // libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode at
 // more than 256 KiB a second, and into less than a thousand times their bytes.
 DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
@@ -85,7 +67,31 @@ DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint
     return summary;
 }
 
-MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+}  // namespace
+
+std::vector<std::uint8_t> read_file(const fs::path& path) {
+    return read_head(path, std::numeric_limits<std::uintmax_t>::max()).bytes;
+}
+
+// What a GLB says of its buffer, without the buffer.
+MeshDescription describe_glb(const fs::path& path) {
+    constexpr std::size_t kStart = 20, kNextChunk = 8;
+    FileHead head = read_head(path, kStart);
+    if (head.bytes.size() == kStart) {
+        std::uint32_t json_bytes = 0;
+        std::memcpy(&json_bytes, head.bytes.data() + 12, sizeof json_bytes);
+        head = read_head(path, std::uintmax_t{kStart} + json_bytes + kNextChunk);
+    }
+    return describe_gltf(path, head.bytes, head.file_bytes, true);
+}
+
+MeshDescription describe_gltf(const fs::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
+    return describe_gltf(path, bytes, bytes.size(), false);
+}
+
+MeshDescription describe_drc(const fs::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     const DracoSummary summary = summarise_limited(path, bytes);
     MeshDescription out;
     out.vertices = summary.vertices;
@@ -98,39 +104,6 @@ MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_
     out.has_bounds = summary.has_bounds;
     out.min = summary.min;
     out.max = summary.max;
-    return out;
-}
-
-MeshDescription describe(MeshFormat format, const fs::path& path) {
-    switch (format) {
-        case MeshFormat::glb:
-            return describe_glb(path);
-        case MeshFormat::gltf: {
-            const FileHead file = read_head(path, std::numeric_limits<std::uintmax_t>::max());
-            return describe_gltf(path, file.bytes, file.file_bytes, false);
-        }
-        case MeshFormat::drc:
-            return describe_drc(path, read_file(path));
-        case MeshFormat::obj:
-            return describe_obj(path, read_file(path));
-        case MeshFormat::ply:
-            return describe_ply(path, read_file(path));
-        case MeshFormat::stl:
-            return describe_stl(path, read_file(path));
-        case MeshFormat::usdz:
-            return describe_usdz(path, read_file(path));
-        case MeshFormat::html:
-            return describe_html(path, read_file(path));
-    }
-    throw std::logic_error("no description of a mesh format");
-}
-
-}  // namespace
-
-MeshDescription describe_mesh(const fs::path& path) {
-    const MeshFormat format = export_format(path);
-    MeshDescription out = describe(format, path);
-    out.format = format_name(format);
     return out;
 }
 

@@ -1,7 +1,6 @@
 // What a mesh file holds, read from the file alone.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +14,7 @@ struct LevelDescription {
 };
 
 struct MeshDescription {
-    std::string format;       // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz"
+    std::string format;       // the extension without its dot
     long long vertices = 0;   // all meshes of the file together, but for coarser levels of detail; of .stl,
                               // which has none, the different corners
     long long triangles = 0;  // polygons counted as the triangles that they split into
@@ -32,11 +31,5 @@ struct MeshDescription {
     Vec3f min, max;
     std::string generator;  // asset.generator, or the first comment; may be empty
 };
-
-// Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order) .stl (binary) .usdz (of text),
-// chosen by the extension; of .glb all but its buffer is read. Never allocates more than a small multiple of
-// the file's size (.drc: than its decoder). Throws Error(usage) for another extension, Error(input) where the
-// file is missing, empty, above 2 GiB (.glb: but for its buffer), truncated or malformed.
-MeshDescription describe_mesh(const std::filesystem::path& path);
 
 }  // namespace hexrelief

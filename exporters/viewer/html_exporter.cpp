@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/exporter.h"
+#include "exporters/inspect/describe_formats.h"
 #include "exporters/viewer/html_text.h"
 #include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"
@@ -108,10 +110,16 @@ bool has_viewer() {
     return !viewer_page().empty();
 }
 
+namespace {
+
+// Finer than config.tolerance_px if that costs few bytes.
 double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path) {
     return page_tolerance_px(scene, config, path, mesh_bytes(scene, config, Compression::meshopt, path));
 }
 
+// The scene needs a camera and the size of its image. The mesh is in the page as a GLB with
+// EXT_meshopt_compression, in all levels of detail, without normals, whatever config says of these; its
+// texture is as config asks. The page's title is path's stem.
 void write_html(const Scene& scene, const ExportConfig& config, const fs::path& path,
                 FileTransaction& files) {
     if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
@@ -128,5 +136,21 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
     files.write(path, filled(viewer_page(),
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
 }
+
+}  // namespace
+
+extern const MeshFormat html_format = {
+    .extension = ".html",
+    .holds =
+        "a page that shows the relief in a browser, with nothing but itself ([viewer](viewer/README.md))",
+    .write = write_html,
+    .describe = describe_html,
+    .colours = ColourStorage::texture,
+    .has_material = true,
+    .compression = Compression::meshopt,
+    .tolerance_px = page_tolerance_px,
+    .levels = LevelSupport::inside,
+    .is_page = true,
+};
 
 }  // namespace hexrelief

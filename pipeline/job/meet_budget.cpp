@@ -35,7 +35,7 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
 bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
-               return is_compressed(path, config) && export_format(path) != MeshFormat::html;
+               return is_compressed(path, config) && !export_format(path).tolerance_px;
            });
 }
 
@@ -44,9 +44,7 @@ std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& 
                                             const std::vector<fs::path>& outputs) {
     const ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
-        const MeshFormat format = export_format(path);
-        return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj ||
-               format == MeshFormat::html || format == MeshFormat::usdz;
+        return export_format(path).colours == ColourStorage::texture;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
         exporting.texture == TextureFormat::none)

@@ -45,8 +45,8 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
             const std::string extension = file.path.extension().string();
             outputs.push_back(
                 {file.path.string(),
-                 i == before ? format_name(export_format(name)) : extension.substr(!extension.empty()),
-                 file.bytes, file.sha256});
+                 i == before ? export_format(name).name() : extension.substr(!extension.empty()), file.bytes,
+                 file.sha256});
         }
         log.progress(++done / static_cast<double>(paths.size()));
     }

@@ -4,7 +4,7 @@
 #include <future>
 #include <utility>
 
-#include "exporters/core/file_names.h"
+#include "exporters/mesh_formats.h"
 #include "mesher/mesher.h"
 #include "pipeline/data/background.h"
 #include "pipeline/pictures/relief_picture.h"
@@ -14,9 +14,8 @@
 namespace hexrelief {
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {
-    return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
-        return export_format(path) == MeshFormat::html;
-    });
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [](const std::filesystem::path& path) { return export_format(path).is_page; });
 }
 
 PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,

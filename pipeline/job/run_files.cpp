@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "exporters/core/file_names.h"
 #include "exporters/images/texture.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
@@ -55,9 +56,9 @@ void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
         if (!is_standard_output(output)) continue;
         if (planned_files(output, request.config.exporting).size() > 1)
-            refuse("the standard output takes one file, and " + format_name(export_format(output)) +
-                   " may have several; use -o - for .glb, -o drc:-, html:-, ply:-, stl:- or usdz:-, without "
-                   "export.lod");
+            refuse("the standard output takes one file, and " + export_format(output).name() +
+                   " may have several; use -o - for .glb, or one of " + standard_output_names() +
+                   ", without export.lod");
     }
     if (files_for_standard_output(request) > 1)
         refuse("the standard output takes one file: give '-' once, as an output or as the report");
@@ -78,8 +79,9 @@ std::vector<PlannedFile> plan(const RunRequest& request) {
     };
     for (const fs::path& output : request.outputs)
         for (const fs::path& file : planned_files(output, request.config.exporting)) {
-            const bool texture = file.extension() != output.extension() && file.extension() != ".mtl" &&
-                                 file.extension() != ".bin";
+            const char* const companion = export_format(output).companion;
+            const bool texture =
+                companion && file.extension() != output.extension() && file.extension() != companion;
             add(file, (file == output ? "the output " : "what goes with the output ") + output.string(),
                 texture);
         }
@@ -157,6 +159,13 @@ std::string depfile_rule(const RunRequest& request) {
     return make_rule(targets, read_files(request));
 }
 
+std::string standard_output_names() {
+    std::string names;
+    for (const MeshFormat* format : mesh_formats())
+        if (!format->companion) names.append(names.empty() ? "" : ", ").append(format->name()).append(":-");
+    return names;
+}
+
 bool writes_standard_output(const RunRequest& request) {
     return files_for_standard_output(request) > 0;
 }
@@ -165,8 +174,7 @@ std::string levels_inside_warning(const RunRequest& request) {
     const ExportConfig& config = request.config.exporting;
     if (config.lod == 1 || config.lod_storage != LevelStorage::inside) return {};
     for (const fs::path& output : request.outputs)
-        if (const MeshFormat format = export_format(output);
-            format == MeshFormat::glb || format == MeshFormat::gltf)
+        if (export_format(output).levels == LevelSupport::by_config)
             return "Blender, and other programs that do not know MSFT_lod, show all levels of detail of " +
                    output.string() + " on top of each other; export.lod_storage: files writes a file each";
     return {};
@@ -174,15 +182,14 @@ std::string levels_inside_warning(const RunRequest& request) {
 
 std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
     std::vector<fs::path> files;
-    const MeshFormat format = export_format(path);
-    const int levels = separate_levels(path, config) ? config.lod : 1;
+    const MeshFormat& format = export_format(path);
+    const int levels = format.has_separate_levels(config) ? config.lod : 1;
     for (int level = 0; level < levels; ++level) {
         files.push_back(level == 0 ? path : level_path(path, level));
         fs::path companion = files.back();
-        if (format == MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
-        if (format == MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
-        if (format == MeshFormat::obj || format == MeshFormat::gltf)
-            files.push_back(texture_path(companion, config));
+        if (!format.companion) continue;
+        files.push_back(companion.replace_extension(format.companion));
+        files.push_back(texture_path(companion, config));
     }
     return files;
 }

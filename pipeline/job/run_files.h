@@ -22,6 +22,8 @@ std::string levels_inside_warning(const RunRequest& request);
 // A rule for make: the outputs depend on all files that the job reads. Throws as make_rule().
 std::string depfile_rule(const RunRequest& request);
 
+// "glb:-, drc:-, ...": what sends a format that is one file to the standard output.
+std::string standard_output_names();
 bool writes_standard_output(const RunRequest& request);
 
 // All that the job may write and read.

@@ -42,7 +42,7 @@ std::optional<Grid<3>> grid_of(const Scene& scene, const ExportConfig& config, c
     if (held.draco.position_bits > 0) return grid_of_bits(*scene.mesh, held.draco.position_bits);
     return quantise_positions(
         *scene.mesh, *scene.camera, held.tolerance_px,
-        export_format(path) == MeshFormat::drc ? GridShape::cubic : GridShape::per_axis);
+        export_format(path).compression == Compression::draco ? GridShape::cubic : GridShape::per_axis);
 }
 
 }  // namespace
@@ -58,7 +58,7 @@ double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, con
 }
 
 bool is_compressed(const fs::path& path, const ExportConfig& config) {
-    return compression_of(export_format(path), config) != Compression::none;
+    return export_format(path).compression_in(config) != Compression::none;
 }
 
 SurfaceMesh as_written(const Scene& scene, const ExportConfig& config, const std::vector<fs::path>& outputs) {

@@ -121,10 +121,7 @@ std::string Mesh::report() const {
     const RunContext run{relief.backend, relief.threads, state_->log};
     std::vector<std::filesystem::path> paths;
     for (const OutputFile& file : state_->written) paths.emplace_back(file.path);
-    std::erase_if(paths, [](const auto& path) {  // textures and the like
-        const auto& known = export_extensions();
-        return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
-    });
+    std::erase_if(paths, [](const auto& path) { return !find_mesh_format(path); });  // textures and the like
     const SurfaceMeasures measures = measure_written(view, relief.result, paths, run);
     return report_json(assemble_report({relief.backend_reason,
                                         relief.input,

@@ -38,7 +38,7 @@ bool lacks_color(const RunRequest& request) {
     return request.left.empty() && request.stereo.empty() && request.color.empty() &&
            request.config.exporting.texture != TextureFormat::none &&
            std::any_of(request.outputs.begin(), request.outputs.end(), [](const std::filesystem::path& path) {
-               return export_format(path) != MeshFormat::drc;
+               return export_format(path).colours != ColourStorage::none;
            });
 }
 
@@ -74,6 +74,13 @@ bool uses_standard_output(const FileRequest& files) {
     for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
     request.report = files.report;
     return writes_standard_output(request);
+}
+
+std::string output_extensions() {
+    return export_extensions();
+}
+std::string output_streams() {
+    return standard_output_names();
 }
 
 }  // namespace v0
