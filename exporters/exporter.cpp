@@ -4,39 +4,11 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "exporters/formats/drc_exporter.h"
-#include "exporters/formats/gltf/gltf_exporter.h"
-#include "exporters/formats/obj_exporter.h"
-#include "exporters/formats/ply_exporter.h"
-#include "exporters/formats/stl_exporter.h"
-#include "exporters/formats/usdz_exporter.h"
-#include "exporters/viewer/html_exporter.h"
+#include "exporters/core/file_names.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
 namespace {
-
-FormatWriter writer_of(MeshFormat format) {
-    switch (format) {
-        case MeshFormat::glb:
-            return write_glb;
-        case MeshFormat::gltf:
-            return write_gltf;
-        case MeshFormat::drc:
-            return write_drc;
-        case MeshFormat::obj:
-            return write_obj;
-        case MeshFormat::ply:
-            return write_ply;
-        case MeshFormat::stl:
-            return write_stl;
-        case MeshFormat::usdz:
-            return write_usdz;
-        case MeshFormat::html:
-            return write_html;
-    }
-    throw std::logic_error("no writer for a mesh format");
-}
 
 template <typename Vector>
 bool finite(const Vector& values) {
@@ -65,37 +37,46 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
         throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
 }
 
-// True if light falls on the mesh in this format. That is so in all formats without a material. A page counts
-// as the glTF file in it.
-bool is_lit(const Scene& scene, const ExportConfig& config, MeshFormat format) {
-    const bool has_material = format == MeshFormat::glb || format == MeshFormat::gltf ||
-                              format == MeshFormat::usdz || format == MeshFormat::html;
+// Whether the format shows the mesh by light that falls on it: all do that have no material.
+bool is_lit(const Scene& scene, const ExportConfig& config, const MeshFormat& format) {
     const bool textured = scene.texture && config.texcoords && config.texture != TextureFormat::none;
-    return !has_material || !textured || config.material == MaterialKind::lit;
+    return !format.has_material || !textured || config.material == MaterialKind::lit;
+}
+
+ExportConfig with_normals_decided(const Scene& scene, ExportConfig config, const MeshFormat& format) {
+    if (config.normals == NormalsKind::automatic)
+        config.normals = is_lit(scene, config, format) ? NormalsKind::always : NormalsKind::never;
+    return config;
 }
 
 }  // namespace
 
+ExportConfig config_of_file(const Scene& scene, const ExportConfig& asked,
+                            const std::filesystem::path& path) {
+    const MeshFormat& format = export_format(path);
+    ExportConfig config = with_normals_decided(scene, asked, format);
+    config.compression = format.compression_in(asked);
+    if (format.tolerance_px) config.tolerance_px = format.tolerance_px(scene, config, path);
+    return config;
+}
+
 void export_scene(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
                   FileTransaction& files) {
-    const MeshFormat format = export_format(path);
-    const FormatWriter write = writer_of(format);
-    ExportConfig config = asked;
-    if (config.normals == NormalsKind::automatic)
-        config.normals = is_lit(scene, config, format) ? NormalsKind::always : NormalsKind::never;
+    const MeshFormat& format = export_format(path);
+    const ExportConfig config = with_normals_decided(scene, asked, format);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
-    if (!separate_levels(path, config)) {
-        write(scene, config, path, files);
+    if (!format.has_separate_levels(config)) {
+        format.write(scene, config, path, files);
         return;
     }
     // Each level is written with all others in its scene, so that all are cropped to the same texture.
     Scene level = scene;
-    write(level, config, path, files);
+    format.write(level, config, path, files);
     for (std::size_t i = 0; i < level.coarser.size(); ++i) {
         std::swap(level.mesh, level.coarser[i]);
-        write(level, config, level_path(path, static_cast<int>(i) + 1), files);
+        format.write(level, config, level_path(path, static_cast<int>(i) + 1), files);
     }
 }
 

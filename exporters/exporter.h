@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "exporters/core/file_names.h"
 #include "exporters/core/file_transaction.h"
 #include "exporters/core/scene.h"
+#include "exporters/mesh_formats.h"
 
 namespace hexrelief::exporters {
 
@@ -24,8 +24,12 @@ std::vector<std::filesystem::path> export_scene(const Scene& scene, const Export
 void export_scene(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                   FileTransaction& files);
 
-// Returns the number of bytes of all files that export_scene() would write; nothing is left behind.
-// Throws what export_scene() throws.
+// As the format of `path` holds the scene: whether normals are written, how positions are compressed, and
+// within which tolerance.
+ExportConfig config_of_file(const Scene& scene, const ExportConfig& config,
+                            const std::filesystem::path& path);
+
+// The bytes of all files that export_scene() would write; nothing is left behind. Throws as that does.
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);
 
 }  // namespace hexrelief::exporters

@@ -85,8 +85,8 @@ Grid<3> fitting_grid(const SurfaceMesh& mesh, const Calibration& camera, double 
 
 constexpr int kMostBits = 16;
 
-Grid<3> position_grid(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
-                      bool meshopt) {
+Grid<3> finest_grid(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
+                    bool meshopt) {
     const SurfaceMesh& mesh = textured.mesh;
     if (textured.grid_step_m > 0) return exact_grid(mesh.positions, textured.grid_step_m);
     if (!camera) return box_grid(mesh.positions, kBitsWithoutCamera);
@@ -102,8 +102,8 @@ Grid<3> position_grid(const TexturedMesh& textured, const Calibration* camera, c
 void add_positions(QuantizedMesh& out, const TexturedMesh& textured, const Calibration* camera,
                    const ExportConfig& config, bool meshopt) {
     const SurfaceMesh& mesh = textured.mesh;
-    const Grid<3> grid = position_grid(textured, camera, config, meshopt);
-    if (grid.bits() > kMostBits) {
+    const std::optional<Grid<3>> fitting = position_grid(textured, camera, config, meshopt);
+    if (!fitting) {
         const auto& p = mesh.positions;
         out.positions = make_stream<float>(p.size(), 3, [&](std::size_t i, int k) {
             return k == 0 ? p[i].x : k == 1 ? p[i].y : p[i].z;
@@ -117,6 +117,7 @@ void add_positions(QuantizedMesh& out, const TexturedMesh& textured, const Calib
         }
         return;
     }
+    const Grid<3>& grid = *fitting;
     out.transform = {grid.origin, grid.step};
     out.positions = grid_stream(grid);
     for (int k = 0; k < 3; ++k) {
@@ -247,6 +248,13 @@ void order_for_meshopt(QuantizedMesh& out) {
 }
 
 }  // namespace
+
+std::optional<Grid<3>> position_grid(const TexturedMesh& textured, const Calibration* camera,
+                                     const ExportConfig& config, bool meshopt) {
+    Grid<3> grid = finest_grid(textured, camera, config, meshopt);
+    if (grid.bits() > kMostBits) return std::nullopt;
+    return grid;
+}
 
 QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* camera,
                             const ExportConfig& config, bool meshopt) {

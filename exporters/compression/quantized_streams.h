@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "exporters/compression/draco_plan.h"
@@ -30,7 +31,11 @@ struct QuantizedMesh {
     std::array<double, 2> texcoord_scale = {1, 1};
 };
 
-// Chooses the smallest types that keep the tolerances; 32-bit floats if 16 bits are too few. With meshopt,
+// Chooses the grid that positions lie on; none if 16 bits are too few for it, and they stay floats.
+std::optional<Grid<3>> position_grid(const TexturedMesh& textured, const Calibration* camera,
+                                     const ExportConfig& config, bool meshopt);
+
+// The smallest types that keep the tolerances; 32-bit floats if 16 bits are too few. With meshopt,
 // normals are octahedral, vertices are in the order of their first use, and triangles are in the order that
 // meshoptimizer's index coder compresses best.
 QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* camera,

@@ -24,7 +24,7 @@ constexpr const char *kPrefix = ".hexrelief-", *kSuffix = ".tmp";
 // the file may be a pipe.
 int open_to_lock(const fs::path& path, int flags) {
     constexpr int kCommon = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-    const int descriptor = ::open(path.c_str(), O_RDWR | flags | kCommon, 0666);
+    const int descriptor = ::open(path.c_str(), O_RDWR | flags | kCommon, 0644);
     return descriptor >= 0 ? descriptor : ::open(path.c_str(), O_RDONLY | kCommon);
 }
 
@@ -32,6 +32,17 @@ bool is_open_file(int descriptor, const fs::path& path) {
     struct stat open = {}, named = {};
     return ::fstat(descriptor, &open) == 0 && ::lstat(path.c_str(), &named) == 0 && S_ISREG(open.st_mode) &&
            open.st_ino == named.st_ino && open.st_dev == named.st_dev;
+}
+
+bool is_written_by_caller_alone(const struct stat& status) {
+    return status.st_uid == ::geteuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+// Whoever can make files in a folder can give it a lock with any list of renames: one of their own, or an old
+// one of the caller's.
+bool is_folder_of_caller_alone(const fs::path& folder) {
+    struct stat status = {};
+    return ::stat(folder.c_str(), &status) == 0 && is_written_by_caller_alone(status);
 }
 
 bool is_temporary(const std::string& name) {
@@ -95,7 +106,8 @@ FolderLock::~FolderLock() {
 // Each name ends with a zero byte, and the list with an empty name: a list that was not
 // written completely is ignored.
 void FolderLock::announce(const Renames& renames) noexcept {
-    if (descriptor_ < 0 || renames.size() < 2) return;  // a single rename is either done or not
+    if (descriptor_ < 0 || renames.size() < 2) return;            // one rename is done or not
+    if (!is_folder_of_caller_alone(path_.parent_path())) return;  // nobody would believe it
     std::string text;
     for (const auto& [from, to] : renames)
         (text += from.filename().string()).append(1, '\0').append(to.filename().string()).append(1, '\0');
@@ -114,13 +126,13 @@ void FolderLock::revoke() noexcept {
 void FolderLock::finish_announced() noexcept {
     constexpr off_t longest = 1 << 20;
     struct stat status = {};
-    if (::fstat(descriptor_, &status) != 0 || status.st_uid != ::geteuid() || status.st_nlink != 1 ||
-        status.st_size < 2 || status.st_size > longest)
+    if (::fstat(descriptor_, &status) != 0 || status.st_size < 2 || status.st_size > longest) return;
+    const fs::path folder = path_.parent_path();
+    if (!is_written_by_caller_alone(status) || status.st_nlink != 1 || !is_folder_of_caller_alone(folder))
         return;
     std::string text(static_cast<std::size_t>(status.st_size), '.');
     if (::pread(descriptor_, text.data(), text.size(), 0) != status.st_size) return;
     if (!text.ends_with(std::string_view("\0\0", 2))) return revoke();
-    const fs::path folder = path_.parent_path();
     for (std::size_t at = 0; at + 1 < text.size();) {
         const std::string from = text.c_str() + at, to = text.c_str() + at + from.size() + 1;
         at += from.size() + to.size() + 2;

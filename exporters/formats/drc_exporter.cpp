@@ -1,8 +1,10 @@
-#include "exporters/formats/drc_exporter.h"
-
+// A bare Draco bitstream: positions, normals, texture coordinates.
 #include "exporters/compression/draco_plan.h"
+#include "exporters/core/mesh_format.h"
+#include "exporters/inspect/describe_formats.h"
 
 namespace hexrelief::exporters {
+namespace {
 
 void write_drc(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
@@ -10,5 +12,15 @@ void write_drc(const Scene& scene, const ExportConfig& config, const std::filesy
     files.write(path,
                 compress_draco(mesh, scene.camera, config, GridShape::cubic, scene.threads).draco.bytes);
 }
+
+}  // namespace
+
+extern const MeshFormat drc_format = {
+    .extension = ".drc",
+    .holds = "Draco: positions, normals, texture coordinates of the whole left image",
+    .write = write_drc,
+    .describe = describe_drc,
+    .compression = Compression::draco,
+};
 
 }  // namespace hexrelief::exporters

@@ -1,10 +1,11 @@
-#include "exporters/formats/obj_exporter.h"
-
+// Wavefront OBJ with a material library and a texture file beside it.
 #include <charconv>
 #include <initializer_list>
 #include <string>
 
+#include "exporters/core/mesh_format.h"
 #include "exporters/images/texture.h"
+#include "exporters/inspect/describe_formats.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -62,8 +63,6 @@ std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
     return text;
 }
 
-}  // namespace
-
 void write_obj(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     std::filesystem::path material_path = path;
@@ -75,5 +74,17 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
     files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
     if (image) files.write(image_path, encode_texture(*scene.texture, textured, config).bytes);
 }
+
+}  // namespace
+
+extern const MeshFormat obj_format = {
+    .extension = ".obj",
+    .holds = "with `.mtl` and texture",
+    .write = write_obj,
+    .describe = describe_obj,
+    .colours = ColourStorage::texture,
+    .companion = ".mtl",
+    .names_companions_in_lines = true,
+};
 
 }  // namespace hexrelief::exporters

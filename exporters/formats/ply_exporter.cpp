@@ -1,10 +1,12 @@
-#include "exporters/formats/ply_exporter.h"
-
+// PLY, binary little endian, with vertex colours taken from the texture.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <string>
+
+#include "exporters/core/mesh_format.h"
+#include "exporters/inspect/describe_formats.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -41,8 +43,6 @@ std::string header(const Scene& scene, bool normals, bool colours) {
     return text + "property list uchar int vertex_indices\nend_header\n";
 }
 
-}  // namespace
-
 void write_ply(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     const SurfaceMesh& mesh = *scene.mesh;
@@ -68,5 +68,15 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
     }
     files.write(path, bytes);
 }
+
+}  // namespace
+
+extern const MeshFormat ply_format = {
+    .extension = ".ply",
+    .holds = "binary, vertex colours",
+    .write = write_ply,
+    .describe = describe_ply,
+    .colours = ColourStorage::vertices,
+};
 
 }  // namespace hexrelief::exporters

@@ -1,10 +1,11 @@
-#include "exporters/formats/stl_exporter.h"
-
+// Binary STL, for printing and CAD: triangles alone, in export.stl_unit.
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
 
+#include "exporters/core/mesh_format.h"
+#include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
@@ -19,8 +20,6 @@ Vec3f face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
     if (!(length > 0)) return {0, 0, 0};  // which tells readers to compute it
     return {n.x / length, n.y / length, n.z / length};
 }
-
-}  // namespace
 
 void write_stl(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
@@ -48,5 +47,14 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
     }
     files.write(path, bytes);
 }
+
+}  // namespace
+
+extern const MeshFormat stl_format = {
+    .extension = ".stl",
+    .holds = "binary, triangles alone, for printing and CAD; `export.stl_unit: mm` for slicers",
+    .write = write_stl,
+    .describe = describe_stl,
+};
 
 }  // namespace hexrelief::exporters

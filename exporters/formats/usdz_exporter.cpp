@@ -1,12 +1,13 @@
-#include "exporters/formats/usdz_exporter.h"
-
+// USDZ: a USD text file and its texture in an uncompressed zip, as phones show it.
 #include <charconv>
 #include <initializer_list>
 #include <limits>
 #include <string>
 
+#include "exporters/core/mesh_format.h"
 #include "exporters/formats/stored_zip.h"
 #include "exporters/images/texture.h"
+#include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
@@ -120,8 +121,7 @@ std::string usd_text(const Scene& scene, const SurfaceMesh& mesh, const std::str
     return text + "}\n";
 }
 
-}  // namespace
-
+// The texture is JPEG or PNG: one configured as WebP, which USDZ does not know, is written as JPEG.
 void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
                 FileTransaction& files) {
     ExportConfig config = asked;
@@ -143,5 +143,16 @@ void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesy
     if (!texture_name.empty()) zip.add(texture_name, texture.bytes.data(), texture.bytes.size());
     files.write(path, zip.finish());
 }
+
+}  // namespace
+
+extern const MeshFormat usdz_format = {
+    .extension = ".usdz",
+    .holds = "USD text with JPEG or PNG texture, for phones",
+    .write = write_usdz,
+    .describe = describe_usdz,
+    .colours = ColourStorage::texture,
+    .has_material = true,
+};
 
 }  // namespace hexrelief::exporters

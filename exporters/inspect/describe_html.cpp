@@ -31,7 +31,8 @@ std::vector<std::uint8_t> from_base64(std::string_view text) {
 
 }  // namespace
 
-MeshDescription describe_html(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe_html(const std::filesystem::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     static constexpr std::string_view kBefore = R"(id="glb">)";
     const std::string_view page(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const std::size_t at = page.find(kBefore);

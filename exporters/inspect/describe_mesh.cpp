@@ -5,11 +5,9 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <stdexcept>
 #include <type_traits>
 
 #include "exporters/compression/draco_codec.h"
-#include "exporters/core/file_names.h"
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/inspect/limited.h"
 
@@ -52,6 +50,25 @@ FileHead read_head(const fs::path& path, std::uintmax_t count) {
     return head;
 }
 
+// libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode at
+// more than 256 KiB a second, and into less than a thousand times their bytes.
+exporters::DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    static_assert(std::is_trivially_copyable_v<exporters::DracoSummary>);
+    const WorkLimits limits{1 + static_cast<unsigned>(bytes.size() >> 18),
+                            (std::uint64_t{1} << 30) + 1024 * bytes.size(), 4096};
+    const WorkBytes result = run_limited(limits, "cannot read '" + path.string() + "' as Draco: ", [&] {
+        const exporters::DracoSummary summary = exporters::summarise_draco(bytes, path.string());
+        const auto* const first = reinterpret_cast<const std::uint8_t*>(&summary);
+        return WorkBytes(first, first + sizeof summary);
+    });
+    exporters::DracoSummary summary;
+    if (result.size() != sizeof summary) fail_reading(path, "its decoder ended early");
+    std::memcpy(&summary, result.data(), sizeof summary);
+    return summary;
+}
+
+}  // namespace
+
 std::vector<std::uint8_t> read_file(const fs::path& path) {
     return read_head(path, std::numeric_limits<std::uintmax_t>::max()).bytes;
 }
@@ -68,25 +85,13 @@ MeshDescription describe_glb(const fs::path& path) {
     return describe_gltf(path, head.bytes, head.file_bytes, true);
 }
 
-// Summarises a Draco file in a limited process. libdraco was seen to take 16 s and 6 GB for damaged
-// files of a few bytes. Intact files decode at more than 256 KiB a second, and to less than a
-// thousand times their size.
-exporters::DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-    static_assert(std::is_trivially_copyable_v<exporters::DracoSummary>);
-    const WorkLimits limits{1 + static_cast<unsigned>(bytes.size() >> 18),
-                            (std::uint64_t{1} << 30) + 1024 * bytes.size(), 4096};
-    const WorkBytes result = run_limited(limits, "cannot read '" + path.string() + "' as Draco: ", [&] {
-        const exporters::DracoSummary summary = exporters::summarise_draco(bytes, path.string());
-        const auto* const first = reinterpret_cast<const std::uint8_t*>(&summary);
-        return WorkBytes(first, first + sizeof summary);
-    });
-    exporters::DracoSummary summary;
-    if (result.size() != sizeof summary) fail_reading(path, "its decoder ended early");
-    std::memcpy(&summary, result.data(), sizeof summary);
-    return summary;
+MeshDescription describe_gltf(const fs::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
+    return describe_gltf(path, bytes, bytes.size(), false);
 }
 
-MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe_drc(const fs::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     const exporters::DracoSummary summary = summarise_limited(path, bytes);
     MeshDescription out;
     out.vertices = summary.vertices;
@@ -99,39 +104,6 @@ MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_
     out.has_bounds = summary.has_bounds;
     out.min = summary.min;
     out.max = summary.max;
-    return out;
-}
-
-MeshDescription describe(exporters::MeshFormat format, const fs::path& path) {
-    switch (format) {
-        case exporters::MeshFormat::glb:
-            return describe_glb(path);
-        case exporters::MeshFormat::gltf: {
-            const FileHead file = read_head(path, std::numeric_limits<std::uintmax_t>::max());
-            return describe_gltf(path, file.bytes, file.file_bytes, false);
-        }
-        case exporters::MeshFormat::drc:
-            return describe_drc(path, read_file(path));
-        case exporters::MeshFormat::obj:
-            return describe_obj(path, read_file(path));
-        case exporters::MeshFormat::ply:
-            return describe_ply(path, read_file(path));
-        case exporters::MeshFormat::stl:
-            return describe_stl(path, read_file(path));
-        case exporters::MeshFormat::usdz:
-            return describe_usdz(path, read_file(path));
-        case exporters::MeshFormat::html:
-            return describe_html(path, read_file(path));
-    }
-    throw std::logic_error("no description of a mesh format");
-}
-
-}  // namespace
-
-MeshDescription describe_mesh(const fs::path& path) {
-    const exporters::MeshFormat format = exporters::export_format(path);
-    MeshDescription out = describe(format, path);
-    out.format = exporters::format_name(format);
     return out;
 }
 

@@ -120,7 +120,8 @@ class ObjReader {
 
 }  // namespace
 
-MeshDescription describe_obj(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe_obj(const fs::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     ObjReader reader(path);
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     while (!text.empty()) {

@@ -222,7 +222,8 @@ class PlyReader {
 
 }  // namespace
 
-MeshDescription describe_ply(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe_ply(const fs::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     return PlyReader(path, bytes).read();
 }
 

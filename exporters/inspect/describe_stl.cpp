@@ -7,7 +7,8 @@
 
 namespace hexrelief::inspect {
 
-MeshDescription describe_stl(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe_stl(const std::filesystem::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     constexpr std::size_t kHeader = 80, kStart = kHeader + 4, kTriangle = 50;
     if (bytes.size() < kStart) fail_reading(path, "it is too short for a binary STL");
     std::uint32_t triangles;

@@ -92,7 +92,8 @@ std::vector<double> numbers_of(const std::filesystem::path& path, std::string_vi
 
 }  // namespace
 
-MeshDescription describe_usdz(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe_usdz(const std::filesystem::path& path) {
+    const std::vector<std::uint8_t> bytes = read_file(path);
     const std::vector<ZipEntry> entries = ZipReader(path, bytes).entries();
     if (entries.empty() || !entries[0].bytes.starts_with("#usda "))
         fail_reading(path, "its first file is no USD text, and no other kind is read");

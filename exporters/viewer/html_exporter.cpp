@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/gltf_exporter.h"
+#include "exporters/inspect/describe_formats.h"
 #include "exporters/viewer/html_text.h"
 #include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"
@@ -34,20 +36,25 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
     return glb_bytes(bare, config, path).size();
 }
 
-// Returns the configuration of the page's mesh, which is the same whatever other files have. meshopt_bytes is
-// the size of the mesh with the configured tolerance.
-ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path,
-                         std::size_t meshopt_bytes) {
+// How the page holds the mesh, whatever other files have.
+ExportConfig page_config(ExportConfig config) {
     config.normals = NormalsKind::never;
     config.material = MaterialKind::unlit;
     config.camera = false;
     config.lod_storage = LevelStorage::inside;
     config.compression = Compression::meshopt;
-    ExportConfig fine = config;
+    return config;
+}
+
+// meshopt_bytes: of the mesh as config asks for it.
+double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path,
+                         std::size_t meshopt_bytes) {
+    ExportConfig fine = page_config(config);
     fine.tolerance_px = std::min(config.tolerance_px, kFineTolerance_px);
     const std::size_t fine_bytes = mesh_bytes(scene, fine, Compression::meshopt, path);
-    return static_cast<double>(fine_bytes) <= kMostForFine * static_cast<double>(meshopt_bytes) ? fine
-                                                                                                : config;
+    const bool is_cheap =
+        static_cast<double>(fine_bytes) <= kMostForFine * static_cast<double>(meshopt_bytes);
+    return is_cheap ? fine.tolerance_px : config.tolerance_px;
 }
 
 Json camera_json(const Scene& scene) {
@@ -104,6 +111,16 @@ bool has_viewer() {
     return !viewer_page().empty();
 }
 
+namespace {
+
+// Finer than config.tolerance_px if that costs few bytes.
+double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path) {
+    return page_tolerance_px(scene, config, path, mesh_bytes(scene, config, Compression::meshopt, path));
+}
+
+// The scene needs a camera and the size of its image. The mesh is in the page as a GLB with
+// EXT_meshopt_compression, in all levels of detail, without normals, whatever config says of these; its
+// texture is as config asks. The page's title is path's stem.
 void write_html(const Scene& scene, const ExportConfig& config, const fs::path& path,
                 FileTransaction& files) {
     if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
@@ -112,11 +129,29 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
     const auto count = [&](Compression compression) { return mesh_bytes(scene, config, compression, path); };
     std::future<std::size_t> draco = start_work(scene.threads, [&] { return count(Compression::draco); });
     const std::size_t meshopt = count(Compression::meshopt);
-    const std::string glb = base64(glb_bytes(scene, page_config(scene, config, path, meshopt), path));
+    ExportConfig held = page_config(config);
+    held.tolerance_px = page_tolerance_px(scene, config, path, meshopt);
+    const std::string glb = base64(glb_bytes(scene, held, path));
     const Json bytes = {{"plain", count(Compression::none)}, {"draco", draco.get()}, {"meshopt", meshopt}};
     const std::string title = html_escaped(path.stem().string()), facts = facts_json(scene, bytes, path);
     files.write(path, filled(viewer_page(),
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
 }
+
+}  // namespace
+
+extern const MeshFormat html_format = {
+    .extension = ".html",
+    .holds =
+        "a page that shows the relief in a browser, with nothing but itself ([viewer](viewer/README.md))",
+    .write = write_html,
+    .describe = describe_html,
+    .colours = ColourStorage::texture,
+    .has_material = true,
+    .compression = Compression::meshopt,
+    .tolerance_px = page_tolerance_px,
+    .levels = LevelSupport::inside,
+    .is_page = true,
+};
 
 }  // namespace hexrelief::exporters

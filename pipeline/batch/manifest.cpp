@@ -1,6 +1,7 @@
 #include "pipeline/batch/manifest.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <map>

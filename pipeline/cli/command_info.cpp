@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "exporters/exporter.h"
-#include "exporters/inspect/describe_mesh.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
@@ -23,11 +22,6 @@ namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_mesh_file(const fs::path& path) {
-    const std::vector<std::string>& known = exporters::export_extensions();
-    return std::find(known.begin(), known.end(), exporters::extension_of(path)) != known.end();
-}
 
 struct RasterOptions {
     std::string key;
@@ -202,7 +196,7 @@ Text information(const fs::path& path, const RasterOptions& options) {
     if (fs::is_directory(path, code))
         throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
     Text text;
-    if (is_mesh_file(path)) {
+    if (find_mesh_format(path)) {
         tell_mesh(inspect::describe_mesh(path), text);
         return text;
     }
@@ -226,8 +220,7 @@ void add_info_command(Command& program) {
     const auto options = std::make_shared<RasterOptions>();
     command.add_option(
         "FILE", path.get(),
-        "mesh (.glb .gltf .drc .obj .ply .stl .usdz .html), image, map of disparity or depth, mask, or "
-        "calibration",
+        "mesh (" + export_extensions() + "), image, map of disparity or depth, mask, or calibration",
         {.required = true});
     command.add_option("--key", &options->key, "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.add_option(

@@ -20,7 +20,9 @@ constexpr const char* kExamples = R"(Examples:
   hexrelief run --disparity disp0.pfm --config aloe.yaml -o relief.drc --save-stages stages
   hexrelief run --disparity disp0.pfm -o relief.drc --max-bytes 20000
 
-The extension of an output gives its format: .glb .gltf .drc .obj .ply .stl .usdz .html
+The extension of an output gives its format: )";
+
+constexpr const char* kRules = R"(
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
 Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 memory, 1 a bug,
 130 interrupted.)";
@@ -34,10 +36,10 @@ void add_input_options(Command& command, RunOptions& options) {
 
 void add_output_options(Command& command, RunOptions& options) {
     const char* const group = "Output";
-    command.add_option("-o,--output", &options.request.outputs,
-                       "mesh file; may be given several times; - or glb:-, drc:-, html:-, ply:-, stl:-, "
-                       "usdz:-: to the standard output",
-                       {.group = group, .value = "OUT", .repeated = true});
+    command.add_option(
+        "-o,--output", &options.request.outputs,
+        "mesh file; may be given several times; - or " + output_streams() + ": to the standard output",
+        {.group = group, .value = "OUT", .repeated = true});
     command.add_option("--report", &options.request.report,
                        "what was done, as JSON; - = to the standard output",
                        {.group = group, .value = "R.json"});
@@ -148,7 +150,7 @@ void add_run_command(Command& program) {
     Command command = program.add_command("run", "a stereo pair or a disparity map to mesh files");
     const auto options = std::make_shared<RunOptions>();
     add_run_options(command, *options);
-    command.set_footer(kExamples);
+    command.set_footer(kExamples + output_extensions() + kRules);
     command.set_action([options] {
         options->request.ends_process = true;
         end_on_interrupt();

@@ -34,8 +34,9 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
 // True where the tolerance changes the files.
 bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
     return config.draco.position_bits == 0 &&
-           std::any_of(outputs.begin(), outputs.end(),
-                       [&](const fs::path& path) { return is_compressed(path, config); });
+           std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
+               return is_compressed(path, config) && !export_format(path).tolerance_px;
+           });
 }
 
 // What may be changed of the texture, where there is one: whatever the configuration does not give.
@@ -43,10 +44,7 @@ std::optional<budget::TextureLimits> texture_limits(const LeftView& view, const 
                                                     const std::vector<fs::path>& outputs) {
     const exporters::ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
-        const exporters::MeshFormat format = exporters::export_format(path);
-        return format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf ||
-               format == exporters::MeshFormat::obj || format == exporters::MeshFormat::html ||
-               format == exporters::MeshFormat::usdz;
+        return exporters::export_format(path).colours == ColourStorage::texture;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
         exporting.texture == exporters::TextureFormat::none)
@@ -122,8 +120,8 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
     search.bytes = [&] { return largest_output(view, *result, coarser, outputs, threads, log); };
     search.error_px = [&] {
         return stages::measure_surface_quality(
-                   as_written(result->mesh, view.calibration, result->config.exporting, outputs),
-                   view.disparity, view.density.background_px, threads)
+                   as_written(scene_of(view, *result, {}), result->config.exporting, outputs), view.disparity,
+                   view.density.background_px, threads)
             .duo_rmse_near_px;
     };
     search.texture = texture_limits(view, config, outputs);

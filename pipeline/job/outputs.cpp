@@ -28,9 +28,9 @@ exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
 
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
                                 const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
-    const SurfaceMesh& surface = result.mesh;
-    return measure_surface(surface, as_written(surface, view.calibration, result.config.exporting, outputs),
-                           view, threads, log);
+    return measure_surface(result.mesh,
+                           as_written(scene_of(view, result, {}), result.config.exporting, outputs), view,
+                           threads, log);
 }
 
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
@@ -45,10 +45,10 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
         for (std::size_t i = before; i < files.written().size(); ++i) {
             const files::WrittenFile& file = files.written()[i];
             const std::string extension = file.path.extension().string();
-            outputs.push_back({file.path.string(),
-                               i == before ? exporters::format_name(exporters::export_format(name))
-                                           : extension.substr(!extension.empty()),
-                               file.bytes, file.sha256});
+            outputs.push_back(
+                {file.path.string(),
+                 i == before ? exporters::export_format(name).name() : extension.substr(!extension.empty()),
+                 file.bytes, file.sha256});
         }
         log.progress(++done / static_cast<double>(paths.size()));
     }

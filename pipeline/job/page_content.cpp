@@ -4,7 +4,7 @@
 #include <future>
 #include <utility>
 
-#include "exporters/core/file_names.h"
+#include "exporters/mesh_formats.h"
 #include "mesher/mesher.h"
 #include "pipeline/data/background.h"
 #include "pipeline/pictures/relief_picture.h"
@@ -15,7 +15,7 @@ namespace hexrelief::job {
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {
     return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
-        return exporters::export_format(path) == exporters::MeshFormat::html;
+        return exporters::export_format(path).is_page;
     });
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "exporters/core/file_names.h"
 #include "exporters/images/texture.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/make_rule.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
@@ -25,28 +27,14 @@ int files_for_standard_output(const RunRequest& request) {
         std::count_if(request.outputs.begin(), request.outputs.end(), files::is_standard_output));
 }
 
-// As make reads it: spaces, '#' and '%' after a backslash, '$' doubled. Make knows no name with a line end.
-std::string make_name(const fs::path& path) {
-    std::string name;
-    for (const char letter : path.string()) {
-        if (letter == '\n')
-            throw Error(ErrorKind::usage, "--depfile: make knows no file names with line ends");
-        if (letter == ' ' || letter == '#' || letter == '%' || letter == ':') name += '\\';
-        if (letter == '$') name += '$';
-        name += letter;
-    }
-    return name;
-}
-
 // One file can go to the standard output.
 void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
         if (!files::is_standard_output(output)) continue;
         if (planned_files(output, request.config.exporting).size() > 1)
-            refuse("the standard output takes one file, and " +
-                   exporters::format_name(exporters::export_format(output)) +
-                   " may have several; use -o - for .glb, -o drc:-, html:-, ply:-, stl:- or usdz:-, without "
-                   "export.lod");
+            refuse("the standard output takes one file, and " + exporters::export_format(output).name() +
+                   " may have several; use -o - for .glb, or one of " + standard_output_names() +
+                   ", without export.lod");
     }
     if (files_for_standard_output(request) > 1)
         refuse("the standard output takes one file: give '-' once, as an output or as the report");
@@ -68,8 +56,9 @@ std::vector<PlannedFile> plan(const RunRequest& request) {
     };
     for (const fs::path& output : request.outputs)
         for (const fs::path& file : planned_files(output, request.config.exporting)) {
-            const bool texture = file.extension() != output.extension() && file.extension() != ".mtl" &&
-                                 file.extension() != ".bin";
+            const char* const companion = export_format(output).companion;
+            const bool texture =
+                companion && file.extension() != output.extension() && file.extension() != companion;
             add(file, (file == output ? "the output " : "what goes with the output ") + output.string(),
                 texture);
         }
@@ -140,14 +129,17 @@ void check_memory(const RunRequest& request) {
 }  // namespace
 
 std::string depfile_rule(const RunRequest& request) {
-    std::string targets, sources, alone;
+    std::vector<fs::path> targets;
     for (const fs::path& output : request.outputs)
-        if (!files::is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
-    for (const fs::path& source : read_files(request)) {
-        sources += " \\\n  " + make_name(source);
-        alone += "\n" + make_name(source) + ":\n";
-    }
-    return targets + ":" + sources + "\n" + alone;
+        if (!files::is_standard_output(output)) targets.push_back(output);
+    return make_rule(targets, read_files(request));
+}
+
+std::string standard_output_names() {
+    std::string names;
+    for (const MeshFormat* format : mesh_formats())
+        if (!format->companion) names.append(names.empty() ? "" : ", ").append(format->name()).append(":-");
+    return names;
 }
 
 bool writes_standard_output(const RunRequest& request) {
@@ -158,8 +150,7 @@ std::string levels_inside_warning(const RunRequest& request) {
     const exporters::ExportConfig& config = request.config.exporting;
     if (config.lod == 1 || config.lod_storage != exporters::LevelStorage::inside) return {};
     for (const fs::path& output : request.outputs)
-        if (const exporters::MeshFormat format = exporters::export_format(output);
-            format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf)
+        if (exporters::export_format(output).levels == LevelSupport::by_config)
             return "Blender, and other programs that do not know MSFT_lod, show all levels of detail of " +
                    output.string() + " on top of each other; export.lod_storage: files writes a file each";
     return {};
@@ -167,15 +158,14 @@ std::string levels_inside_warning(const RunRequest& request) {
 
 std::vector<fs::path> planned_files(const fs::path& path, const exporters::ExportConfig& config) {
     std::vector<fs::path> files;
-    const exporters::MeshFormat format = exporters::export_format(path);
-    const int levels = exporters::separate_levels(path, config) ? config.lod : 1;
+    const exporters::MeshFormat& format = exporters::export_format(path);
+    const int levels = format.has_separate_levels(config) ? config.lod : 1;
     for (int level = 0; level < levels; ++level) {
         files.push_back(level == 0 ? path : exporters::level_path(path, level));
         fs::path companion = files.back();
-        if (format == exporters::MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
-        if (format == exporters::MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
-        if (format == exporters::MeshFormat::obj || format == exporters::MeshFormat::gltf)
-            files.push_back(exporters::texture_path(companion, config));
+        if (!format.companion) continue;
+        files.push_back(companion.replace_extension(format.companion));
+        files.push_back(exporters::texture_path(companion, config));
     }
     return files;
 }

@@ -19,10 +19,11 @@ std::vector<std::filesystem::path> planned_files(const std::filesystem::path& pa
 // What is told where levels of detail are inside of a file, which not all programs understand; else empty.
 std::string levels_inside_warning(const RunRequest& request);
 
-// A rule for make: the outputs depend on all files that the job reads. Each of those has an empty rule of its
-// own, so that make goes on where one is no longer there.
+// A rule for make: the outputs depend on all files that the job reads. Throws as make_rule().
 std::string depfile_rule(const RunRequest& request);
 
+// "glb:-, drc:-, ...": what sends a format that is one file to the standard output.
+std::string standard_output_names();
 bool writes_standard_output(const RunRequest& request);
 
 // All that the job may write and read.

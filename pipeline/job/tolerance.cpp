@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
-#include "exporters/compression/quantisation.h"
-#include "exporters/core/file_names.h"
+#include "exporters/compression/quantized_streams.h"
+#include "exporters/exporter.h"
+#include "exporters/images/texture.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/stages/surface_quality.h"
 
@@ -13,11 +15,6 @@ namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_draco(const fs::path& path, const exporters::ExportConfig& config) {
-    return exporters::export_format(path) == exporters::MeshFormat::drc ||
-           config.compression == exporters::Compression::draco;
-}
 
 // What Draco makes of a fixed number of bits.
 exporters::Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
@@ -36,17 +33,19 @@ exporters::Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
     return grid;
 }
 
-// Quantised glTF files have one step for all axes, which leaves normals as they are; the others' depths have
-// a step of their own, but for .drc, which has no transform to hold it.
-exporters::Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera,
-                           const exporters::ExportConfig& config, const fs::path& path) {
-    if (is_draco(path, config) && config.draco.position_bits > 0)
-        return grid_of_bits(surface, config.draco.position_bits);
-    const bool is_cubic = exporters::export_format(path) == exporters::MeshFormat::drc ||
-                          config.compression == exporters::Compression::quantized;
+// Draco in glTF has a step for each axis; .drc has no transform to hold them. None if positions stay floats.
+std::optional<exporters::Grid<3>> grid_of(const exporters::Scene& scene,
+                                          const exporters::ExportConfig& config, const fs::path& path) {
+    const exporters::ExportConfig held = exporters::config_of_file(scene, config, path);
+    if (held.compression != exporters::Compression::draco)
+        return exporters::position_grid(exporters::untextured_mesh(scene, held), scene.camera, held,
+                                        held.compression == exporters::Compression::meshopt);
+    if (held.draco.position_bits > 0) return grid_of_bits(*scene.mesh, held.draco.position_bits);
     return exporters::quantise_positions(
-        surface, camera, config.tolerance_px,
-        is_cubic ? exporters::GridShape::cubic : exporters::GridShape::per_axis);
+        *scene.mesh, *scene.camera, held.tolerance_px,
+        exporters::export_format(path).compression == exporters::Compression::draco
+            ? exporters::GridShape::cubic
+            : exporters::GridShape::per_axis);
 }
 
 }  // namespace
@@ -63,20 +62,20 @@ double tolerance_for(const exporters::ExportConfig& config, const SurfaceMesh& s
 }
 
 bool is_compressed(const fs::path& path, const exporters::ExportConfig& config) {
-    const exporters::MeshFormat format = exporters::export_format(path);
-    return format == exporters::MeshFormat::drc ||
-           ((format == exporters::MeshFormat::glb || format == exporters::MeshFormat::gltf) &&
-            config.compression != exporters::Compression::none);
+    return exporters::export_format(path).compression_in(config) != exporters::Compression::none;
 }
 
-SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera,
-                       const exporters::ExportConfig& config, const std::vector<fs::path>& outputs) {
+SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportConfig& config,
+                       const std::vector<fs::path>& outputs) {
     const auto path = std::find_if(outputs.begin(), outputs.end(),
                                    [&](const fs::path& output) { return is_compressed(output, config); });
-    if (path == outputs.end()) return surface;
-    const exporters::Grid<3> grid = grid_of(surface, camera, config, *path);
+    if (path == outputs.end()) return *scene.mesh;
+    const std::optional<exporters::Grid<3>> held = grid_of(scene, config, *path);
+    if (!held) return *scene.mesh;
+    const exporters::Grid<3>& grid = *held;
+    const Calibration& camera = *scene.camera;
     SurfaceMesh seen;
-    seen.triangles = surface.triangles;
+    seen.triangles = scene.mesh->triangles;
     for (std::size_t i = 0; i < grid.cells.size(); ++i) {
         const double depth = -grid.value(i, 2);
         seen.image_points.push_back(

@@ -18,13 +18,13 @@ inline constexpr double kLeastTolerance_px = 0.01;
 double tolerance_for(const exporters::ExportConfig& config, const SurfaceMesh& surface,
                      const DisparityMap& map, float background_px, int threads);
 
-// True where a file at this path has quantised positions.
+// True if a file at this path has quantised positions.
 bool is_compressed(const std::filesystem::path& path, const exporters::ExportConfig& config);
 
-// Triangles, image points and disparities as they are read back from the first of `outputs` that is
-// compressed; unchanged where none is. All positions lie in front of the camera.
-SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera,
-                       const exporters::ExportConfig& config,
+// Triangles, image points and disparities of the scene's mesh as they are read back from the first of
+// `outputs` that is compressed; the mesh itself if none is. The scene has a camera, before which all
+// positions lie.
+SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportConfig& config,
                        const std::vector<std::filesystem::path>& outputs);
 
 }  // namespace hexrelief::job

@@ -129,10 +129,7 @@ std::string Mesh::report() const {
     const job::Relief& relief = *state_->relief;
     std::vector<std::filesystem::path> paths;
     for (const job::OutputFile& file : state_->written) paths.emplace_back(file.path);
-    std::erase_if(paths, [](const auto& path) {  // textures and the like
-        const auto& known = exporters::export_extensions();
-        return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
-    });
+    std::erase_if(paths, [](const auto& path) { return !find_mesh_format(path); });  // textures and the like
     job::RunReport report{state_->relief};
     report.measures =
         job::measure_written(relief.view(), relief.surface, paths, relief.backend->threads(), state_->log);

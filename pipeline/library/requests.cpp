@@ -68,11 +68,13 @@ job::RunRequest request_to(const FileRequest& files) {
     return request;
 }
 
+// True if an output could hold colours, and there is no picture for them.
 bool lacks_color(const job::RunReport& report) {
     return report.relief->input.texture().empty() &&
            report.config().exporting.texture != exporters::TextureFormat::none &&
            std::any_of(report.outputs.begin(), report.outputs.end(), [](const job::OutputFile& file) {
-               return file.format != exporters::format_name(exporters::MeshFormat::drc);
+               const exporters::MeshFormat* const format = exporters::find_mesh_format(file.path);
+               return format && format->colours != exporters::ColourStorage::none;
            });
 }
 
@@ -87,14 +89,6 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
     request.source = source_of(files);
     return request;
 }
-
-inline namespace v0 {
-
-bool uses_standard_output(const FileRequest& files) {
-    return job::writes_standard_output(request_to(files));
-}
-
-}  // namespace v0
 
 RunSummary summary_of(const job::RunReport& report) {
     const job::Relief& relief = *report.relief;
@@ -136,11 +130,13 @@ namespace hexrelief {
 inline namespace v0 {
 
 bool uses_standard_output(const FileRequest& files) {
-    job::RunRequest request;
-    for (const std::string& output : files.outputs)
-        request.outputs.push_back(library::standard_output_name(output));
-    request.report = files.report;
-    return job::writes_standard_output(request);
+    return job::writes_standard_output(library::request_to(files));
+}
+std::string output_extensions() {
+    return exporters::export_extensions();
+}
+std::string output_streams() {
+    return job::standard_output_names();
 }
 
 }  // namespace v0

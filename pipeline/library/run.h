@@ -71,6 +71,11 @@ void check_run(const FileRequest& files, const Options& options = {});
 // Whether an output or the report goes to the standard output, which should then hold nothing else.
 bool uses_standard_output(const FileRequest& files);
 
+// What outputs may be called: ".glb .gltf ..." are the extensions of files, "glb:-, drc:-, ..." send a format
+// to the standard output.
+std::string output_extensions();
+std::string output_streams();
+
 // For programs, not for libraries. From now on SIGINT, SIGTERM and SIGHUP (where not ignored) undo the files
 // of the run at hand and end the process with exit code 130. Call it before any other thread is started.
 void end_on_interrupt();

@@ -74,6 +74,13 @@ inline Image sample_texture(int width, int height, int channels = 3) {
 
 inline constexpr const char* kGenerator = "hexrelief test";
 
+// All formats but pages, which ask for a viewer and more of a scene.
+inline std::vector<const MeshFormat*> formats_of_files() {
+    std::vector<const MeshFormat*> formats = mesh_formats();
+    std::erase_if(formats, [](const MeshFormat* format) { return format->is_page; });
+    return formats;
+}
+
 // A temporary folder, removed with its contents.
 class TemporaryFolder {
   public:

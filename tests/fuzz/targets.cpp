@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "exporters/inspect/describe_mesh.h"
+#include "exporters/mesh_formats.h"
 #include "pipeline/batch/manifest.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"

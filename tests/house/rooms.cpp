@@ -161,12 +161,15 @@ const std::vector<Room>& rooms() {
         {"exporters/core", {data}},
         {"exporters/images", {data, "exporters/core"}},
         {"exporters/compression", {data, "exporters/core", "exporters/images"}},
-        {"exporters/formats", {data, "exporters/core", "exporters/images", "exporters/compression"}},
+        {"exporters/formats",
+         {data, "exporters/core", "exporters/images", "exporters/compression",
+          "exporters/inspect/describe_formats.h"}},
         {"exporters/inspect", {data, "exporters/core", "exporters/compression"}},
 
         {"exporters/tileset", {data, "exporters/core/file_transaction.h"}},
         {"exporters/viewer",
-         {data, "exporters/core", "exporters/images", "exporters/formats/gltf/gltf_exporter.h"}},
+         {data, "exporters/core", "exporters/images", "exporters/formats/gltf/gltf_exporter.h",
+          "exporters/inspect/describe_formats.h"}},
 
         {"samples", {data, "exporters"}},
         {"tests", {"pipeline", "mesher", "cuda", "exporters", "samples"}},

@@ -161,6 +161,8 @@ TEST_F(Library, RefusesRunsAsTheCommandLineDoes) {
     EXPECT_FALSE(uses_standard_output(none));
     none.outputs = {"drc:-"};
     EXPECT_TRUE(uses_standard_output(none));
+    EXPECT_TRUE(output_extensions().starts_with(".glb ")) << output_extensions();
+    EXPECT_TRUE(output_streams().starts_with("glb:-, ")) << output_streams();
 }
 
 TEST_F(Library, RefusesFilesThatDoNotGoTogether) {

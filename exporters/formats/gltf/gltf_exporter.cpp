@@ -2,8 +2,10 @@
 
 #include <limits>
 
+#include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/model.h"
 #include "exporters/images/texture.h"
+#include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
@@ -45,6 +47,8 @@ std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& conf
     return bytes;
 }
 
+namespace {
+
 void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     files.write(path, glb_bytes(scene, config, path));
@@ -61,5 +65,30 @@ void write_gltf(const Scene& scene, const ExportConfig& config, const std::files
     files.write(buffer_path, document.buffer);
     if (!document.texture.bytes.empty()) files.write(image_path, document.texture.bytes);
 }
+
+}  // namespace
+
+extern const MeshFormat glb_format = {
+    .extension = ".glb",
+    .holds = "glTF 2.0 in one file, with JPEG, PNG or WebP texture",
+    .write = write_glb,
+    .describe = describe_glb,
+    .colours = ColourStorage::texture,
+    .has_material = true,
+    .compression = std::nullopt,
+    .levels = LevelSupport::by_config,
+};
+
+extern const MeshFormat gltf_format = {
+    .extension = ".gltf",
+    .holds = "the same, with `.bin` and texture beside",
+    .write = write_gltf,
+    .describe = describe_gltf,
+    .colours = ColourStorage::texture,
+    .has_material = true,
+    .compression = std::nullopt,
+    .levels = LevelSupport::by_config,
+    .companion = ".bin",
+};
 
 }  // namespace hexrelief::exporters

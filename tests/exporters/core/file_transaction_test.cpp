@@ -1,5 +1,4 @@
 #include "exporters/core/file_transaction.h"
-#include "exporters/core/folder_lock.h"
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -164,51 +163,6 @@ TEST(FileTransaction, LeftoversGoButNotThoseOfTheLiving) {
     EXPECT_EQ(folder.entries(), 3);
 }
 
-// Ends like a commit() that is killed after the first of two renames.
-void kill_between_renames(const std::filesystem::path& folder) {
-    const pid_t child = fork();
-    if (child == 0) {
-        const std::atomic<bool> never{false};
-        const FolderLock::Renames renames = {{".hexrelief-1-0.tmp", "a"}, {".hexrelief-1-1.tmp", "b"}};
-        for (const auto& [from, to] : renames) put(folder / from, "new");
-        FolderLock lock(folder, never);
-        lock.announce(renames);
-        std::filesystem::rename(folder / renames[0].first, folder / renames[0].second);
-        raise(SIGKILL);
-    }
-    int status = 0;
-    waitpid(child, &status, 0);
-    ASSERT_TRUE(WIFSIGNALED(status));
-}
-
-TEST(FileTransaction, ASetKilledBetweenItsRenamesIsFinishedByTheNextRun) {
-    const TemporaryFolder folder;
-    for (const char* name : {"a", "b"}) put(folder / name, "old");
-    kill_between_renames(folder / "");
-    EXPECT_EQ(contents(folder / "a") + contents(folder / "b"), "newold");
-    FileTransaction files;
-    files.write(folder / "c", std::string("other"));
-    EXPECT_EQ(contents(folder / "a") + contents(folder / "b"), "newnew");
-    files.commit();
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 3) << "leftovers";
-}
-
-TEST(FileTransaction, AnnouncedRenamesAreOfWholeListsAndOfTheFolderAlone) {
-    const std::atomic<bool> never{false};
-    for (const std::string& list :
-         {std::string(".hexrelief-1-0.tmp\0b\0", 21), std::string(".hexrelief-1-0.tmp\0../b\0\0", 25),
-          std::string("a\0b\0\0", 5), std::string("\0\0", 2), std::string(".hexrelief-1-0.tmp\0\0\0", 21)}) {
-        const TemporaryFolder folder;
-        std::filesystem::create_directory(folder / "in");
-        put(folder / "in/.hexrelief-1-0.tmp", "new");
-        put(folder / "in/a", "new");
-        put(folder / "in/.hexrelief-lock.tmp", list);
-        const FolderLock lock(folder / "in", never);
-        EXPECT_FALSE(std::filesystem::exists(folder / "in/b") || std::filesystem::exists(folder / "b"));
-        EXPECT_EQ(contents(folder / "in/a"), "new");
-    }
-}
-
 TEST(FileTransaction, OfTwoSetsOfTheSameNamesOneIsThereWhole) {
     const TemporaryFolder folder;
     fs::create_directory(folder / "sub");
@@ -320,7 +274,7 @@ TEST(FileTransactionDeathTest, InterruptRemovesTemporariesOfAllThreads) {
         if (folder.entries() != 3) std::_Exit(1);
         std::raise(SIGINT);
     };
-    EXPECT_EXIT(interrupted(), ::testing::ExitedWithCode(130), "");
+    EXPECT_EXIT(files::interrupted(), ::testing::ExitedWithCode(130), "");
     EXPECT_EQ(folder.entries(), 0);
 }
 

@@ -25,7 +25,7 @@ void expect_input_error(const std::filesystem::path& path, const std::string& wh
     }
 }
 
-class Malformed : public ::testing::TestWithParam<const char*> {
+class Malformed : public ::testing::TestWithParam<const MeshFormat*> {
   protected:
     std::string written() {
         const SurfaceMesh mesh = exporters::sample_mesh(12, 9);
@@ -35,7 +35,7 @@ class Malformed : public ::testing::TestWithParam<const char*> {
         return exporters::contents(path_);
     }
     exporters::TemporaryFolder folder_;
-    std::filesystem::path path_ = folder_ / (std::string("a") + GetParam());
+    std::filesystem::path path_ = folder_ / (std::string("a") + GetParam()->extension);
 };
 
 TEST_P(Malformed, MissingEmptyFolderAndOtherContents) {
@@ -87,9 +87,8 @@ TEST_P(Malformed, RandomBytesChanged) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, Malformed,
-                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz"),
-                         [](const auto& instance) { return std::string(instance.param + 1); });
+INSTANTIATE_TEST_SUITE_P(Formats, Malformed, ::testing::ValuesIn(formats_of_files()),
+                         [](const auto& instance) { return instance.param->name(); });
 
 TEST(MalformedFile, HugeClaims) {
     const exporters::TemporaryFolder folder;

@@ -99,6 +99,18 @@ TEST(Batch, RowsThatAreWrongEndItUnlessItKeepsGoing) {
     EXPECT_TRUE(std::filesystem::exists(folder / "out/b.glb"));
 }
 
+TEST(Batch, NamesThatMakeWouldRunAreRefusedWithDepfiles) {
+    const TemporaryFolder folder;
+    std::filesystem::copy(sample("disparity.pfm"), folder / ";id>pwned;x=.pfm");
+    write_text(folder / "m.csv", "disparity,name\n\";id>pwned;x=.pfm\",a\n");
+    const ProcessResult refused = run_program({"batch", folder / "m.csv", "-o", folder / "out", "--depfile"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find("m.csv:2: --depfile: make cannot read the name"), std::string::npos)
+        << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
 TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
     const TemporaryFolder folder;
     std::string rows = "disparity,name\n";

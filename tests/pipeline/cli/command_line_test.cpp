@@ -89,7 +89,7 @@ TEST(CommandLine, UsageErrorsExitWith2) {
                    "--key goes with --disparity or --depth");
     expect_failure({"run", "--left", left, "--right", right}, 2, "no output");
     expect_failure(pair_arguments({"--report", folder / "r.json", "--max-bytes", "9000"}), 2, "give -o FILE");
-    expect_failure(pair_arguments({"-o", folder / "o.off"}), 2, ".glb");
+    expect_failure(pair_arguments({"-o", folder / "o.none"}), 2, ".glb");
     expect_failure(pair_arguments({"-o", folder / "noextension"}), 2, ".glb");
     expect_failure(pair_arguments({"-o", out, "-o", folder / "./o.glb"}), 2, "one file");
     expect_failure(pair_arguments({"-o", out, "--report", out}), 2, "report");

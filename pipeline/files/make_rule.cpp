@@ -1,0 +1,81 @@
+#include "pipeline/files/make_rule.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief::files {
+namespace {
+
+enum class Position { target, source };
+
+bool holds_any(const std::string& name, const char* letters) {
+    return name.find_first_of(letters) != std::string::npos;
+}
+
+bool is_pattern(const std::string& name) {
+    return name.starts_with('~') || holds_any(name, "*?[");
+}
+
+// What keeps make from reading `name` back; empty if nothing does. After `;` make expects a command. After
+// .SECONDEXPANSION it expands "$(shell ...)" even of a doubled `$`. A name that ends with `)` may be a member
+// of an archive, and no backslash outlives the end of a line.
+std::string obstacle(const std::string& name) {
+    if (name.empty()) return "it is empty";
+    if (std::any_of(name.begin(), name.end(), [](unsigned char letter) { return std::iscntrl(letter); }))
+        return "it has a control character";
+    if (holds_any(name, ";")) return "it has ';'";
+    for (const char* call : {"$(", "${"})
+        if (name.find(call) != std::string::npos) return "it has '" + std::string(call) + "'";
+    if (std::string(") \\").find(name.back()) != std::string::npos)
+        return std::string("it ends with '") + name.back() + "'";
+    if (is_pattern(name) && holds_any(name, "\\%")) return "it has '\\' or '%' beside a wildcard";
+    if (name.size() > 1 && name[0] == '.' && std::isupper(static_cast<unsigned char>(name[1])) &&
+        !holds_any(name, "/"))
+        return "it is like that of a special target";
+    return {};
+}
+
+// Backslashes quote separators, and are doubled before them. A wildcard in brackets stands for itself, and so
+// does what `or` returns. "./" keeps make's own words, such as `export`, from being read as such.
+std::string quoted(const std::filesystem::path& path, Position position) {
+    const std::string name = path.string();
+    if (const std::string why = obstacle(name); !why.empty())
+        throw Error(ErrorKind::usage, "--depfile: make cannot read the name '" + name + "': " + why);
+    const std::string separators = position == Position::target ? " #:%" : " #:|";
+    std::string text = holds_any(name, "./~") ? "" : "./";
+    std::size_t backslashes = 0;
+    for (std::size_t i = 0; i < name.size(); ++i) {
+        const char letter = name[i];
+        if (separators.find(letter) != std::string::npos)
+            text.append(backslashes + 1, '\\') += letter;
+        else if (letter == '$')
+            text += "$$";
+        else if (letter == '=' || letter == '&')
+            (text += "$(or ").append(1, letter) += ')';
+        else if (letter == '*' || letter == '?' || letter == '[' || (letter == '~' && i == 0))
+            text.append(1, '[').append(1, letter) += ']';
+        else
+            text += letter;
+        backslashes = letter == '\\' ? backslashes + 1 : 0;
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string make_rule(const std::vector<std::filesystem::path>& targets,
+                      const std::vector<std::filesystem::path>& sources) {
+    if (targets.empty()) throw Error(ErrorKind::usage, "--depfile: no file is made; give -o FILE");
+    std::string rule, alone;
+    for (const auto& target : targets) rule += (rule.empty() ? "" : " ") + quoted(target, Position::target);
+    rule += ':';
+    for (const auto& source : sources) {
+        rule += " \\\n  " + quoted(source, Position::source);
+        alone += "\n" + quoted(source, Position::target) + ":\n";
+    }
+    return rule + "\n" + alone;
+}
+
+}  // namespace hexrelief::files
