@@ -19,7 +19,7 @@ extern const MeshFormat drc_format = {
     .extension = ".drc",
     .holds = "Draco: positions, normals, texture coordinates of the whole left image",
     .write = write_drc,
-    .describe = describe_drc,
+    .describe = inspect::describe_drc,
     .compression = Compression::draco,
 };
 

@@ -75,7 +75,7 @@ extern const MeshFormat ply_format = {
     .extension = ".ply",
     .holds = "binary, vertex colours",
     .write = write_ply,
-    .describe = describe_ply,
+    .describe = inspect::describe_ply,
     .colours = ColourStorage::vertices,
 };
 

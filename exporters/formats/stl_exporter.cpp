@@ -54,7 +54,7 @@ extern const MeshFormat stl_format = {
     .extension = ".stl",
     .holds = "binary, triangles alone, for printing and CAD; `export.stl_unit: mm` for slicers",
     .write = write_stl,
-    .describe = describe_stl,
+    .describe = inspect::describe_stl,
 };
 
 }  // namespace hexrelief::exporters

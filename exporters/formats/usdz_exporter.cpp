@@ -150,7 +150,7 @@ extern const MeshFormat usdz_format = {
     .extension = ".usdz",
     .holds = "USD text with JPEG or PNG texture, for phones",
     .write = write_usdz,
-    .describe = describe_usdz,
+    .describe = inspect::describe_usdz,
     .colours = ColourStorage::texture,
     .has_material = true,
 };

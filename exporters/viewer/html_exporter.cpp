@@ -145,7 +145,7 @@ extern const MeshFormat html_format = {
     .holds =
         "a page that shows the relief in a browser, with nothing but itself ([viewer](viewer/README.md))",
     .write = write_html,
-    .describe = describe_html,
+    .describe = inspect::describe_html,
     .colours = ColourStorage::texture,
     .has_material = true,
     .compression = Compression::meshopt,

@@ -196,8 +196,8 @@ Text information(const fs::path& path, const RasterOptions& options) {
     if (fs::is_directory(path, code))
         throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
     Text text;
-    if (find_mesh_format(path)) {
-        tell_mesh(inspect::describe_mesh(path), text);
+    if (exporters::find_mesh_format(path)) {
+        tell_mesh(exporters::describe_mesh(path), text);
         return text;
     }
     if (readers::codec::find_codec(path)) return raster_text(path, options);
@@ -218,10 +218,10 @@ void add_info_command(Command& program) {
     Command command = program.add_command("info", "what a mesh, map, image or calibration file holds");
     const auto path = std::make_shared<fs::path>();
     const auto options = std::make_shared<RasterOptions>();
-    command.add_option(
-        "FILE", path.get(),
-        "mesh (" + export_extensions() + "), image, map of disparity or depth, mask, or calibration",
-        {.required = true});
+    command.add_option("FILE", path.get(),
+                       "mesh (" + exporters::export_extensions() +
+                           "), image, map of disparity or depth, mask, or calibration",
+                       {.required = true});
     command.add_option("--key", &options->key, "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.add_option(
         "--max-pixels", &options->max_pixels,

@@ -35,7 +35,7 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
 bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
-               return is_compressed(path, config) && !export_format(path).tolerance_px;
+               return is_compressed(path, config) && !exporters::export_format(path).tolerance_px;
            });
 }
 
@@ -44,7 +44,7 @@ std::optional<budget::TextureLimits> texture_limits(const LeftView& view, const 
                                                     const std::vector<fs::path>& outputs) {
     const exporters::ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
-        return exporters::export_format(path).colours == ColourStorage::texture;
+        return exporters::export_format(path).colours == exporters::ColourStorage::texture;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
         exporting.texture == exporters::TextureFormat::none)

@@ -56,7 +56,7 @@ std::vector<PlannedFile> plan(const RunRequest& request) {
     };
     for (const fs::path& output : request.outputs)
         for (const fs::path& file : planned_files(output, request.config.exporting)) {
-            const char* const companion = export_format(output).companion;
+            const char* const companion = exporters::export_format(output).companion;
             const bool texture =
                 companion && file.extension() != output.extension() && file.extension() != companion;
             add(file, (file == output ? "the output " : "what goes with the output ") + output.string(),
@@ -132,12 +132,12 @@ std::string depfile_rule(const RunRequest& request) {
     std::vector<fs::path> targets;
     for (const fs::path& output : request.outputs)
         if (!files::is_standard_output(output)) targets.push_back(output);
-    return make_rule(targets, read_files(request));
+    return files::make_rule(targets, read_files(request));
 }
 
 std::string standard_output_names() {
     std::string names;
-    for (const MeshFormat* format : mesh_formats())
+    for (const exporters::MeshFormat* format : exporters::mesh_formats())
         if (!format->companion) names.append(names.empty() ? "" : ", ").append(format->name()).append(":-");
     return names;
 }
@@ -150,7 +150,7 @@ std::string levels_inside_warning(const RunRequest& request) {
     const exporters::ExportConfig& config = request.config.exporting;
     if (config.lod == 1 || config.lod_storage != exporters::LevelStorage::inside) return {};
     for (const fs::path& output : request.outputs)
-        if (exporters::export_format(output).levels == LevelSupport::by_config)
+        if (exporters::export_format(output).levels == exporters::LevelSupport::by_config)
             return "Blender, and other programs that do not know MSFT_lod, show all levels of detail of " +
                    output.string() + " on top of each other; export.lod_storage: files writes a file each";
     return {};

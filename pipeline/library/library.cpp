@@ -129,7 +129,8 @@ std::string Mesh::report() const {
     const job::Relief& relief = *state_->relief;
     std::vector<std::filesystem::path> paths;
     for (const job::OutputFile& file : state_->written) paths.emplace_back(file.path);
-    std::erase_if(paths, [](const auto& path) { return !find_mesh_format(path); });  // textures and the like
+    std::erase_if(
+        paths, [](const auto& path) { return !exporters::find_mesh_format(path); });  // textures and the like
     job::RunReport report{state_->relief};
     report.measures =
         job::measure_written(relief.view(), relief.surface, paths, relief.backend->threads(), state_->log);
