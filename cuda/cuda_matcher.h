@@ -1,6 +1,5 @@
 // The matcher on an NVIDIA GPU: match_pair() with the same parameters and, to the byte, the same results as
-// pipeline/matching/matcher.h. Callers need no other header of this folder, but for cuda_mesher.h, which says
-// which devices there are.
+// pipeline/matching/matcher.h. cuda_mesher.h lists the devices.
 //
 // Needs what CudaMesher needs. All errors of the device are Error(device) with one line that says what failed
 // and what to do; the object may be used again after an error.

@@ -1,6 +1,6 @@
-// The CUDA backend's manual; callers need no other header of this folder (the benchmark also runs the paper's
-// own program, cuda/paper/som.h). It offers three of the mesher's functions on an NVIDIA GPU, with the same
-// parameters, units, errors and, to the byte, the same results: see mesher/mesher.h.
+// The CUDA backend's manual for meshes; cuda_matcher.h is that for pairs. CudaMesher offers solve_mesh,
+// cut_disparity_mesh (mesher/mesher.h) and balance_patch (mesher/balance/balance.h) on an NVIDIA GPU, with
+// the same parameters, units, errors and, to the byte, the same results.
 //
 // Needs compute capability 7.5 and a driver for the toolkit that it was built with. Compiles and links
 // without a device; then list_cuda_devices() is empty. All errors of the device are Error(device) with one

@@ -1,9 +1,11 @@
-// The mesher's manual; callers need no other header of this folder. Three functions, on CPU threads:
+// The mesher's manual. This header is enough to mesh a whole map. Three functions, on CPU threads:
 //
 // - solve_mesh: density map -> hexagonal mesh in the image (paper, sections 3 and 4);
 // - measure_quality: hexagonal mesh and density map -> %cost and angles (section 2.2);
 // - cut_disparity_mesh: hexagonal mesh and disparity map -> triangles with disparities, cut along depth
 //   discontinuities (not in the paper).
+//
+// Parts of a map need balance_patch (mesher/balance/balance.h) and mesher/tiles as well.
 //
 // Their parameters, with units, ranges and defaults, are MeshConfig and SurfaceConfig. Configs are not
 // checked against these ranges.

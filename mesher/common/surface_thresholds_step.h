@@ -1,6 +1,6 @@
-// Every threshold of the surface stage that was chosen, on the CPU and on the device, with the figure that
-// chose it; EXPERIMENTS.md of mesher/surface has the measurements. "Error" is the report's duo_rmse_near_px
-// over that of the best other program at as many bytes.
+// The thresholds of the surface stage, for the CPU and the device, with their units. The measurements by
+// which some of them were chosen are in mesher/surface/EXPERIMENTS.md. "Error" is the report's
+// duo_rmse_near_px divided by that of the best other program at the same number of bytes.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@
 //
 // PIXELS
 //  1. Foreground. Disparities that are not finite, not above 0, or below background_px become 0.
-//  2. The least jump is max_disparity_jump_px. Where that is 0, it is 1 + 1/64 px.
+//  2. The least jump is least_discontinuity_px. Where that is 0, it is 1 + 1/64 px.
 //  3. Pixels between two steps, not in `bridge`. Of five pixels p q r s t in a row, r takes the disparity
 //     of s where s is foreground, q - r > least jump, r - s > least jump and r - s < 4 px; not where that
 //     is a part of a longer slope: p - q > least jump, or t is foreground and s - t > least jump. Outside
@@ -170,11 +170,11 @@
 namespace hexrelief::oracle {
 
 struct Config {
-    bool bridge = false;               // one surface, cut at background and unknown pixels alone
-    double max_disparity_jump_px = 0;  // 0: 1 + 1/64 px
-    double color_shift_px = 0;         // 0 .. 0.5
-    int split_rounds = 3;              // from 1 on
-    double inset_px = 0;               // 0 .. 0.5
+    bool bridge = false;                // one surface, cut at background and unknown pixels alone
+    double least_discontinuity_px = 0;  // 0: 1 + 1/64 px
+    double color_shift_px = 0;          // 0 .. 0.5
+    int split_rounds = 3;               // from 1 on
+    double inset_px = 0;                // 0 .. 0.5
 };
 
 struct Mesh {
