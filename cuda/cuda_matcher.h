@@ -1,6 +1,5 @@
 // The matcher on an NVIDIA GPU: match_pair() with the same parameters and, to the byte, the same results
-// as pipeline/matching/matcher.h. Callers need no other header of this folder except cuda_mesher.h,
-// which lists the devices.
+// as pipeline/matching/matcher.h. cuda_mesher.h lists the devices.
 //
 // It has the same requirements as CudaMesher. All errors of the device are Error(device) with one line that
 // says what failed and what to do; the object may be used again after an error.

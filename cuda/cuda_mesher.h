@@ -1,6 +1,6 @@
-// The CUDA backend's manual; callers need no other header of this folder (except that the benchmark also runs
-// the paper's own program, cuda/paper/som.h). It offers three of the mesher's functions on an NVIDIA GPU,
-// with the same parameters, units, errors and, to the byte, the same results: see mesher/mesher.h.
+// The CUDA backend's manual for meshes; cuda_matcher.h is the one for pairs. CudaMesher offers solve_mesh,
+// cut_disparity_mesh (mesher/mesher.h) and balance_patch (mesher/balance/balance.h) on an NVIDIA GPU, with
+// the same parameters, units, errors and, to the byte, the same results.
 //
 // It needs compute capability 7.5 and a driver for the toolkit that it was built with. It compiles and links
 // without a device; then list_cuda_devices() is empty. All errors of the device are Error(device) with one
@@ -53,9 +53,9 @@ class CudaMesher {
     // solve().
     void expect_map(const DisparityMap& map);
 
-    // solve_mesh on the device. Throws also Error(usage) for MeshMethod::sequential and for more than 100
-    // sweeps of balancing; Error(device) where memory is too small, an image side exceeds 32,767 px, or a
-    // neighbourhood radius exceeds 27.
+    // Runs mesher::solve_mesh on the device. Also throws Error(usage) for MeshMethod::sequential and for more
+    // than 100 sweeps of balancing, and Error(device) if memory is too small, an image side exceeds 32,767
+    // px, or a neighbourhood radius exceeds 27.
     mesher::MeshResult solve(const DensityMap& density, const MeshConfig& config,
                              const ProgressFunction& progress);
 

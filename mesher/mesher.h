@@ -1,4 +1,4 @@
-// The mesher's manual; callers need no other header of this folder. Three functions run on CPU threads:
+// The mesher's manual. This header is enough to mesh a whole map. Three functions run on CPU threads:
 //
 // - solve_mesh: density map -> hexagonal mesh in the image (paper, sections 3 and 4);
 // - measure_quality: hexagonal mesh and density map -> %cost and angles (section 2.2);
@@ -36,8 +36,7 @@ struct MeshResult {
     HexMesh2D mesh;
     int iterations = 0;  // parallel iterations of all levels; for the sequential method draws / cells
     // Set by the CUDA backend only, 0 on the CPU: seconds of training and of balancing by the device's clock,
-    // peak device memory in bytes, and the id of the disparity map that stays on the device for
-    // DisparityMeshInput::map_on_device (0 = none).
+    // and the peak of its memory in bytes.
     double device_training_s = 0;
     double device_balance_s = 0;
     std::size_t device_bytes = 0;

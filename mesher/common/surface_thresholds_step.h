@@ -1,6 +1,6 @@
-// The chosen thresholds of the surface stage, for the CPU and the device. EXPERIMENTS.md of mesher/surface
-// has the measurements. "Error" below is the report's duo_rmse_near_px divided by that of the best other
-// program at the same number of bytes.
+// The thresholds of the surface stage, for the CPU and the device, with their units.
+// mesher/surface/EXPERIMENTS.md has the measurements by which some of them were chosen. "Error" below is the
+// report's duo_rmse_near_px divided by that of the best other program at the same number of bytes.
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/readers/limits.h"
+#include "pipeline/readers/source.h"
 
 namespace hexrelief::windows {
 namespace {

@@ -4,6 +4,7 @@
 - each path in backquotes that begins with one of ROOT's folders, such as `mesher/som/philox_step.h`, exists, and each other
   source file named there exists beside the page or has its name somewhere in ROOT;
 - every folder with a CMakeLists.txt has a README.md;
+- a README.md links the README.md of each folder directly inside its own; ARCHITECTURE.md does so for the root and for pipeline;
 - each page begins with its title;
 - no line is longer than 132 columns, no folder's README than 60 lines, the root's than 150."""
 import glob
@@ -61,6 +62,18 @@ def path_is_sound(page, root, rooms, names, text):
     return True
 
 
+def missing_rooms(root, page, folders):
+    """The folders with a README.md directly inside of these that the page does not link."""
+    if not os.path.exists(page):
+        return []
+    with open(page, encoding="utf-8") as text:
+        linked = {os.path.normpath(os.path.join(os.path.dirname(page), target)) for target in LINK.findall(text.read())}
+    rooms = [os.path.join(folder, entry) for folder in folders if os.path.isdir(folder)
+             for entry in sorted(os.listdir(folder)) if not IGNORED.match(entry)]
+    return [os.path.relpath(room, root) for room in rooms if os.path.exists(os.path.join(room, "README.md")) and
+            os.path.join(room, "README.md") not in linked and room not in linked]
+
+
 def main():
     root = os.path.abspath(sys.argv[1])
     rooms = {entry for entry in os.listdir(root) if os.path.isdir(os.path.join(root, entry)) and not IGNORED.match(entry)}
@@ -71,6 +84,13 @@ def main():
     for file in bare:
         print("%s: there is no README.md beside it" % os.path.relpath(file, root))
     found = len(bare)
+    lists = {file: [os.path.dirname(file)] for file in files if os.path.basename(file) == "README.md"}
+    lists.pop(os.path.join(root, "README.md"), None)
+    lists[os.path.join(root, "ARCHITECTURE.md")] = [root, os.path.join(root, "pipeline")]
+    for page, folders in lists.items():
+        for room in missing_rooms(root, page, folders):
+            print("%s: the room %s is not listed" % (os.path.relpath(page, root), room))
+            found += 1
     for page in (file for file in files if file.endswith(".md")):
         name = os.path.relpath(page, root)
         with open(page, encoding="utf-8") as lines:

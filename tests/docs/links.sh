@@ -29,6 +29,17 @@ refused "$(seq 151)"
 touch "$work/room/CMakeLists.txt"
 refused 'a room without a page'
 rm "$work/room/CMakeLists.txt"
+mkdir -p "$work/pipeline/inner/innermost"
+page() { printf '# a title\n%s\n' "$2" >"$work/$1"; }
+page pipeline/README.md '[inner](inner/README.md)'
+page pipeline/inner/innermost/README.md 'no rooms here'
+page ARCHITECTURE.md '[pipeline](pipeline/README.md) [inner](pipeline/inner/README.md)'
+page pipeline/inner/README.md 'no rooms here'
+refused 'a room that the page of the one around it does not list'
+page pipeline/inner/README.md '[innermost](innermost/README.md)'
+page ARCHITECTURE.md '[pipeline](pipeline/README.md)'
+refused 'a room that ARCHITECTURE.md does not list'
+page ARCHITECTURE.md '[pipeline](pipeline/README.md) [inner](pipeline/inner/README.md)'
 echo 'a page without a title' >"$work/README.md"
 refuse_page 'a page without a title'
 printf '# a title\n%s\n' 'see `room/there.h`, [it](room/there.h) and [the web](https://example.org/missing)' >"$work/README.md"

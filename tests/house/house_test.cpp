@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <regex>
+#include <set>
 
 #include "tests/house/rooms.h"
 
@@ -118,7 +119,8 @@ TEST(House, OnlyTheBackendKnowsTheDevice) {
 
 // The library must be enough for what the program is for; other commands look into files, or measure.
 TEST(House, RunIsAClientOfTheLibrary) {
-    static const std::regex client("pipeline/cli/(command_run|run_options|summary|progress)\\.(h|cpp)");
+    static const std::regex client(
+        "pipeline/cli/(command_run|run_options|summary|terminal/progress)\\.(h|cpp)");
     for (const SourceFile& file : all_sources())
         for (const std::string& line : file.lines) {
             const std::string target = quoted_include(line);
@@ -212,25 +214,55 @@ TEST(House, WhatRoundsApartIsNoticed) {
     EXPECT_FALSE(rounds_apart("return sqrtf(dx * dx + dy * dy);  // no hypot(dx, dy)"));
 }
 
-TEST(House, LibrariesNeverPrintAndNeverExit) {
-    static const std::regex speech(
-        R"(\bstd::(cout|cerr|clog)\b|\b(f|v|vf)?printf\s*\(|\bf?puts\s*\(|\b(_?exit|abort|quick_exit)\s*\()");
-    const std::string kForks = "exporters/inspect/limited.cpp";  // where the forked process ends
-    for (const char* folder :
-         {"pipeline/data", "pipeline/readers", "pipeline/stages", "mesher", "cuda", "exporters"})
-        for (const SourceFile& file : source_files(kRoot, folder))
-            for (std::size_t i = 0; i < file.lines.size(); ++i)
-                EXPECT_FALSE(file.path != kForks && std::regex_search(file.lines[i], speech) &&
-                             std::regex_search(code_of(file.lines[i]), speech))
-                    << file.path << ":" << i + 1 << ": " << file.lines[i];
+// The rooms whose code other programs link: all but the command line, the samples and the tests.
+bool is_library(const std::string& path) {
+    for (const char* program : {"pipeline/cli/", "samples/", "tests/"})
+        if (path.starts_with(program)) return false;
+    return true;
 }
 
-TEST(House, EveryFolderOpensWithAReadme) {
-    for (const char* folder : {"pipeline/data", "pipeline/readers", "pipeline/stages", "pipeline/cli",
-                               "mesher", "cuda", "exporters", "samples", "config"}) {
-        if (!fs::exists(kRoot / folder)) continue;
-        EXPECT_TRUE(fs::exists(kRoot / folder / "README.md")) << folder;
+// One line for each place that prints or ends the process.
+std::vector<std::string> speech_and_exits(const SourceFile& file) {
+    static const std::regex speech(
+        R"(\bstd::(cout|cerr|clog)\b|\b(f|v|vf)?printf\s*\(|\bf?puts\s*\(|\b(perror|stderr)\b)"),
+        exits(R"(\b(_?exit|abort|quick_exit|std::terminate)\s*\()");
+    // The first two end processes that they have forked. The third ends a program that has called
+    // install_interrupt_handling().
+    static const std::set<std::string> may_exit = {
+        "exporters/inspect/limited.cpp", "pipeline/batch/worker.cpp", "pipeline/files/interrupt.cpp"};
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+        const auto has = [&](const std::string& code) {
+            return std::regex_search(code, speech) ||
+                   (!may_exit.contains(file.path) && std::regex_search(code, exits));
+        };
+        if (has(file.lines[i]) && has(code_of(file.lines[i])))
+            found.push_back(file.path + ":" + std::to_string(i + 1) + ": " + file.lines[i]);
     }
+    return found;
+}
+
+TEST(House, LibrariesNeverPrintAndNeverExit) {
+    for (const SourceFile& file : all_sources())
+        if (is_library(file.path))
+            for (const std::string& line : speech_and_exits(file)) ADD_FAILURE() << line;
+}
+
+TEST(House, PrintingAndExitingAreNoticed) {
+    const auto found = [](const std::string& path, const std::string& line) {
+        return speech_and_exits({path, {line}}).size();
+    };
+    EXPECT_EQ(found("pipeline/job/steps.cpp", "std::cout << 1;"), 1u);
+    EXPECT_EQ(found("pipeline/job/steps.cpp", "exit(1);  // done"), 1u);
+    EXPECT_EQ(found("pipeline/job/steps.cpp", "f(\"exit(1)\");  // exit(1)"), 0u);
+    EXPECT_EQ(found("pipeline/job/steps.cpp", "std::snprintf(text, size, format);"), 0u);
+    EXPECT_EQ(found("pipeline/batch/worker.cpp", "_exit(0);"), 0u);
+    EXPECT_EQ(found("pipeline/batch/worker.cpp", "std::puts(text);"), 1u);
+}
+
+TEST(House, EveryRoomOpensWithAReadme) {
+    for (const Room& room : rooms())
+        EXPECT_TRUE(fs::exists(kRoot / room.folder / "README.md")) << room.folder;
 }
 
 TEST(House, MainIsShort) {

@@ -22,7 +22,7 @@ constexpr double kPosition_px = 1e-4, kDisparity_px = 1e-3;
 Mesh production_mesh(const Scene& scene, int threads) {
     SurfaceConfig config;
     config.discontinuities = scene.config.bridge ? Discontinuities::bridge : Discontinuities::cut;
-    config.least_discontinuity_px = scene.config.max_disparity_jump_px;
+    config.least_discontinuity_px = scene.config.least_discontinuity_px;
     config.color_shift_px = scene.config.color_shift_px;
     config.split_rounds = scene.config.split_rounds;
     config.silhouette_inset_px = scene.config.inset_px;

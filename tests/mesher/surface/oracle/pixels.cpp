@@ -49,8 +49,8 @@ void keep_foreground(const DisparityMap& map, float background_px, Surfaces& s) 
 
 // Both cameras see a surface that rises by at most a pixel per pixel; 1/64 px allows for rounding.
 float least_jump(const Config& config) {
-    return config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
-                                            : 1 + 1.0f / 64;
+    return config.least_discontinuity_px > 0 ? static_cast<float>(config.least_discontinuity_px)
+                                             : 1 + 1.0f / 64;
 }
 
 // A single pixel between two steps down to the right, the farther one below 4 px, that are not parts of a

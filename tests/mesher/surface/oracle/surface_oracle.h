@@ -17,7 +17,7 @@
 //
 // PIXELS
 //  1. Foreground. Disparities that are not finite, not above 0, or below background_px become 0.
-//  2. The least jump is max_disparity_jump_px. If that is 0, it is 1 + 1/64 px.
+//  2. The least jump is least_discontinuity_px. If that is 0, it is 1 + 1/64 px.
 //  3. Pixels between two steps, not in `bridge`. Of five pixels p q r s t in a row, r takes the disparity of
 //     s if s is foreground, q - r > least jump, r - s > least jump and r - s < 4 px; but not if that is a
 //     part of a longer slope: p - q > least jump, or t is foreground and s - t > least jump. Outside the
@@ -167,11 +167,11 @@
 namespace hexrelief::surface::oracle {
 
 struct Config {
-    bool bridge = false;               // one surface, cut only at background and unknown pixels
-    double max_disparity_jump_px = 0;  // 0: 1 + 1/64 px
-    double color_shift_px = 0;         // 0 .. 0.5
-    int split_rounds = 3;              // >= 1
-    double inset_px = 0;               // 0 .. 0.5
+    bool bridge = false;                // one surface, cut only at background and unknown pixels
+    double least_discontinuity_px = 0;  // 0: 1 + 1/64 px
+    double color_shift_px = 0;          // 0 .. 0.5
+    int split_rounds = 3;               // >= 1
+    double inset_px = 0;                // 0 .. 0.5
 };
 
 struct Mesh {

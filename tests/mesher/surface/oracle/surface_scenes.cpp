@@ -231,7 +231,7 @@ Scene make_scene(int number) {
     scene.has_color = random.one_in(3);
     scene.color = color_of(random, scene.map);
     scene.config.bridge = random.one_in(5);
-    scene.config.max_disparity_jump_px = random.one_in(4) ? 2 : 0;
+    scene.config.least_discontinuity_px = random.one_in(4) ? 2 : 0;
     scene.config.color_shift_px = std::array{0.0, 0.25, 0.5}[random.whole(3)];
     scene.config.split_rounds = 1 + random.whole(4);
     scene.config.inset_px = random.one_in(2) ? 0.3 : 0;
