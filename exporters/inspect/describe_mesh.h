@@ -33,11 +33,4 @@ struct MeshDescription {
     std::string generator;  // asset.generator, or the first comment; may be empty
 };
 
-// Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order) .stl (binary) .usdz (with USD text)
-// .html (written by this program), chosen by the extension. A .glb file is read without its buffer. Never
-// allocates more than a small multiple of the file's size (for .drc: than its decoder does). Throws
-// Error(usage) if the extension is another one; Error(input) if the file is missing, empty, above 2 GiB (for
-// .glb: without its buffer), truncated or malformed.
-MeshDescription describe_mesh(const std::filesystem::path& path);
-
 }  // namespace hexrelief::inspect

@@ -131,7 +131,7 @@ void read_manifests(Bytes bytes, const std::string&) {
 }
 
 void describe(Bytes bytes, const std::string& name) {
-    attempt([&] { inspect::describe_mesh(file_of(bytes, "." + name)); });
+    attempt([&] { exporters::describe_mesh(file_of(bytes, "." + name)); });
 }
 
 }  // namespace

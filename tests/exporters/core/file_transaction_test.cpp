@@ -274,7 +274,7 @@ TEST(FileTransactionDeathTest, InterruptRemovesTemporariesOfAllThreads) {
         if (folder.entries() != 3) std::_Exit(1);
         std::raise(SIGINT);
     };
-    EXPECT_EXIT(files::interrupted(), ::testing::ExitedWithCode(130), "");
+    EXPECT_EXIT(interrupted(), ::testing::ExitedWithCode(130), "");
     EXPECT_EQ(folder.entries(), 0);
 }
 

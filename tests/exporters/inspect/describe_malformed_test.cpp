@@ -16,7 +16,7 @@ namespace {
 
 void expect_input_error(const std::filesystem::path& path, const std::string& what) {
     try {
-        describe_mesh(path);
+        exporters::describe_mesh(path);
         ADD_FAILURE() << path << ": no Error for " << what;
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::input) << what;
@@ -25,7 +25,7 @@ void expect_input_error(const std::filesystem::path& path, const std::string& wh
     }
 }
 
-class Malformed : public ::testing::TestWithParam<const MeshFormat*> {
+class Malformed : public ::testing::TestWithParam<const exporters::MeshFormat*> {
   protected:
     std::string written() {
         const SurfaceMesh mesh = exporters::sample_mesh(12, 9);
@@ -55,13 +55,13 @@ TEST_P(Malformed, MissingEmptyFolderAndOtherContents) {
 
 TEST_P(Malformed, Truncated) {
     const std::string bytes = written();
-    ASSERT_NO_THROW(describe_mesh(path_));
+    ASSERT_NO_THROW(exporters::describe_mesh(path_));
     for (const double share : {0.01, 0.1, 0.3, 0.5, 0.7, 0.9}) {
         exporters::put(path_, bytes.substr(0, static_cast<std::size_t>(bytes.size() * share)));
         // An OBJ cut between two lines is a valid shorter OBJ; only the number of its faces differs.
         if (path_.extension() == ".obj") {
             try {
-                EXPECT_LT(describe_mesh(path_).triangles, 176);
+                EXPECT_LT(exporters::describe_mesh(path_).triangles, 176);
             } catch (const Error& error) {
                 EXPECT_EQ(error.kind(), ErrorKind::input);
             }
@@ -80,14 +80,14 @@ TEST_P(Malformed, RandomBytesChanged) {
         for (int i = 0; i <= round % 4; ++i) broken[random() % reach] = static_cast<char>(random());
         exporters::put(path_, broken);
         try {
-            describe_mesh(path_);
+            exporters::describe_mesh(path_);
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
         }
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, Malformed, ::testing::ValuesIn(formats_of_files()),
+INSTANTIATE_TEST_SUITE_P(Formats, Malformed, ::testing::ValuesIn(exporters::formats_of_files()),
                          [](const auto& instance) { return instance.param->name(); });
 
 TEST(MalformedFile, HugeClaims) {
@@ -119,12 +119,12 @@ TEST(MalformedFile, HugeClaims) {
     expect_input_error(folder / "e.gltf", "deep nesting");
     exporters::put(folder / "f.gltf", std::string(R"({"asset":{"version":"2.0"},"x":)") +
                                           std::string(100000, '[') + std::string(100000, ']') + "}");
-    EXPECT_EQ(describe_mesh(folder / "f.gltf").vertices, 0);
+    EXPECT_EQ(exporters::describe_mesh(folder / "f.gltf").vertices, 0);
     std::string chain;
     for (int i = 1; i < 50000; ++i) chain += R"({"children":[)" + std::to_string(i) + "]},";
     exporters::put(folder / "g.gltf",
                    R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + chain + "{}]}");
-    EXPECT_EQ(describe_mesh(folder / "g.gltf").vertices, 0) << "a chain of nodes";
+    EXPECT_EQ(exporters::describe_mesh(folder / "g.gltf").vertices, 0) << "a chain of nodes";
     std::ofstream(folder / "huge.obj").close();
     std::filesystem::resize_file(folder / "huge.obj", std::uintmax_t{3} << 30);  // a sparse file
     expect_input_error(folder / "huge.obj", "3 GiB");
@@ -144,7 +144,7 @@ TEST(MalformedFile, ObjLibrariesThatAreNoFiles) {
     const exporters::TemporaryFolder folder;
     ASSERT_EQ(mkfifo((folder / "pipe.mtl").c_str(), 0600), 0);  // opening it would block for ever
     exporters::put(folder / "a.obj", "mtllib pipe.mtl\nmtllib /dev/zero\nv 0 0 0\n");
-    EXPECT_EQ(describe_mesh(folder / "a.obj").texture_bytes, 0);
+    EXPECT_EQ(exporters::describe_mesh(folder / "a.obj").texture_bytes, 0);
 }
 
 TEST(MalformedFile, MissingBufferFile) {
@@ -171,7 +171,7 @@ TEST(DescribeGltf, ManyPrimitivesInManyPlaces) {
                        R"(],"meshes":[{"primitives":[)" + primitives +
                        R"(]}],"accessors":[{"componentType":5126,"type":"VEC3","count":3,)" +
                        R"("min":[0,0,0],"max":[1,2,3]}]})");
-    const MeshDescription mesh = describe_mesh(folder / "a.gltf");
+    const MeshDescription mesh = exporters::describe_mesh(folder / "a.gltf");
     EXPECT_EQ(mesh.vertices, 15000);
     EXPECT_EQ(mesh.max, (Vec3f{1, 2, 3}));
 }
@@ -200,7 +200,7 @@ TEST(Describe, TheBufferOfAGlbIsNotRead) {
     expect_input_error(folder / "a.glb", "a missing buffer");
     std::filesystem::resize_file(folder / "a.glb",
                                  std::uintmax_t{head} + 3000000000u);  // more than is ever read
-    EXPECT_EQ(describe_mesh(folder / "a.glb").vertices, 0);
+    EXPECT_EQ(exporters::describe_mesh(folder / "a.glb").vertices, 0);
 }
 
 std::string refusal(const WorkLimits& limits, const std::function<WorkBytes()>& work) {

@@ -22,7 +22,7 @@ TEST_P(Describe, TellsWhatWasWritten) {
     if (draco) config.compression = exporters::Compression::draco;
     const auto paths = exporters::export_scene(
         {&mesh, textured ? &texture : nullptr, exporters::kGenerator, "{}"}, config, folder / name);
-    const MeshDescription out = describe_mesh(paths[0]);
+    const MeshDescription out = exporters::describe_mesh(paths[0]);
     const std::string format = paths[0].extension().string().substr(1);
     EXPECT_EQ(out.format, format);
     EXPECT_EQ(out.vertices, 432);
@@ -60,7 +60,7 @@ TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {
     exporters::put(
         folder / "a.obj",
         "v 0 0 0 1 0 0\r\nv +1 0 0 1 0 0\r\nv 1 1 0 1 0 0\r\nv 0 1e0 -2.5 1 0 0\r\nf -4 -3 -2 -1\r\nf 1 2 3");
-    const MeshDescription out = describe_mesh(folder / "a.obj");
+    const MeshDescription out = exporters::describe_mesh(folder / "a.obj");
     EXPECT_EQ(out.vertices, 4);
     EXPECT_EQ(out.triangles, 3);
     EXPECT_TRUE(out.colors);
@@ -77,7 +77,7 @@ TEST(DescribePly, AsciiWithStrangeElements) {
         "property double x\nproperty double y\nproperty double z\nproperty uchar red\nelement face 1\n"
         "property list uchar int vertex_index\nend_header\n2 0.5 0.25\n0 0 0 9\n1 0 0 9\n0 1 -3 9\n3 0 1 "
         "2\n");
-    const MeshDescription out = describe_mesh(folder / "a.ply");
+    const MeshDescription out = exporters::describe_mesh(folder / "a.ply");
     EXPECT_EQ(out.vertices, 3);
     EXPECT_EQ(out.triangles, 1);
     EXPECT_TRUE(out.colors);
@@ -92,7 +92,7 @@ TEST(DescribePly, BigEndian) {
         "end_header\n";
     text += std::string("\x3f\x80\x00\x00\x40\x00\x00\x00\xbf\x80\x00\x00", 12);  // 1, 2, -1
     exporters::put(folder / "a.ply", text);
-    EXPECT_EQ(describe_mesh(folder / "a.ply").max, (Vec3f{1, 2, -1}));
+    EXPECT_EQ(exporters::describe_mesh(folder / "a.ply").max, (Vec3f{1, 2, -1}));
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST_P(ExactGrid, EveryPositionIsItsCell) {
         for (const Vec3f& p : tile.mesh.positions)
             given.insert({tile.origin_m[0] + p.x, tile.origin_m[1] + p.y, tile.origin_m[2] + p.z});
         EXPECT_EQ(found[side], given);
-        const inspect::MeshDescription description = inspect::describe_mesh(path);
+        const inspect::MeshDescription description = exporters::describe_mesh(path);
         EXPECT_EQ(description.vertices, static_cast<long long>(tile.mesh.positions.size()));
         EXPECT_EQ(description.min.x, static_cast<float>(tile.low_m[0]));
         EXPECT_EQ(description.max.z, static_cast<float>(tile.high_m[2]));

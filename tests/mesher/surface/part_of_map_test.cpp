@@ -111,7 +111,7 @@ TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
     config.silhouette_inset_px = seed % 2 ? 0.5 : 0;
     config.color_shift_px = seed % 3 ? 0.5 : 0;
     WholeMap whole = whole_of(map, lattice);
-    const DisparityMesh all = cut_disparity_mesh({&lattice, &map, 10, &picture, 0, whole}, config, 2);
+    const DisparityMesh all = cut_disparity_mesh({&lattice, &map, 10, &picture, whole}, config, 2);
 
     Window w{0, 0, 0, 0, 5 + static_cast<int>(seed % 12), 4 + 2 * static_cast<int>(seed % 3), 80, 62};
     const Vec2f first = lattice.positions[lattice.index(w.first_column, w.first_row)],
@@ -126,7 +126,7 @@ TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
     const Image part_picture = part_of(picture, w);
     const HexMesh2D part_lattice = part_of(lattice, w);
     const DisparityMesh part =
-        cut_disparity_mesh({&part_lattice, &part_map, 10, &part_picture, 0, whole}, config, 2);
+        cut_disparity_mesh({&part_lattice, &part_map, 10, &part_picture, whole}, config, 2);
 
     const float px = kBeyond_px + 16.0f * kSpacing;
     const std::set<PlacedTriangle> expected = inner_triangles(all, 0, 0, w, px);

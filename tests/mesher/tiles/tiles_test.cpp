@@ -177,11 +177,10 @@ std::size_t expect_undivided_surface(const Tiled& tiled) {
     const Image picture = busy_picture(tiled.map, 1);
     const auto blocks = tiled.solve(false);
     const HexMesh2D lattice = tiled.assembled(blocks);
-    std::vector<PlacedTriangle> expected =
-        placed(surface::cut_disparity_mesh(
-                   {&lattice, &tiled.map, tiled.density.background_px, &picture, 0, tiled.whole()},
-                   SurfaceConfig{}, 2),
-               {});
+    std::vector<PlacedTriangle> expected = placed(
+        surface::cut_disparity_mesh(
+            {&lattice, &tiled.map, tiled.density.background_px, &picture, tiled.whole()}, SurfaceConfig{}, 2),
+        {});
     std::vector<PlacedTriangle> found;
     std::set<std::array<TileCorner, 2>> seam_edges;
     std::size_t seams = 0;

@@ -123,7 +123,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
                      checks::kSwappedAgreement);
     }
     wrong_rows(scene, table);
-    const Image grey = plain(left, 120, 2, 1), black = config::plain(left, 3, 3, 1);
+    const Image grey = plain(left, 120, 2, 1), black = plain(left, 3, 3, 1);
     table.add("grey pictures with noise", scene.name, judge({grey, plain(right, 120, 2, 2)}),
               {Mistake::no_texture});
     table.add("black pictures with noise", scene.name, judge({black, plain(right, 3, 3, 2)}),

@@ -277,13 +277,13 @@ TEST(Run, LevelsOfDetailBesideAndInside) {
     EXPECT_EQ(report["levels"][1]["spacing_px"], 24);
     EXPECT_LT(report["levels"][0]["vertices"].get<int>() * 2, report["surface"]["vertices"].get<int>());
     EXPECT_LT(report["levels"][1]["triangles"].get<int>() * 2, report["levels"][0]["triangles"].get<int>());
-    EXPECT_EQ(inspect::describe_mesh(folder / "a.glb").coarser.size(), 0u);
+    EXPECT_EQ(exporters::describe_mesh(folder / "a.glb").coarser.size(), 0u);
     for (int level : {1, 2}) {
         const Json& told = report["levels"][level - 1];
         const std::string stem = folder / ("a.lod" + std::to_string(level));
-        EXPECT_EQ(inspect::describe_mesh(stem + ".glb").vertices, told["vertices"].get<int>());
-        EXPECT_EQ(inspect::describe_mesh(stem + ".obj").vertices, told["vertices"].get<int>());
-        EXPECT_EQ(inspect::describe_mesh(stem + ".drc").triangles, told["triangles"].get<int>());
+        EXPECT_EQ(exporters::describe_mesh(stem + ".glb").vertices, told["vertices"].get<int>());
+        EXPECT_EQ(exporters::describe_mesh(stem + ".obj").vertices, told["vertices"].get<int>());
+        EXPECT_EQ(exporters::describe_mesh(stem + ".drc").triangles, told["triangles"].get<int>());
     }
     EXPECT_EQ(report["outputs"].size(), 3u * (1 + 3 + 1));
     EXPECT_EQ(folder.entries(), report["outputs"].size() + 1);
@@ -293,7 +293,7 @@ TEST(Run, LevelsOfDetailBesideAndInside) {
     EXPECT_NE(inside.err.find("'export.lod_files' is now 'export.lod_storage'"), std::string::npos)
         << inside.err;
     EXPECT_NE(inside.err.find("b.glb on top of each other"), std::string::npos) << inside.err;
-    const inspect::MeshDescription glb = inspect::describe_mesh(folder / "b.glb");
+    const inspect::MeshDescription glb = exporters::describe_mesh(folder / "b.glb");
     ASSERT_EQ(glb.coarser.size(), 2u);
     for (int level : {1, 2})
         EXPECT_EQ(glb.coarser[level - 1].vertices, report["levels"][level - 1]["vertices"].get<int>());

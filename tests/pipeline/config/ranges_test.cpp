@@ -42,10 +42,10 @@ bool stages_take(const Field& field, double number) {
         stages::check_matchable({wide, wide}, config.disparity);
         const DisparityMap map{8, 8, std::vector<float>(64, 5.0F)};
         stages::compute_density(map, config.density);
-        codec::Raster raster;
+        readers::codec::Raster raster;
         raster.width = 1, raster.height = 1;
         raster.samples = std::vector<float>{5};
-        disparities_of(raster, "map", config.input.disparity);
+        readers::disparities_of(raster, "map", config.input.disparity);
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::usage) << error.what();
         EXPECT_NE(std::string(error.what()).find(field.path), std::string::npos) << error.what();

@@ -7,7 +7,7 @@
 namespace hexrelief::test {
 
 // The CPU under another name, whose work each test changes.
-class TestedBackend : public Backend {
+class TestedBackend : public job::Backend {
   public:
     TestedBackend() : Backend(1) {}
     std::string name() const override { return "cuda"; }

@@ -164,7 +164,7 @@ TEST(AsWritten, IsWhatDracoReadsBack) {
 // Both with the page's own tolerance, which costs few bytes where little is asked for, and with what is asked
 // for.
 TEST(AsWritten, IsWhatAPageHolds) {
-    if (!has_viewer()) GTEST_SKIP() << "NOTE: " << kNoViewer;
+    if (!exporters::has_viewer()) GTEST_SKIP() << "NOTE: " << exporters::kNoViewer;
     const SurfaceMesh mesh = wave();
     const test::TemporaryFolder folder;
     for (const double tolerance_px : {0.03, 0.6}) {
