@@ -120,7 +120,7 @@ class DocumentStarts : public YAML::EventHandler {
     void OnMapEnd() override {}
 };
 
-// Returns the text's only document; null if there is none.
+// Returns the text's only document; null if the text has no document.
 YAML::Node load_document(const Reader& reader, const std::string& text) {
     std::istringstream in(text);
     YAML::Parser parser(in);

@@ -111,8 +111,7 @@ struct RunSize {
 };
 
 struct BackendDecision {
-    config::BackendChoice choice =
-        config::BackendChoice::automatic;  // automatic: CUDA where a device is usable
+    config::BackendChoice choice = config::BackendChoice::automatic;  // automatic: CUDA if usable
     std::string reason;
 };
 

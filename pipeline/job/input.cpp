@@ -269,10 +269,10 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
     return resolved;
 }
 
-// Adds to the input's mask, which may hold the pixels that a rectified view shows, the given mask and the
-// picture's transparency. Returns that mask restricted to the pixels of sufficient confidence; empty =
-// all. The two differ because a sparse map is filled across pixels of low confidence, but not where the
-// mask hides the scene.
+// Restricts the input's mask, which may hold the pixels that a rectified view shows, by the given mask and
+// the picture's transparency. Returns that mask restricted further to pixels of sufficient confidence; empty
+// = all. The two differ because a sparse map is filled across pixels of low confidence, but not at pixels
+// that the mask hides.
 readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskSource mask,
                                            MaskSource confidence) {
     if (config_.mask.alpha) {

@@ -31,7 +31,7 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
     return static_cast<double>(most);
 }
 
-// True where the tolerance changes the files.
+// True if the tolerance changes the bytes of some output.
 bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
@@ -86,7 +86,7 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
                           const std::vector<fs::path>& outputs, Backend& backend, RunLog& log) {
     const int threads = backend.threads();
     config::Config config = given;        // with the texture in use
-    std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
+    std::optional<SurfaceResult> result;  // at solved_px; empty = nothing is left to mesh
     std::vector<SurfaceMesh> coarser;     // coarser levels of that mesh
     double solved_px = 0;
     budget::BudgetJob search;

@@ -47,7 +47,7 @@ struct RunReport {
 
 // Shares of a filled sparse map or of a matched pair.
 struct OriginShares {
-    double measured = 0, filled = 0;  // of the picture; matched pixels of a pair are measured
+    double measured = 0, filled = 0;  // shares of the picture; a pair's matched pixels count as measured
 };
 // Returns none if the map was supplied and not filled.
 std::optional<OriginShares> origin_shares(const DisparityMap& map);

@@ -30,8 +30,8 @@ Calibration scaled_to(const Calibration& camera, ViewSize size);
 struct CameraSource {
     const config::CalibrationConfig& config;
     ViewSize view;                            // size of the map, or of the pair's pictures
-    ViewSize picture;                         // size of the left picture; equal to view if there is none
-    const Calibration* rectified = nullptr;   // of a pair rectified here, used instead of the file's
+    ViewSize picture;                         // size of the left picture; equal to view without a picture
+    const Calibration* rectified = nullptr;   // camera of a rectified pair, instead of the file's
     std::filesystem::path picture_file = {};  // file whose EXIF data may give the focal length; empty = none
 };
 

@@ -30,13 +30,13 @@ struct ImageView {
     std::size_t row_bytes = 0;  // from one row to the next; 0 = no gaps between rows
 };
 
-// A map of the left view, rows from the top. Samples are read as those of files are, by the same keys:
-// - disparities, left(x, y) = right(x - d, y): floats are px, and what is not above 0 or not finite is
-//   unknown; of integers input.disparity.scale, offset_px and unknown say what they mean, and 16 bits are
-//   1/256 px where they say nothing.
-// - depths: floats are metres along the optical axis, 16-bit integers millimetres, where input.depth says
-//   nothing else.
-// - confidences: what is below input.confidence.threshold is unknown.
+// A map of the left view, rows from the top. The keys for files say how samples are read:
+// - disparities, left(x, y) = right(x - d, y): floats are px; values that are not finite or not above 0 are
+//   unknown. Integers are read by input.disparity.scale, offset_px and unknown; by default 16-bit integers
+//   are 1/256 px.
+// - depths: by default floats are metres along the optical axis and 16-bit integers millimetres;
+//   input.depth may say otherwise.
+// - confidences: pixels below input.confidence.threshold are unknown.
 struct MapView {
     enum class Samples { float32, uint16, uint8 };
     const void* values = nullptr;
