@@ -18,7 +18,7 @@ struct ConfigOptions {
 // afterwards. Throws Error(usage), also if a key is set by its old name and by its new one.
 Config read_config(const ConfigOptions& options, const Config& base = {});
 // Returns the configuration to start from if neither preset nor file is named: the defaults; for a limit on
-// bytes the preset compact; for a limit on vertices the density, mesh and surface of compact.
+// bytes the preset compact; for a limit on vertices compact with the default export settings.
 Config budget_base(const BudgetConfig& budget);
 // Set a key from an option's text or number, checked by the field table. Throw Error(usage)
 // that names the option.
