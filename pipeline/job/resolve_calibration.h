@@ -19,8 +19,8 @@ struct ViewSize {
 // Returns "640x480".
 std::string size_text(ViewSize size);
 
-// True if two sizes can show the same view: each side of the smaller follows from the larger
-// size within one pixel.
+// True if two sizes have the same aspect: the larger one, scaled to the smaller one's height or width,
+// differs from it by at most one pixel.
 bool same_aspect(ViewSize a, ViewSize b);
 
 // Returns the camera of the same view at another size of the same aspect.
