@@ -49,8 +49,8 @@ class CudaMesher {
     const CudaDevice& device() const;
 
     // Announces the map that the next mesh is cut by: solve() copies it to the device while it trains, so
-    // that cut_disparity_mesh() need not. The map must stay where and as it is until the next call of
-    // solve().
+    // that cut_disparity_mesh() need not. The map must stay unchanged, at the same address, until the
+    // next call of solve().
     void expect_map(const DisparityMap& map);
 
     // Runs mesher::solve_mesh on the device. Also throws Error(usage) for MeshMethod::sequential and for more

@@ -37,7 +37,7 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
         throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
 }
 
-// Whether the format shows the mesh by light that falls on it: all do that have no material.
+// True if viewers light the mesh of this format, as they do without an unlit material.
 bool is_lit(const Scene& scene, const ExportConfig& config, const MeshFormat& format) {
     const bool textured = scene.texture && config.texcoords && config.texture != TextureFormat::none;
     return !format.has_material || !textured || config.material == MaterialKind::lit;

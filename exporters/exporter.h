@@ -24,12 +24,13 @@ std::vector<std::filesystem::path> export_scene(const Scene& scene, const Export
 void export_scene(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                   FileTransaction& files);
 
-// As the format of `path` holds the scene: whether normals are written, how positions are compressed, and
-// within which tolerance.
+// Returns the configuration that the format of `path` leads to: whether normals are written, how positions
+// are compressed, and their tolerance.
 ExportConfig config_of_file(const Scene& scene, const ExportConfig& config,
                             const std::filesystem::path& path);
 
-// The bytes of all files that export_scene() would write; nothing is left behind. Throws as that does.
+// Returns the number of bytes of all files that export_scene() would write, without leaving any
+// file. Throws as export_scene().
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);
 
 }  // namespace hexrelief::exporters

@@ -7,7 +7,7 @@
 
 namespace hexrelief::exporters {
 
-// Each stands beside its writer.
+// The rows of the formats, each defined beside its writer.
 extern const MeshFormat glb_format, gltf_format, drc_format, obj_format, ply_format, stl_format, usdz_format,
     html_format;
 

@@ -1,4 +1,4 @@
-// All mesh formats, by the extension of a file's name.
+// All mesh formats, found by the extension of a file's name.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,23 @@
 
 namespace hexrelief::exporters {
 
-// In the order in which users are told of them.
+// Returns all formats in the order in which help and documents list them.
 const std::vector<const MeshFormat*>& mesh_formats();
 
-// ".glb .gltf ...": the extensions of all.
+// Returns the extensions of all formats: ".glb .gltf ...".
 std::string export_extensions();
 
-// By the path's extension, in any case; null for another one.
+// Returns the format of the path's extension, in upper or lower case; null for an unknown extension.
 const MeshFormat* find_mesh_format(const std::filesystem::path& path);
 
-// Throws Error(usage) that lists the extensions for another one, and for a path with a line break if the
-// format could not name the files beside it.
+// Returns the format of the path's extension. Throws Error(usage), which lists the extensions, for an unknown
+// one; and Error(usage) for a path with a line break if the format could not name its companion files.
 const MeshFormat& export_format(const std::filesystem::path& path);
 
-// What a mesh file holds. Reads .ply in ASCII and binary of either byte order, .stl in binary, .usdz of text,
-// and of .glb all but its buffer. Never allocates more than a small multiple of the file's size (.drc: than
-// its decoder). Throws Error(usage) for another extension, Error(input) for a file that is missing, empty,
-// above 2 GiB (.glb: but for its buffer), truncated or malformed.
+// Describes the contents of a mesh file. Reads .ply in ASCII and binary of either byte order, .stl in binary,
+// .usdz of text, and all of .glb except its buffer. Never allocates more than a small multiple of the file's
+// size (for .drc: than its decoder allocates). Throws Error(usage) for an unknown extension, Error(input) for
+// a file that is missing, empty, above 2 GiB (for .glb: not counting its buffer), truncated or malformed.
 inspect::MeshDescription describe_mesh(const std::filesystem::path& path);
 
 }  // namespace hexrelief::exporters

@@ -17,7 +17,7 @@ class ResidentMap {
     ResidentMap& operator=(const ResidentMap&) = delete;
     ~ResidentMap() { cudaFree(data_); }
 
-    // Device memory for a map of so many pixels; the map before is forgotten.
+    // Returns device memory for a map of this many pixels; forgets the previous map.
     float* make_room(std::size_t pixels) {
         forget();
         pixels_ = pixels;
@@ -30,10 +30,11 @@ class ResidentMap {
         }
         return data_;
     }
-    // The room now holds a copy of these values.
+    // Records that this memory holds a copy of these values.
     void hold(const std::vector<float>& values) { source_ = values.data(); }
     void forget() { source_ = nullptr; }
-    // nullptr if the device holds no copy of these values, told by where they are on the host.
+    // Returns the device's copy of these values, which their address on the host identifies; null
+    // if there is none.
     const float* copy_of(const std::vector<float>& values) const {
         return source_ != nullptr && source_ == values.data() && pixels_ == values.size() ? data_ : nullptr;
     }

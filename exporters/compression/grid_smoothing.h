@@ -1,5 +1,5 @@
-// Chooses integer coordinates within each vertex's tolerance that minimise parallelogram-prediction
-// residuals.
+// Chooses integer coordinates within each vertex's tolerance
+// that minimise parallelogram-prediction residuals.
 #pragma once
 
 #include <cstdint>

@@ -31,13 +31,13 @@ struct QuantizedMesh {
     std::array<double, 2> texcoord_scale = {1, 1};
 };
 
-// Chooses the grid that positions lie on; none if 16 bits are too few for it, and they stay floats.
+// Chooses the grid of the positions; none if 16 bits are too few for the grid, so that positions stay floats.
 std::optional<Grid<3>> position_grid(const TexturedMesh& textured, const Calibration* camera,
                                      const ExportConfig& config, bool meshopt);
 
-// The smallest types that keep the tolerances; 32-bit floats if 16 bits are too few. With meshopt,
-// normals are octahedral, vertices are in the order of their first use, and triangles are in the order that
-// meshoptimizer's index coder compresses best.
+// Converts the mesh to the smallest types that keep the tolerances; 32-bit floats if 16 bits are too few.
+// With meshopt, normals are octahedral, vertices are in the order of their first use, and triangles are in
+// the order that meshoptimizer's index coder compresses best.
 QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* camera,
                             const ExportConfig& config, bool meshopt);
 

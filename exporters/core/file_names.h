@@ -6,10 +6,10 @@
 
 namespace hexrelief::exporters {
 
-// In lower case, with the dot.
+// Returns the extension in lower case, with the dot.
 std::string extension_of(const std::filesystem::path& path);
 
-// Of a level of detail that is a file of its own: "<stem>.lod<level><extension>", level >= 1.
+// Returns the path of a level of detail in a file of its own: "<stem>.lod<level><extension>", level >= 1.
 std::filesystem::path level_path(const std::filesystem::path& path, int level);
 
 }  // namespace hexrelief::exporters

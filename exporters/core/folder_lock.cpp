@@ -38,8 +38,8 @@ bool is_written_by_caller_alone(const struct stat& status) {
     return status.st_uid == ::geteuid() && (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-// Whoever can make files in a folder can give it a lock with any list of renames: one of their own, or an old
-// one of the caller's.
+// True if only the caller can make files in the folder. Anybody else who can may give the folder a lock file
+// with any list of renames, even with an old list of the caller's.
 bool is_folder_of_caller_alone(const fs::path& folder) {
     struct stat status = {};
     return ::stat(folder.c_str(), &status) == 0 && is_written_by_caller_alone(status);
@@ -106,8 +106,8 @@ FolderLock::~FolderLock() {
 // Each name ends with a zero byte, and the list with an empty name: a list that was not
 // written completely is ignored.
 void FolderLock::announce(const Renames& renames) noexcept {
-    if (descriptor_ < 0 || renames.size() < 2) return;            // one rename is done or not
-    if (!is_folder_of_caller_alone(path_.parent_path())) return;  // nobody would believe it
+    if (descriptor_ < 0 || renames.size() < 2) return;            // a single rename needs no journal
+    if (!is_folder_of_caller_alone(path_.parent_path())) return;  // the next owner would ignore it
     std::string text;
     for (const auto& [from, to] : renames)
         (text += from.filename().string()).append(1, '\0').append(to.filename().string()).append(1, '\0');

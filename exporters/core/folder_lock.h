@@ -33,8 +33,8 @@ class FolderLock {
     // Names in the folder: a complete temporary file, and its new name.
     using Renames = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
     // Journals the renames on the disk before they are done. If this process dies while it holds the lock,
-    // the next owner of the same user completes them. Does nothing in a folder
-    // that others may write to: they could have a later process of this user rename what they like.
+    // the next owner of the same user completes them. Does nothing in a folder that others may write to: with
+    // a journal of theirs, a later process of this user would rename files as they like.
     void announce(const Renames& renames) noexcept;
     // Erases the journal of announced renames, which are not to be done.
     void revoke() noexcept;

@@ -1,5 +1,5 @@
-// What a mesh format can do. Each format has one row, beside the function that writes it;
-// exporters/mesh_formats.h has them all.
+// The abilities of a mesh format. Each format has one row, beside the function that writes it;
+// exporters/mesh_formats.h lists all rows.
 #pragma once
 
 #include <filesystem>
@@ -15,15 +15,15 @@ struct MeshDescription;  // exporters/inspect/describe_mesh.h
 
 namespace hexrelief::exporters {
 
-// Puts its files into the transaction, path itself first, and throws Error(output). The scene has been
+// Puts the format's files into the transaction, path itself first. Throws Error(output). The scene has been
 // checked, and its normals are always or never written (see exporters/exporter.cpp).
 using FormatWriter = void (*)(const Scene&, const ExportConfig&, const std::filesystem::path&,
                               FileTransaction&);
 
-// What shows the scene's picture.
+// The part of a file that holds the picture's colours.
 enum class ColourStorage { none, vertices, texture };
 
-// Where coarser levels of detail are; by_config: where export.lod_storage says.
+// The place of coarser levels of detail; by_config: as export.lod_storage says.
 enum class LevelSupport { files, by_config, inside };
 
 struct MeshFormat {
@@ -33,18 +33,18 @@ struct MeshFormat {
     // Reads a file of the format, for `hexrelief info`. Throws Error(input).
     inspect::MeshDescription (*describe)(const std::filesystem::path&);
     ColourStorage colours = ColourStorage::none;
-    // export.material says how the texture is shown; programs' lights fall on the others.
+    // True if export.material sets the texture's material. Viewers light the formats without a material.
     bool has_material = false;
-    // How positions are held; nothing: as export.compression says.
+    // Compression of positions; none: as export.compression says.
     std::optional<Compression> compression = Compression::none;
-    // Their tolerance, px; null: export.tolerance_px.
+    // Returns the tolerance of positions, px; null: export.tolerance_px.
     double (*tolerance_px)(const Scene&, const ExportConfig&, const std::filesystem::path&) = nullptr;
     LevelSupport levels = LevelSupport::files;
-    // Extension of a file beside the named one, with which a texture file goes; null: there is neither.
+    // Extension of a companion file, which comes with a texture file; null: the format has neither.
     const char* companion = nullptr;
-    // The named file tells their names in lines of text, so that a line break would cut them.
+    // True if the file names its companions in lines of text, which a line break in a name would cut.
     bool names_companions_in_lines = false;
-    // Shows the relief and its figures, and needs a viewer and a camera.
+    // True if the file shows the relief and its figures; it then needs a viewer and a camera.
     bool is_page = false;
 
     std::string name() const { return extension + 1; }

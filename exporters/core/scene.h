@@ -16,8 +16,8 @@ enum class Compression { none, draco, quantized, meshopt };
 
 // The bits of Draco's attributes; 0 = as many as the tolerances need.
 struct DracoConfig {
-    // The coder takes 0.2 GB for this many bits of any attribute, and four times that for every two more
-    // bits.
+    // The coder takes 0.2 GB for this many bits of any attribute, and four times that for
+    // every two more bits.
     static constexpr int kMostBits = 24;
     int position_bits = 0;  // along the widest side of the mesh's bounding box
     int normal_bits = 0;

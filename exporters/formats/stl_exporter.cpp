@@ -1,4 +1,4 @@
-// Binary STL, for printing and CAD: triangles alone, in export.stl_unit.
+// Binary STL, for printing and CAD: only triangles, in export.stl_unit.
 #include <cmath>
 #include <cstring>
 #include <limits>

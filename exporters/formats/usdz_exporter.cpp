@@ -121,7 +121,7 @@ std::string usd_text(const Scene& scene, const SurfaceMesh& mesh, const std::str
     return text + "}\n";
 }
 
-// The texture is JPEG or PNG: one configured as WebP, which USDZ does not know, is written as JPEG.
+// Writes the texture as JPEG or PNG; WebP becomes JPEG, because USDZ does not support WebP.
 void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
                 FileTransaction& files) {
     ExportConfig config = asked;

@@ -13,21 +13,21 @@
 
 namespace hexrelief::inspect {
 
-// A whole file. Throws Error(input) if it is missing, empty or above 2 GiB.
+// Returns a whole file. Throws Error(input) if it is missing, empty or above 2 GiB.
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path);
 
-// `path` names the file in messages and finds the files beside it.
-MeshDescription describe_glb(const std::filesystem::path& path);  // all but what its buffer holds
+// Describe a file. Companion files are found beside `path`.
+MeshDescription describe_glb(const std::filesystem::path& path);  // without the buffer's contents
 MeshDescription describe_gltf(const std::filesystem::path& path);
 MeshDescription describe_drc(const std::filesystem::path& path);
 MeshDescription describe_obj(const std::filesystem::path& path);
-MeshDescription describe_html(const std::filesystem::path& path);  // the GLB inside of the page
+MeshDescription describe_html(const std::filesystem::path& path);  // the GLB inside the page
 MeshDescription describe_ply(const std::filesystem::path& path);
 MeshDescription describe_stl(const std::filesystem::path& path);
 MeshDescription describe_usdz(const std::filesystem::path& path);
 
-// bytes: not empty; of a binary file they may end behind the header of its second chunk. file_bytes: of the
-// whole.
+// Describes a glTF file in memory. bytes: not empty; those of a binary file may end after the header of its
+// second chunk. file_bytes: size of the whole file.
 MeshDescription describe_gltf(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes,
                               std::uintmax_t file_bytes, bool binary);
 

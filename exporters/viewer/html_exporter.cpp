@@ -36,7 +36,7 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
     return glb_bytes(bare, config, path).size();
 }
 
-// How the page holds the mesh, whatever other files have.
+// Returns the configuration for the mesh in the page, which ignores the choices made for other files.
 ExportConfig page_config(ExportConfig config) {
     config.normals = NormalsKind::never;
     config.material = MaterialKind::unlit;
@@ -46,7 +46,8 @@ ExportConfig page_config(ExportConfig config) {
     return config;
 }
 
-// meshopt_bytes: of the mesh as config asks for it.
+// Returns a finer tolerance than config's, px, if it costs few bytes. meshopt_bytes: size of the
+// mesh at config's tolerance.
 double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path,
                          std::size_t meshopt_bytes) {
     ExportConfig fine = page_config(config);
@@ -113,14 +114,14 @@ bool has_viewer() {
 
 namespace {
 
-// Finer than config.tolerance_px if that costs few bytes.
+// Returns the tolerance of the page, px; may be finer than config.tolerance_px, see above.
 double page_tolerance_px(const Scene& scene, const ExportConfig& config, const fs::path& path) {
     return page_tolerance_px(scene, config, path, mesh_bytes(scene, config, Compression::meshopt, path));
 }
 
-// The scene needs a camera and the size of its image. The mesh is in the page as a GLB with
-// EXT_meshopt_compression, in all levels of detail, without normals, whatever config says of these; its
-// texture is as config asks. The page's title is path's stem.
+// Writes the page. The scene needs a camera and the size of its image. The page holds the mesh as a GLB with
+// EXT_meshopt_compression, with all levels of detail and without normals, whatever config says; the texture
+// is as config says. The page's title is path's stem.
 void write_html(const Scene& scene, const ExportConfig& config, const fs::path& path,
                 FileTransaction& files) {
     if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);

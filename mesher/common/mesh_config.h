@@ -21,8 +21,8 @@ enum class MeshBorder {
 struct BalanceConfig {
     bool enabled = true;
     // Iterations planned for the finest level and the next coarser; all others get twice as many. A level
-    // that is far from balance takes up to eight times as many; one that is close to balance, or no longer
-    // improves, ends earlier.
+    // that is far from balance takes up to eight times as many; one that is close to balance, or no
+    // longer improves, ends earlier.
     int iterations = 20;
     int sweeps = 8;  // sweeps of the linear solver in each iteration
     // Trades balance for shape: up to 1 % of the triangles may have a smaller least angle than this. A

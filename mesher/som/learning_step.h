@@ -5,8 +5,8 @@
 // iteration. Each neuron gathers from every unit k within the neighbourhood radius its point p_k and a_k =
 // alpha * h(d_k), and moves once:
 //     w <- w + (1 - prod(1 - a_k)) * (sum(a_k p_k) / sum(a_k) - w)
-// With a single unit this is Eq. 3. The sums are integers modulo 2^32, so neither their order nor the number
-// of threads matters.
+// With a single unit this is Eq. 3. The sums are integers modulo 2^32, so neither their order nor the
+// number of threads matters.
 #pragma once
 
 #include <cstdint>

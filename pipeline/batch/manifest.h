@@ -24,8 +24,8 @@ struct ManifestOptions {
     std::string config = {};                     // preset or file, for rows that name none; may be empty
     std::vector<std::string> words = {};         // further options of every row, before its own
     bool depfiles = false;                       // write a make rule beside each row's outputs
-    // Those of `hexrelief run` whose value is a file that is read: "--left". A row is named by the first of
-    // them that it has.
+    // The options of `hexrelief run` whose value is an input file: "--left". The first of them that a row
+    // has names the row.
     std::vector<std::string> file_options = {};
 };
 

@@ -34,8 +34,8 @@ struct UnitRules {
     int jobs = 1;          // number that a process is likely to run: they share a device's start-up
 };
 
-// Never throws: what fails is told in the result. A unit without a report is always done: nothing says that
-// it was.
+// Runs a unit unless it is up to date. A unit without a report is never up to date. Never throws: the
+// result holds the failure.
 UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends);
 
 // Returns the message and exit code for the current exception. Call it in a catch block.

@@ -7,7 +7,7 @@
 
 namespace hexrelief::bench {
 
-// Every backend that can be used here, the CPU first.
+// Returns all usable backends, the CPU first.
 std::vector<job::BackendPointer> usable_backends(int threads);
 
 }  // namespace hexrelief::bench

@@ -121,7 +121,7 @@ Row measure(const bench::table2::PaperMap& paper, const LoadedMap& map, const Me
     return row;
 }
 
-// The first call on a device pays for its context, which belongs to no map.
+// Makes the first call on a device, whose start must not count for any map.
 void warm_up(job::Backend& backend, const LoadedMap& map) {
     MeshConfig config;
     config.t_max = 1;

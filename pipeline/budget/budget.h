@@ -27,7 +27,7 @@ struct BudgetJob {
     std::function<void(const TextureChoice&)> use_texture;
 };
 
-// True where a limit is given.
+// True if a limit is given.
 bool has_budget(const config::BudgetConfig& budget);
 
 struct BudgetResult {

@@ -9,9 +9,9 @@
 
 namespace hexrelief::checks {
 
-// What the pair seems to be wrong in; of several that have one cause only that cause. Empty for a right pair.
-// coarse: match_coarsely(pair, ...) from at most range.min_px on. A range that the program chose is not
-// judged. The same for any number of threads.
+// Returns the likely mistakes in a pair; if one mistake explains several findings, only that one. Empty for a
+// right pair. coarse: from match_coarsely(pair, ...), starting at range.min_px or below. A range that the
+// program chose is not judged. The result is the same for any number of threads.
 std::vector<Finding> check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
                                 const matching::DisparityRange& range, stages::RangeOrigin origin,
                                 int threads);

@@ -1,4 +1,4 @@
-# For `hexrelief --version --verbose`. Included when all rooms are known, for each found its own libraries.
+# Versions for `hexrelief --version --verbose`. Included after all rooms, because each room finds its own libraries.
 set(HEXRELIEF_COMMIT "" CACHE STRING "Commit that the program names; empty = git's")
 if(NOT HEXRELIEF_COMMIT)
     find_program(HEXRELIEF_GIT git)
@@ -38,7 +38,7 @@ foreach(entry "draco exporters draco_VERSION" "libjpeg exporters JPEG_VERSION" "
         list(APPEND libraries "${name} ${version}")
     endif()
 endforeach()
-# OpenCV's three libraries are found without its CMake files: their header says the version.
+# OpenCV's three libraries are found without its CMake files, so the version comes from a header.
 get_directory_property(opencv DIRECTORY ${PROJECT_SOURCE_DIR}/pipeline/stages DEFINITION HEXRELIEF_OPENCV_INCLUDE)
 file(STRINGS ${opencv}/opencv2/core/version.hpp parts REGEX "define CV_VERSION_(MAJOR|MINOR|REVISION) ")
 string(REGEX REPLACE "[^0-9;]" "" parts "${parts}")

@@ -22,7 +22,7 @@ const std::string kOutOfMemory =
     "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
 int complain(const std::string& message, int code) {
-    files::wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
+    files::wait_if_interrupted();  // an interrupt makes writes fail, which is no error to report
     std::string text = message;
     std::replace(text.begin(), text.end(), '\n', ' ');
     std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
@@ -64,12 +64,12 @@ int run_command_line(int argc, char** argv) {
         return code;
     } catch (const Error& e) {
         return complain(e.what(), static_cast<int>(e.kind()));
-    } catch (const std::filesystem::filesystem_error& e) {  // a file that went away, or cannot be asked
+    } catch (const std::filesystem::filesystem_error& e) {  // a file that vanished or is inaccessible
         return complain("cannot use '" + e.path1().string() + "': " + e.code().message(),
                         static_cast<int>(ErrorKind::input));
     } catch (const std::bad_alloc&) {
         return complain(kOutOfMemory, kMemoryExitCode);
-    } catch (const std::system_error& e) {  // of threads, which need memory
+    } catch (const std::system_error& e) {  // thrown if a thread cannot be made for lack of memory
         if (e.code() == std::errc::resource_unavailable_try_again)
             return complain(kOutOfMemory, kMemoryExitCode);
         return complain(std::string("internal error: ") + e.what(), kBugExitCode);

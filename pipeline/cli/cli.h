@@ -3,7 +3,8 @@
 
 namespace hexrelief::cli {
 
-// Prints to stdout and stderr. Never throws: what escapes the commands becomes one line and exit code 1.
+// Runs the command line; prints to stdout and stderr. Never throws: an exception from a command becomes a
+// message of one line and its exit code.
 int run_command_line(int argc, char** argv);
 
 }  // namespace hexrelief::cli

@@ -63,7 +63,7 @@ job::RunRequest request_of_words(const std::vector<std::string>& words) {
 struct BatchCommand {
     fs::path what, output;
     config::ConfigOptions config;
-    config::KeyOptions keys;  // of all rows
+    config::KeyOptions keys;  // for all rows
     std::vector<std::string> formats;
     std::string gpus, shard, memory, log = "auto";
     int jobs = 0, threads = 0;
@@ -78,7 +78,7 @@ batch::ManifestOptions manifest_options(const BatchCommand& command) {
         options.output = fs::absolute(options.output).lexically_normal();
     for (const std::string& setting : command.config.settings)
         options.words.insert(options.words.end(), {"--set", setting});
-    for (const auto& [flag, text] : command.keys)  // settings, which a row's own options override
+    for (const auto& [flag, text] : command.keys)  // as settings, so that a row's own options override them
         options.words.insert(options.words.end(),
                              {"--set", config::row_of_option(flag, {}).path + "=" + text});
     for (const FileOption& file : file_options()) options.file_options.emplace_back(file.flag);
@@ -122,7 +122,7 @@ int print_commands(const BatchCommand& command, const std::vector<batch::BatchUn
         if (!command.force && has_word(unit, "--report") && !has_word(unit, "--update"))
             words.emplace_back("--update");
         words.insert(words.end(), unit.words.begin(), unit.words.end());
-        // The lines of jobs.txt are of this folder.
+        // The lines of jobs.txt belong to this folder.
         const bool of_folder = unit.name == unit.place;
         std::printf("%s%s\n",
                     of_folder ? ("cd " + batch::shell_quoted(fs::current_path()) + " && ").c_str() : "",
@@ -131,7 +131,7 @@ int print_commands(const BatchCommand& command, const std::vector<batch::BatchUn
     return code;
 }
 
-// Prints as the batch goes.
+// Prints the progress of the batch.
 class BatchTeller {
   public:
     BatchTeller(const BatchCommand& command, const std::vector<batch::BatchUnit>& units)
@@ -162,7 +162,7 @@ class BatchTeller {
         if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", batch::progress_bar(counts_, seconds()).c_str());
     }
 
-    // Failures on standard error, the sum on standard output.
+    // Prints failures to standard error and the summary to standard output.
     void batch_ended(const batch::BatchResult& result) {
         clear_bar();
         for (std::size_t i = 0; i < units_.size() && !result.interrupted; ++i)
@@ -274,7 +274,7 @@ void add_batch_options(Command& command, BatchCommand& options) {
     const char* const group = "Rows";
     add_config_options(command, options.config, group);
     std::vector<std::string> flags = config::option_flags("Job");
-    std::erase(flags, "--threads");  // of all rows together, above
+    std::erase(flags, "--threads");  // applies to all rows together, see above
     add_key_options(command, options.keys, flags, group);
 }
 

@@ -37,7 +37,7 @@ bool has_screen() {
     return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-// False where there is nothing that opens it.
+// Opens the page; false if no program is found for it.
 bool open_page(const fs::path& page) {
     std::string program = "xdg-open", path = fs::absolute(page).string();
     char* const arguments[] = {program.data(), path.data(), nullptr};
@@ -53,7 +53,8 @@ bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
                                 [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
 }
 
-// Where an earlier demo left its pair, all is written anew; else nobody's files are.
+// Throws Error(output) if a file that the demo would write exists, unless the folder holds the demo's own
+// pair, whose files are written anew.
 void check_folder(const fs::path& folder, const std::vector<samples::SampleFile>& pair,
                   const std::vector<fs::path>& outputs) {
     files::check_writable_folder(folder);

@@ -15,7 +15,7 @@ namespace {
 struct MapOptions {
     std::string scale, offset_px, unknown;
 
-    // Through the field table, which knows the ranges.
+    // The field table checks the ranges.
     readers::DisparityFileConfig file_config(const std::string& prefix) const {
         config::Config config;
         const auto take = [&](const char* option, const char* key, const std::string& text) {

@@ -32,7 +32,7 @@ struct RasterOptions {
     }
 };
 
-// What is told, in lines.
+// The printed lines.
 using Text = std::string;
 
 void line(Text& text, const char* name, const std::string& value) {
@@ -73,7 +73,7 @@ void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
     if (!mesh.generator.empty()) line(text, "generator", mesh.generator);
 }
 
-// Samples as stored, and what a run would take them for without further words.
+// Adds the stored samples of a map, and how a run would read them by default.
 void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     const readers::MapDescription map = readers::describe_map(path, options.key, options.limits());
     if (map.known_share > 0) line(text, "values", number(map.least) + " .. " + number(map.largest));
@@ -83,7 +83,7 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
 }
 
-// What a photograph tells of its lens and its transparent pixels.
+// Adds a photograph's focal length and its transparent pixels.
 void tell_picture(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                   Text& text) {
     if (const auto focal = readers::read_exif_focal(path, raster.width, raster.height))
@@ -97,7 +97,7 @@ void tell_picture(const fs::path& path, const readers::FileDescription& raster, 
                  " % transparent, unknown unless input.mask.alpha is false");
 }
 
-// The depths beside a photograph.
+// Adds the depths that a file holds beside a photograph.
 void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& text) {
     try {
         line(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
@@ -121,7 +121,7 @@ void tell_calibration(const readers::CalibrationFile& file, Text& text) {
     for (const std::string& told : file.told) line(text, "note", told);
 }
 
-// What a file says of two cameras as they stand.
+// Adds the calibration of two unrectified cameras.
 void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& text) {
     const StereoCalibration& cameras = file.calibration;
     line(text, "format",
@@ -144,7 +144,7 @@ void tell_calibration_of(const fs::path& path, Text& text) {
         tell_calibration(readers::read_calibration_file(path), text);
 }
 
-// False where the numbers of an NPY, which may as well be a map, are no camera's.
+// Adds the calibration in an NPY of 3 x 3 numbers; false if the file is no camera, but perhaps a map.
 bool tell_matrix(const fs::path& path, const readers::FileDescription& raster, Text& text) {
     if (raster.format != "npy" || raster.width != 3 || raster.height != 3) return false;
     try {
@@ -173,9 +173,10 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
         tell_picture(path, raster, options, text);
 }
 
-// Their decoders are others' libraries, so they work in a process of its own. Files of pictures and maps
-// decode at more than 256 KiB a second. A map takes 8 bytes a pixel here: 1 GiB is enough for 134 megapixels
-// however well they are packed, and 64 bytes for each of the file for what does not pack 8 times as well.
+// Describes a picture or a map in a process of its own, because other libraries decode them. Files of
+// pictures and maps decode at more than 256 KiB per second. A map takes 8 bytes per pixel here: 1 GiB is
+// enough for 134 megapixels at any packing, and 64 bytes per byte of the file for maps that are packed
+// less than 8 times.
 Text raster_text(const fs::path& path, const RasterOptions& options) {
     const std::uintmax_t bytes = fs::file_size(path);
     const inspect::WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18),

@@ -106,7 +106,7 @@ void run_and_tell(const RunOptions& options) {
     const bool verbose = options.verbose;
     Options said = options_of(options);
     ProgressLine progress(!options.quiet && !verbose && isatty(STDERR_FILENO));
-    std::string shown;  // the stage that the line tells of
+    std::string shown;  // the stage that the progress line shows
     said.progress = [&](const std::string& stage, double share) {
         if (shown == stage)
             progress.update(share);

@@ -1,4 +1,4 @@
-// Each command: its options and help go into the parser, its work becomes the command's action.
+// Add the commands, with their options, help and actions, to the parser.
 #pragma once
 
 #include "pipeline/cli/arguments/argument_parser.h"
@@ -14,7 +14,7 @@ void add_evaluate_command(Command& program);
 void add_devices_command(Command& program);
 void add_bench_command(Command& program);
 void add_demo_command(Command& program);
-// These two tell of the commands that were added before and after them.
+// These two describe all commands, also those that are added later.
 void add_manual_command(Command& program);
 void add_completion_command(Command& program);
 

@@ -22,7 +22,7 @@ std::string replaced(const std::string& text, char from, const std::string& to) 
     return changed;
 }
 
-// In single quotes, as all three shells read them.
+// Returns the text in single quotes, which all three shells read alike; `quote` replaces single quotes in it.
 std::string quoted(const std::string& text, const std::string& quote) {
     return "'" + replaced(text, '\'', quote) + "'";
 }
@@ -38,7 +38,7 @@ std::string choices_of(const OptionDescription& option) {
     return joined(words);
 }
 
-// Each command with its full name below the program: "", "run", "bench rd".
+// Visits each command with its full name below the program: "", "run", "bench rd".
 using Visitor = std::function<void(const CommandDescription&, const std::string& path)>;
 void visit(const CommandDescription& command, const std::string& path, const Visitor& visitor) {
     visitor(command, path);
@@ -101,7 +101,7 @@ std::string bash_script(const CommandDescription& program) {
            "complete -o filenames -F _hexrelief hexrelief\n";
 }
 
-// A specification of zsh's _arguments.
+// Returns a specification for zsh's _arguments.
 std::string zsh_option(const OptionDescription& option, const std::string& name) {
     std::string help;
     for (const char c : option.help)

@@ -1,4 +1,4 @@
-// What shells offer when a command line is being typed.
+// Scripts by which shells complete a command line.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace hexrelief::cli {
 
-// A script for "bash", "zsh" or "fish". Throws Error(usage) for another shell.
+// Returns a script for "bash", "zsh" or "fish". Throws Error(usage) for another shell.
 std::string completion_script(const CommandDescription& program, const std::string& shell);
 
 }  // namespace hexrelief::cli

@@ -10,7 +10,7 @@
 namespace hexrelief::cli {
 namespace {
 
-// Text as roff takes it: no line of it is a request, and dashes are those that one types.
+// Escapes text for roff: no line is a request, and dashes are typed ones.
 std::string roff(const std::string& text) {
     std::string escaped;
     bool line_begins = true;
@@ -32,7 +32,7 @@ std::string upper(std::string text) {
     return text;
 }
 
-// "-o, --output OUT"
+// Returns the heading "-o, --output OUT".
 std::string heading_of(const OptionDescription& option) {
     std::string heading;
     for (const std::string& name : option.names)
@@ -41,7 +41,7 @@ std::string heading_of(const OptionDescription& option) {
     return heading;
 }
 
-// The options by their groups, in the order in which the groups come.
+// Returns the options by their groups, in the order of the groups' first options.
 std::string options_of(const CommandDescription& command) {
     std::vector<std::string> groups;
     for (const OptionDescription& option : command.options)
@@ -56,7 +56,7 @@ std::string options_of(const CommandDescription& command) {
     return text;
 }
 
-// "Examples:" and what is indented below it as a section of their own; other lines as paragraphs.
+// Returns "Examples:" and the indented lines below it as a section, other lines as paragraphs.
 std::string footer_of(const CommandDescription& command) {
     std::istringstream lines(command.footer);
     std::string text;
@@ -81,7 +81,7 @@ std::string commands_of(const CommandDescription& command, const std::string& fu
     return text;
 }
 
-// What commands below a command take: they have no page of their own.
+// Returns the options of the commands below a command, which have no page of their own.
 std::string nested_of(const CommandDescription& command) {
     std::string text;
     for (const CommandDescription& sub : command.commands)

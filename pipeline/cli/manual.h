@@ -1,4 +1,4 @@
-// Manual pages, from the help.
+// Makes manual pages from the help.
 #pragma once
 
 #include <filesystem>
@@ -8,11 +8,11 @@
 
 namespace hexrelief::cli {
 
-// The page of a command below the program, or of the program where `command` is empty, as roff: what `man -l`
-// shows. Throws Error(usage) where there is no such command.
+// Returns the manual page of a command, or of the program if `command` is empty, as roff, which `man -l`
+// shows. Throws Error(usage) if there is no such command.
 std::string manual_page(const CommandDescription& program, const std::string& command);
 
-// hexrelief.1, hexrelief-run.1, ... in a folder that exists. Throws Error(output).
+// Writes hexrelief.1, hexrelief-run.1, ... into an existing folder. Throws Error(output).
 void write_manual_pages(const CommandDescription& program, const std::filesystem::path& folder);
 
 }  // namespace hexrelief::cli

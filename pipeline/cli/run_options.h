@@ -1,4 +1,4 @@
-// One run as a command line asks for it.
+// Options of the command line for one run.
 #pragma once
 
 #include <hexrelief/run.h>
@@ -11,7 +11,7 @@
 
 namespace hexrelief::cli {
 
-// An option whose value is a file that is read.
+// An option whose value is an input file.
 struct FileOption {
     const char *flag, *value, *help;
     std::string FileRequest::*file;
@@ -27,10 +27,10 @@ struct RunOptions {
 
 void add_run_options(Command& command, RunOptions& options);
 
-// What the options say beside the files. Throws Error(usage).
+// Returns the library's options that the command line gives, without its files. Throws Error(usage).
 Options options_of(const RunOptions& options);
 
-// The library's run(), which throws; prints what was asked for.
+// Calls the library's run() and prints its progress, warnings and results as requested. Throws as run().
 void run_and_tell(const RunOptions& options);
 
 }  // namespace hexrelief::cli

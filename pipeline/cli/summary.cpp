@@ -33,7 +33,7 @@ std::string files_line(const RunSummary& run, const FileRequest& request) {
     return line + "\n";
 }
 
-// Only shares that are not printed as 0.
+// Returns the shares, without those that would be printed as 0.
 std::string shares_text(const RunSummary& run) {
     std::string line = text("%.1f %% of the picture is meshed", 100 * run.meshed);
     const char* before = "; of its map ";

@@ -1,4 +1,4 @@
-// What a run came to, in words.
+// The results of a run in words.
 #pragma once
 
 #include <hexrelief/run.h>
@@ -8,11 +8,12 @@
 
 namespace hexrelief::cli {
 
-// "1 234 567"
+// Returns "1 234 567".
 std::string grouped(std::uint64_t value);
 
-// Two lines, after one for a budget: the files written with their bytes; the mesh, its depths, how much of
-// the picture it covers, and what share of the map is none of the scene. `seconds` are the run's.
+// Returns the summary: a line for a budget if there is one; a line with the files written and their bytes;
+// and a line with the mesh, its depths, the share of the picture that it covers, and the shares that it does
+// not. `seconds`: the run's time.
 std::string summary_text(const RunSummary& run, const FileRequest& request, double seconds);
 
 }  // namespace hexrelief::cli

@@ -1,4 +1,4 @@
-// The whole configuration: one struct a stage, as YAML's top-level sections.
+// The whole configuration: one struct per stage, as the top-level sections of YAML.
 #pragma once
 
 #include <limits>
@@ -22,23 +22,23 @@ namespace hexrelief::config {
 
 inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
-// NaN = not given. Given values override those of the file.
+// NaN = not given. Given values override the file's.
 struct CalibrationConfig {
     std::string file;  // empty = none
     double focal_px = kNotGiven;
-    double fov_x_deg = kNotGiven;  // angle of view across the width, in place of focal_px
+    double fov_x_deg = kNotGiven;  // angle of view across the width, instead of focal_px
     double baseline_m = kNotGiven;
     double cx = kNotGiven;  // px from the image's left edge; the centre of the first pixel is 0.5
     double cy = kNotGiven;
     double doffs_px = kNotGiven;
-    readers::Rectify rectify = readers::Rectify::automatic;  // of pairs
+    readers::Rectify rectify = readers::Rectify::automatic;  // applies to pairs
 };
 
 enum class Densification { automatic, off };
 
 struct InputConfig {
     readers::DisparityFileConfig disparity;
-    // Of a supplied map, of disparities or of depth (pipeline/densify).
+    // Applies to supplied maps of disparities or depths (pipeline/densify).
     Densification densify = Densification::automatic;
     readers::DepthFileConfig depth;
     readers::MaskConfig mask;
@@ -51,22 +51,23 @@ enum class BackendChoice { automatic, cpu, cuda };
 
 struct ExecutionConfig {
     BackendChoice backend = BackendChoice::automatic;
-    int threads = 0;  // 0 = all that the process may use
-    // What an input seems to be wrong in (pipeline/checks) is an error instead of a warning.
+    int threads = 0;  // 0 = all threads that the process may use
+    // Makes likely mistakes in an input (pipeline/checks) errors instead of warnings.
     bool strict = false;
 };
 
-// What a run may cost at most, for inputs that nobody vouches for.
+// Limits on a run's cost, for inputs from untrusted sources.
 struct LimitsConfig {
     readers::ReaderLimits reading;
-    long long max_memory = 0;  // bytes, as estimated before the work (pipeline/job/run_files.h); 0 = no limit
+    long long max_memory = 0;  // bytes, estimated before the work (pipeline/job/run_files.h); 0 = no limit
 };
 
-// At most one is given; 0 = not given. The spacing is then searched for, beginning at mesh.spacing_px.
+// At most one limit is given; 0 = not given. A limit starts a search for the
+// spacing, beginning at mesh.spacing_px.
 struct BudgetConfig {
-    long long vertices = 0;   // of the surface, at most
-    long long max_bytes = 0;  // of each output with the files beside it, at most
-    double max_error_px = 0;  // of both views (SurfaceQuality::duo_rmse_near_px), at most
+    long long vertices = 0;   // largest number of the surface's vertices
+    long long max_bytes = 0;  // largest size of an output with its companion files
+    double max_error_px = 0;  // largest error in both views (SurfaceQuality::duo_rmse_near_px)
 };
 
 struct Config {
@@ -79,9 +80,9 @@ struct Config {
     BudgetConfig budget;
     LimitsConfig limits;
     ExecutionConfig run;
-    std::vector<std::string> warnings;   // from reading: keys given by their old names
-    std::vector<std::string> decisions;  // from reading: what was chosen where nothing was given
-    std::set<std::string> given;         // paths of the keys that a file, a setting or an option gave
+    std::vector<std::string> warnings;   // from reading: keys with old names
+    std::vector<std::string> decisions;  // from reading: choices for values that were not given
+    std::set<std::string> given;         // keys that a file, a setting or an option gave
 };
 
 }  // namespace hexrelief::config

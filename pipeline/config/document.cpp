@@ -24,7 +24,8 @@ Json json_value(const FieldValue& value) {
         value);
 }
 
-// The object inside root that holds the last name of a dotted path, which leaf gets; what is missing is made.
+// Returns the object inside root that holds the last name of a dotted path, and stores that name in
+// leaf. Makes missing objects.
 Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
     Json* node = &root;
     std::size_t from = 0;
@@ -37,7 +38,7 @@ Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
 }
 
 std::string yaml_scalar(const Field& field, const FieldValue& value) {
-    // A JSON string is a YAML double-quoted one.
+    // A JSON string is also a double-quoted YAML string.
     if (field.type != FieldType::text && field.type != FieldType::file) return format_value(value);
     try {
         return Json(std::get<std::string>(value)).dump();
@@ -52,7 +53,7 @@ std::string help_of(const Field& field) {
     return field.help + (field.option.flag.empty() ? "" : "; also " + field.option.flag);
 }
 
-// "2..256 px", "cellular | sequential": short, for tables and comments.
+// Returns a short text for tables and comments: "2..256 px", "cellular | sequential".
 std::string short_type(const Field& field) {
     if (field.type == FieldType::boolean) return "true | false";
     if (field.type == FieldType::text) return "text";
@@ -72,7 +73,7 @@ std::string indent_of(const std::string& path) {
     return std::string(2 * static_cast<std::size_t>(std::count(path.begin(), path.end(), '.')), ' ');
 }
 
-// A Markdown list item, its lines broken between words.
+// Returns a Markdown list item with its lines broken between words.
 std::string wrapped_item(const std::string& text) {
     constexpr std::size_t kWidth = 132;
     std::istringstream words(text);
@@ -91,7 +92,7 @@ bool is_within(const std::string& path, const Section& section) {
     return path == section.path || path.starts_with(section.path + ".");
 }
 
-// The sections that begin between field `from` and the next one, `to`.
+// Returns the sections that begin between field `from` and the next field, `to`.
 std::vector<Section> sections_opened(const std::string& from, const std::string& to) {
     std::vector<Section> opened;
     for (const Section& section : config_sections())

@@ -1,4 +1,4 @@
-// The configuration written out: YAML, JSON, JSON Schema, Markdown.
+// Writes the configuration as YAML, JSON, JSON Schema and Markdown.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,14 +8,13 @@
 
 namespace hexrelief::config {
 
-// Fully commented YAML that reads back as the same configuration.
+// Returns fully commented YAML that reads back as the same configuration.
 std::string config_yaml(const Config& config);
-// Sections as nested objects, all keys.
+// Returns all keys, sections as nested objects.
 nlohmann::ordered_json config_json(const Config& config);
-// JSON Schema, draft 2020-12, for editors.
+// Returns a JSON Schema, draft 2020-12, for editors.
 std::string config_schema();
-// config/KEYS.md, whole: all keys by section, each with default, range and meaning; lines of at most 132
-// columns.
+// Returns the text of config/KEYS.md: all keys by section, each with default, range and meaning.
 std::string config_markdown();
 
 }  // namespace hexrelief::config

@@ -1,4 +1,4 @@
-// The part of the field table on the files that are written.
+// The rows of the field table for the files that are written.
 #include "pipeline/config/field_makers.h"
 
 namespace hexrelief::config {

@@ -1,4 +1,4 @@
-// How a line of the field table is made from a member of the configuration. For the table alone.
+// Makes rows of the field table from members of the configuration. Only the table includes this header.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace hexrelief::config {
 
-inline constexpr double kAny = 1e9;                     // "any number": far beyond what makes sense
+inline constexpr double kAny = 1e9;                     // "any number": beyond all sensible values
 inline constexpr double kMaxSeed = 9007199254740991.0;  // 2^53 - 1: JSON readers keep it exactly
 
 template <typename Access>
@@ -41,7 +41,7 @@ void from_value(T& member, const FieldValue& value) {
         member = static_cast<T>(std::get<long long>(value));
 }
 
-// A field whose value is its member; `field` holds all but get and set.
+// Returns a field whose value is its member; `field` holds everything except get and set.
 template <typename Access>
 Field plain(Field field, Access access) {
     field.get = [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); };
@@ -72,7 +72,7 @@ Field file(const std::string& path, const std::string& help, Access access, cons
     return plain({path, "", help, FieldType::file, {}, {}, option, {}, {}}, access);
 }
 
-// A double whose NaN means "not given" and is null in YAML.
+// Returns a field for a double whose NaN means "not given" and is null in YAML.
 template <typename Access>
 Field optional(const std::string& path, const std::string& unit, const ValueRange& range,
                const std::string& help, Access access, const FieldOption& option = {}) {
@@ -87,7 +87,7 @@ Field optional(const std::string& path, const std::string& unit, const ValueRang
     return field;
 }
 
-// An int whose 0 means "not given" and is null in YAML.
+// Returns a field for an int whose 0 means "not given" and is null in YAML.
 template <typename Access>
 Field optional_integer(const std::string& path, const std::string& unit, const ValueRange& range,
                        const std::string& help, Access access, const FieldOption& option = {}) {
@@ -123,7 +123,7 @@ inline void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));
 }
 
-// The part of the table that is in export_fields.cpp.
+// Returns the rows of export_fields.cpp.
 std::vector<Field> export_fields();
 
 }  // namespace hexrelief::config

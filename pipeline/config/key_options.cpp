@@ -13,7 +13,7 @@ std::string group_of(const Field& field) {
     return field.path.starts_with("export.") ? "Output" : "Job";
 }
 
-// The option of the file that a row's option goes with; empty = it goes with any.
+// Returns the option of the file that a row's option needs; empty = none.
 const std::string& file_of(const Field& field) {
     return find_section(section_of(field.path))->file;
 }

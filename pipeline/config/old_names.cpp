@@ -3,7 +3,7 @@
 namespace hexrelief::config {
 namespace {
 
-// No longer read: their values changed too.
+// Keys that are no longer read, because their values changed too.
 constexpr RenamedKey kMoved[] = {
     {"export.draco.enabled", "export.compression: draco (or none)"},
     {"export.texture.format", "export.texture: jpeg (or png, webp, none)"},

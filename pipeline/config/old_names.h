@@ -9,19 +9,19 @@ namespace hexrelief::config {
 struct RenamedKey {
     const char *path, *now;
 };
-// Keys that only got another name: the old one is still read, with a warning.
+// Returns the keys that only changed their name: the old name is still read, with a warning.
 const std::vector<RenamedKey>& renamed_keys();
 
-// The name that such a key has now; else empty.
+// Returns the present name of a renamed key; empty if the key was not renamed.
 std::string new_name(const std::string& path);
 
-// The text that a key's former value has now; else the text itself.
+// Returns the present text of a key's former value; other texts unchanged.
 std::string current_value(const std::string& path, const std::string& text);
 
-// "; it is now ..." for a key that is no longer read because its values changed too. Else empty.
+// Returns "; it is now ..." for a key that is no longer read because its values changed too, else empty.
 std::string moved_key(const std::string& path);
 
-// What is told of a key that is still read by its old name.
+// Returns the warning for a key that is given by its old name.
 std::string renamed_key_warning(const std::string& path);
 
 }  // namespace hexrelief::config

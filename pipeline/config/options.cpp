@@ -12,7 +12,7 @@ namespace hexrelief::config {
 
 namespace {
 
-// One key, given by its old name and by its new one.
+// Throws Error(usage) if a key is set by its old name and by its new one.
 void refuse_two_names(const std::vector<std::string>& settings) {
     const auto key = [](const std::string& setting) { return setting.substr(0, setting.find('=')); };
     for (const std::string& setting : settings) {

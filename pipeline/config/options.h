@@ -1,4 +1,4 @@
-// --config and --set, as several commands take them.
+// Reads --config and --set for several commands.
 #pragma once
 
 #include <string>
@@ -14,14 +14,14 @@ struct ConfigOptions {
     std::vector<std::string> settings;
 };
 
-// `base`, then the file, then the settings in their order; finish_config() is still to be called. Throws
-// Error(usage), also where a key is set by its old name and by its new one.
+// Returns `base` with the file's and then the settings' values, in their order. Call finish_config()
+// afterwards. Throws Error(usage), also if a key is set by its old name and by its new one.
 Config read_config(const ConfigOptions& options, const Config& base = {});
-// What a configuration starts from where neither preset nor file is named. The defaults; for few bytes the
-// preset compact, for few vertices its density, lattice and surface.
+// Returns the configuration to start from if neither preset nor file is named: the defaults; for a limit on
+// bytes the preset compact; for a limit on vertices compact with the default export settings.
 Config budget_base(const BudgetConfig& budget);
-// An option's value for a key, as text or as a number, checked by the field table. Throw Error(usage) naming
-// the option.
+// Set a key from an option's text or number, checked by the field table. Throw Error(usage)
+// that names the option.
 void apply_option(Config& config, const std::string& option, const std::string& path,
                   const std::string& text);
 void apply_option(Config& config, const std::string& option, const std::string& path, double value);

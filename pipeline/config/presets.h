@@ -1,4 +1,4 @@
-// The presets of config/, built in: `--config quality` needs no file.
+// The presets of config/, built in, so that `--config quality` needs no file.
 #pragma once
 
 #include <string>
@@ -7,13 +7,13 @@
 namespace hexrelief::config {
 
 struct Preset {
-    std::string name;  // the file's without ".yaml"
+    std::string name;  // the file's name without ".yaml"
     std::string yaml;
 };
 
 const std::vector<Preset>& presets();
 
-// nullptr where there is none.
+// Returns null if no preset has this name.
 const Preset* find_preset(const std::string& name);
 
 }  // namespace hexrelief::config

@@ -19,20 +19,20 @@ namespace {
 
 constexpr std::size_t kMaxConfigBytes = 1 << 20;
 
-// In one line: quoted keys and values may hold line ends.
+// Throws an error of one line: quoted keys and values may hold line breaks.
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
     std::string message = where + what;
     std::replace(message.begin(), message.end(), '\n', ' ');
     throw Error(ErrorKind::usage, message);
 }
 
-// What to write instead of an unknown key, where that can be told.
+// Returns a hint at the key that is meant by an unknown one; empty = no hint.
 std::string hint(const std::string& path) {
     const std::string now = moved_key(path);
     return now.empty() ? suggest_key(path) : now;
 }
 
-// assign_text(), which also takes a value that the key had in earlier versions, with a warning.
+// Sets the field as assign_text() does, and also accepts a value of earlier versions, with a warning.
 std::string assign_current(Config& config, const Field& field, const std::string& text,
                            const std::string& place) {
     const std::string now = current_value(field.path, text);
@@ -102,7 +102,7 @@ struct Reader {
     }
 };
 
-// Where documents begin.
+// Collects the positions at which documents begin.
 class DocumentStarts : public YAML::EventHandler {
   public:
     std::vector<YAML::Mark> marks;
@@ -120,13 +120,13 @@ class DocumentStarts : public YAML::EventHandler {
     void OnMapEnd() override {}
 };
 
-// The one document of the text; null where there is none.
+// Returns the text's only document; null if the text has no document.
 YAML::Node load_document(const Reader& reader, const std::string& text) {
     std::istringstream in(text);
     YAML::Parser parser(in);
     DocumentStarts starts;
-    // Never all documents: at a comma the parser of yaml-cpp 0.7 starts one after the other and stays where
-    // it is.
+    // Does not read all documents: at a comma the parser of yaml-cpp 0.7 begins documents without end
+    // and does not advance.
     const bool two = parser.HandleNextDocument(starts) && parser.HandleNextDocument(starts);
     if (two && starts.marks[0].pos == starts.marks[1].pos)
         fail(reader.where(starts.marks[0]), "not valid YAML: nothing can begin so");

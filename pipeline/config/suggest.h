@@ -1,4 +1,4 @@
-// "Did you mean": the nearest of a few names.
+// Finds the nearest of a few names, for "did you mean".
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 namespace hexrelief::config {
 
-// Levenshtein distance with neighbouring letters swapped as one step.
+// Returns the Levenshtein distance, in which a swap of neighbouring letters is one step.
 int edit_distance(const std::string& a, const std::string& b);
 
-// The nearest candidate, the first of equals; empty where none is near enough to be meant.
+// Returns the nearest candidate, the first of equals; empty if none is near enough to be meant.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
 }  // namespace hexrelief::config

@@ -1,4 +1,4 @@
-// The field table's values as text, and what is wrong with them.
+// Converts the field table's values from and to text, and checks them.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -17,7 +17,7 @@ std::string format_number(double value) {
     return {buffer, end};
 }
 
-// Whole text as a number, with an optional plus sign; false where it is not one.
+// Reads the whole text as a number, with an optional plus sign; false if it is not a number.
 template <typename T>
 bool parse_number(const std::string& text, T& value) {
     const char* first = text.data();
@@ -37,7 +37,7 @@ std::optional<FieldValue> number_of(const std::string& text) {
     return parse_number(text, value) ? std::optional<FieldValue>(value) : std::nullopt;
 }
 
-// None where the text is of another type.
+// Returns none if the text has another type.
 std::optional<FieldValue> value_of(const Field& field, const std::string& text) {
     switch (field.type) {
         case FieldType::boolean:
@@ -145,8 +145,8 @@ std::string assign_text(Config& config, const Field& field, const std::string& t
 }
 
 std::string suggest_key(const std::string& path) {
-    // The right name in the wrong section comes first: "spacing_px" or "run.spacing_px" for
-    // "mesh.spacing_px".
+    // The right name in the wrong section comes first: "spacing_px"
+    // or "run.spacing_px" for "mesh.spacing_px".
     const std::string last = path.substr(path.rfind('.') + 1);
     std::vector<std::string> paths;
     for (const Field& field : config_fields()) {

@@ -11,9 +11,9 @@
 namespace hexrelief {
 
 // The lattice has columns x rows vertices, row-major; odd rows are shifted right by half the spacing.
-// Positions are in px of the left image: pixel (x, y) is the unit square with its centre at +0.5. Each quad
-// of the lattice is two triangles, whose signed area (x right, y down) is positive in the undeformed lattice:
-// see quad_triangles().
+// Positions are in px of the left image: pixel (x, y) is the unit square with its centre at +0.5. Each
+// quad of the lattice is two triangles, whose signed area (x right, y down) is positive in the
+// undeformed lattice: see quad_triangles().
 struct HexMesh2D {
     int columns = 0;
     int rows = 0;

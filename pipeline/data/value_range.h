@@ -1,4 +1,4 @@
-// The ranges that parameters may lie in.
+// Ranges of parameters, and their check.
 #pragma once
 
 #include <initializer_list>
@@ -11,7 +11,7 @@ namespace hexrelief {
 struct ValueRange {
     double min = 0, max = 0;  // inclusive
 
-    constexpr bool holds(double value) const { return value >= min && value <= max; }  // never NaN
+    constexpr bool holds(double value) const { return value >= min && value <= max; }  // false for NaN
 };
 
 struct RangedValue {
@@ -24,8 +24,7 @@ struct RangedValue {
     ValueRange range;
 };
 
-// "density.floor must be from 0 to 1, not 2" for the first value outside of its range; empty = all are
-// inside.
+// Returns "density.floor must be from 0 to 1, not 2" for the first value outside its range; empty = none.
 inline std::string out_of_range(std::initializer_list<RangedValue> values) {
     for (const auto& [key, value, range] : values)
         if (!range.holds(value))

@@ -18,9 +18,9 @@ bool is_pattern(const std::string& name) {
     return name.starts_with('~') || holds_any(name, "*?[");
 }
 
-// What keeps make from reading `name` back; empty if nothing does. After `;` make expects a command. After
-// .SECONDEXPANSION it expands "$(shell ...)" even of a doubled `$`. A name that ends with `)` may be a member
-// of an archive, and no backslash outlives the end of a line.
+// Returns the reason why make would not read `name` back as that name; empty = none. After `;` make expects a
+// command. After .SECONDEXPANSION it expands "$(shell ...)" even after a doubled `$`. A name that ends with
+// `)` may be an archive member, and a backslash at the end of a line is lost.
 std::string obstacle(const std::string& name) {
     if (name.empty()) return "it is empty";
     if (std::any_of(name.begin(), name.end(), [](unsigned char letter) { return std::iscntrl(letter); }))
@@ -37,8 +37,9 @@ std::string obstacle(const std::string& name) {
     return {};
 }
 
-// Backslashes quote separators, and are doubled before them. A wildcard in brackets stands for itself, and so
-// does what `or` returns. "./" keeps make's own words, such as `export`, from being read as such.
+// Returns the name as make reads it. Backslashes quote separators, and backslashes before a separator are
+// doubled. Wildcards in brackets are literal, and so is the result of `or`. "./" keeps a name such as
+// `export` from being read as a keyword of make.
 std::string quoted(const std::filesystem::path& path, Position position) {
     const std::string name = path.string();
     if (const std::string why = obstacle(name); !why.empty())

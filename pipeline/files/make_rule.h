@@ -1,4 +1,4 @@
-// A rule for GNU make.
+// Writes rules for GNU make.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,10 @@
 
 namespace hexrelief::files {
 
-// The targets depend on all sources. Each source is a target without a recipe as well, so that make goes on
-// if one is no longer there. Throws Error(usage) if there is no target, or for a name that make could not
-// read back as that name: with control characters, `;`, `$(` or `${`, with `)`, a space or a backslash at its
-// end, with a backslash or `%` beside a wildcard, or one of make's special targets.
+// Returns a rule by which the targets depend on all sources. Each source is also a target without a recipe,
+// so that make goes on if a source no longer exists. Throws Error(usage) if there is no target, or if make
+// could not read a name back as that name: with control characters, `;`, `$(` or `${`; with `)`, a space or a
+// backslash at its end; with a backslash or `%` beside a wildcard; or equal to a special target of make.
 std::string make_rule(const std::vector<std::filesystem::path>& targets,
                       const std::vector<std::filesystem::path>& sources);
 

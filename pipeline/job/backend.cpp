@@ -82,7 +82,7 @@ class CudaBackend final : public Backend {
 
   private:
     std::unique_ptr<cuda::CudaMesher> mesher_ = std::make_unique<cuda::CudaMesher>();
-    std::unique_ptr<cuda::CudaMatcher> matcher_;  // for those runs that match
+    std::unique_ptr<cuda::CudaMatcher> matcher_;  // null until a run matches
     std::string device_;
 };
 
@@ -90,7 +90,7 @@ BackendPointer cuda_backend(int threads) {
     return std::make_shared<CudaBackend>(threads);
 }
 
-// Null where auto should take the CPU: no device, or one that does not start, which `why` is told.
+// Returns null if there is no device, or if the device does not start; then `why` gets the reason.
 BackendPointer usable_cuda_backend(int threads, std::string& why) {
     try {
         if (!cuda::list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
@@ -167,7 +167,7 @@ namespace {
 
 class ReplacedBackend final : public Backend {
     Backend& used() const { return is_replaced_ ? *cpu_ : *device_; }
-    // On the device, and on the CPU where the device fails or has failed before.
+    // Does the work on the device, or on the CPU if the device fails or has failed before.
     template <typename Work>
     auto attempt(const Work& work) {
         try {

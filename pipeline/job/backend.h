@@ -1,4 +1,4 @@
-// The one place that picks what matches pairs, solves the 2D mesh and cuts it along depth discontinuities.
+// Picks what matches pairs, solves the 2D mesh and cuts it along depth discontinuities; no other file does.
 #pragma once
 
 #include <cstddef>
@@ -16,32 +16,32 @@
 
 namespace hexrelief::job {
 
-// CPU threads or a device. All give the same bytes. One call at a time.
+// CPU threads or a device. All backends give the same bytes. One call at a time.
 class Backend : public stages::PairMatcher {
   public:
-    // threads: of the CPU, for the work beside the device's, too.
+    // threads: CPU threads; a device's backend uses them for the work that stays on the CPU.
     explicit Backend(int threads) : threads_(threads) {}
     int threads() const { return threads_; }
     virtual std::string name() const = 0;    // "cpu" or "cuda"
-    virtual std::string device() const = 0;  // its make and model
+    virtual std::string device() const = 0;  // make and model
 
-    // Announces the map that the next mesh is cut by: a device copies it while that mesh is solved. The map
-    // must stay where and as it is until the mesh is cut.
+    // Announces the map that the next mesh is cut by, so that a device can copy the map while it solves that
+    // mesh. The map must stay unchanged, at the same address, until the mesh is cut.
     virtual void expect_map(const DisparityMap&) {}
     virtual mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
                                           const ProgressFunction& progress) = 0;
     virtual surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
                                                             const SurfaceConfig& config) = 0;
-    // balance_patch() of mesher/balance/balance.h.
+    // Calls balance_patch() of mesher/balance/balance.h.
     virtual void balance_patch(const DensityMap& density, const BalanceConfig& config,
                                balance::LatticePatch& patch) = 0;
 
-    // Ends the process's use of the device; nothing above but names may be called after it.
+    // Ends the process's use of the device. After this call only name() and device() may be called.
     virtual void give_back() {}
-    // True once the device has failed and the CPU has gone on in its place.
+    // True once the device has failed and the CPU has taken over.
     virtual bool is_replaced() const { return false; }
 
-    std::string missed;  // of the CPU under auto: why a device that is there cannot be used; else empty
+    std::string missed;  // why auto fell back to the CPU although a device exists; empty = no such reason
 
   private:
     int threads_;
@@ -56,27 +56,27 @@ struct DeviceDescription {
     bool usable = true;
 };
 
-// The threads that `configured` stands for: itself, or for 0 all that the process may use; at least 1. More
-// than these, and than 8, are not taken: they would only wait for each other (1024 threads on two cores use
-// 28 s of CPU time for a job of 0.15 s; 8 use 0.29 s).
+// Returns the number of threads to use, at least 1: `configured`, or all that the process may use if
+// `configured` is 0. The result is limited to the larger of these usable threads and 8, because more only
+// wait for each other (1024 threads on two cores use 28 s of CPU time for a job of 0.15 s; 8 use 0.29 s).
 int effective_threads(int configured);
 
-// auto takes CUDA where it is built in, has a usable device and can do the method. Throws Error(device) where
-// the choice is not built in or has no usable device.
+// Returns CUDA for auto if this build has CUDA, a device is usable and CUDA supports the method; else the
+// CPU. Throws Error(device) if CUDA is asked for and this build lacks it or no device is usable.
 BackendPointer pick_backend(config::BackendChoice choice, int threads,
                             MeshMethod method = MeshMethod::cellular);
 
-// Where runs get their backends. One call at a time, and one job.
+// Hands out backends and keeps them for later runs. One call at a time, and one job at a time.
 class Backends {
   public:
-    // Those of pick_backend(), each kept for the next call that asks for the same: of many jobs only the
-    // first waits for the device, and its memory is used again.
+    // get() returns the backends of pick_backend() and keeps each for the next call with the same arguments:
+    // of many jobs only the first waits for the device to start, and its memory is reused.
     Backends() = default;
-    // `always`, whatever is asked for.
+    // get() returns `always` whatever its arguments are.
     explicit Backends(BackendPointer always) : always_(std::move(always)) {}
-    // For a process that ends with the run: its device starts and ends sooner. The driver makes one queue
-    // instead of eight (0.14 s for 0.20 on an H200), and the run gives the device back as soon as it can,
-    // since it takes 0.08 s to let a device and its driver go, which other work need not wait for. Call this
+    // For a process that ends with the run: its device starts and ends sooner. The driver makes one
+    // queue instead of eight (0.14 s instead of 0.20 s on an H200). The run gives the device back as
+    // soon as it can, because this takes 0.08 s, during which other work can go on. Call this function
     // before any other thread starts.
     static Backends for_one_run();
 
@@ -90,40 +90,39 @@ class Backends {
     std::map<Key, BackendPointer> kept_;
 };
 
-// `device`, until it fails: from then on, the work that failed included, `cpu`, which gives the same bytes.
-// The log is warned why, once. For run.backend: auto.
-std::string going_on_without(const std::string& failure);  // what is told
+// Returns a backend that uses `device` until the device fails, then repeats the failed work on `cpu` and
+// stays there; the bytes are the same. Warns the log once, with the reason. For run.backend: auto.
+std::string going_on_without(const std::string& failure);  // text of that warning
 BackendPointer with_replacement(BackendPointer device, BackendPointer cpu, RunLog& log);
 
-// The CPU first.
+// Returns the CPU first, then the devices.
 std::vector<DeviceDescription> list_devices();
 
-// From a device's memory, when all work at hand there is done. Throws Error(device), also where CUDA is not
-// built in.
+// Copies from a device's memory after all pending work there is done. Throws Error(device), also if
+// this build lacks CUDA.
 void copy_from_device(void* target, const void* source, std::size_t bytes);
 
-// What is known of a run before its work.
+// Facts about a run that are known before its work begins.
 struct RunSize {
-    int width = 0, height = 0;  // of the map
-    bool is_pair = false;       // it has to be matched
+    int width = 0, height = 0;  // of the map, px
+    bool is_pair = false;       // true if the input must be matched
     int threads = 1;
-    int jobs = 1;  // like this one that the process does, this one included: the device starts once for all
+    int jobs = 1;  // similar jobs of this process, including this one; they share one start of the device
 };
 
 struct BackendDecision {
-    config::BackendChoice choice =
-        config::BackendChoice::automatic;  // automatic: CUDA where a device is usable
+    config::BackendChoice choice = config::BackendChoice::automatic;  // automatic: CUDA if usable
     std::string reason;
 };
 
-// Seconds that the CPU takes for what a device could do instead: 7 ns a pixel and disparity searched, 85 ns a
-// pixel and 4.5 us a vertex of the lattice on one thread, of which a tenth gains nothing from more threads.
-// Where the number of disparities is left to the pair, a seventh of the width; a budget takes seven meshes.
-// Measured on AMD EPYC cores; right within a factor of two.
+// Estimates the CPU time, in seconds, of the work that a device could do instead: on one thread 7 ns per
+// pixel and disparity searched, 85 ns per pixel and 4.5 us per lattice vertex; a tenth of it does not become
+// faster with more threads. If the pair decides the number of disparities, a seventh of the width is assumed;
+// a budget counts as seven meshes. Measured on AMD EPYC cores; right within a factor of two.
 double estimated_cpu_seconds(const RunSize& size, const config::Config& config);
 
-// The configured backend where it is not auto. For auto the CPU, where it does that work before a device has
-// started, or where only it can do what is asked for.
+// Returns the configured backend unless it is auto. For auto, returns the CPU if the CPU does the work before
+// a device would have started, or if only the CPU supports what is asked for; else automatic.
 BackendDecision choose_backend(const RunSize& size, const config::Config& config);
 
 }  // namespace hexrelief::job

@@ -11,8 +11,8 @@ constexpr double kSerialShare = 0.1;
 constexpr double kWidthPerDisparity = 7;
 constexpr double kBudgetSolves = 7;
 
-// From the first call of the CUDA runtime to the first kernel, on an H200. What the device then takes for the
-// work is less than the estimate's error.
+// Time from the first call of the CUDA runtime to the first kernel, on an H200. The device's time for the
+// work itself is less than the estimate's error.
 constexpr double kDeviceStart_s = 0.2;
 
 }  // namespace

@@ -40,8 +40,8 @@ struct HashedImage {
     InputFile file;
 };
 
-// The picture of a map's view, which may have another size: then it is scaled to the map's for the stages,
-// and kept as it is for the texture. The paths stand in messages.
+// Puts the picture of a map's view into the input. A picture of another size is scaled to the map's for the
+// stages and kept unscaled for the texture. The paths are for messages.
 void take_picture(Image image, const fs::path& path, ViewSize view, const fs::path& map_path,
                   InputMap& input) {
     const ViewSize size = size_of(image);
@@ -58,7 +58,7 @@ void take_picture(Image image, const fs::path& path, ViewSize view, const fs::pa
     input.picture = std::move(image);
 }
 
-// At the view's size.
+// Returns the mask at the view's size. Throws Error(input) if the aspects differ; path is for the message.
 readers::PixelMask fitted(const readers::PixelMask& mask, ViewSize view, const fs::path& path) {
     const ViewSize size{mask.width, mask.height};
     if (size == view) return mask;
@@ -69,19 +69,19 @@ readers::PixelMask fitted(const readers::PixelMask& mask, ViewSize view, const f
     return readers::resampled(mask, view.width, view.height);
 }
 
-// Of the pixels that have this value.
+// Returns the share of pixels with this value, in percent.
 std::string percent_text(const readers::PixelMask& mask, std::uint8_t value) {
     return fixed(100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
                      static_cast<double>(mask.kept.size()),
                  1);
 }
 
-// A mask or a map's confidences: a file, else an array; empty = none.
+// A mask or confidences, from a file or from an array; empty = none.
 struct MaskSource {
     fs::path file;
     readers::PixelMask array = {};
 
-    // For messages.
+    // Returns the name for messages.
     fs::path name(const char* in_memory) const { return file.empty() ? fs::path(in_memory) : file; }
 };
 
@@ -108,7 +108,7 @@ class InputReader {
         RunInput input{InputPair{readers::read_stereo_file(source.file, config_.stereo, limits_)}};
         input.files.push_back(hashed("stereo", source.file));
         log_.decide("stereo: two views of " + size_text(size_of(input.color())) + " px");
-        // EXIF data of two views in one picture tell less of a lens.
+        // The EXIF data of one picture that joins two views describe neither lens well.
         const readers::StereoLayout layout = config_.stereo.layout;
         const bool mpo = layout == readers::StereoLayout::automatic || layout == readers::StereoLayout::mpo;
         return complete_pair(std::move(input), source.mask, mpo ? source.file : fs::path());
@@ -192,7 +192,7 @@ class InputReader {
         return input;
     }
 
-    // A mesh of depths is in metres by itself.
+    // Does not warn of a missing scale: depths give the mesh its scale without a baseline.
     RunInput complete_map(RunInput input, readers::DepthFile depth, const fs::path& photograph,
                           MaskSource mask, MaskSource confidence) {
         const ResolvedCalibration camera = find_camera(input, size_of(depth), photograph);
@@ -217,7 +217,7 @@ class InputReader {
     RunLog& log_;
 };
 
-// In the pair's stead, where its calibration tells of the cameras as they stand.
+// Replaces the pair by its rectified views if its calibration describes unrectified cameras.
 void InputReader::rectify_pair(RunInput& input) {
     const config::CalibrationConfig& config = config_.calibration;
     if (config.file.empty()) {
@@ -247,7 +247,8 @@ void InputReader::rectify_pair(RunInput& input) {
                 (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
 }
 
-// photograph: the file whose EXIF data tell of the left view's lens; empty = none.
+// Finds the calibration and adds its file to the input. photograph: the file whose EXIF data describe the
+// left view's lens; empty = none.
 ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, const fs::path& photograph) {
     const config::CalibrationConfig& config = config_.calibration;
     const Calibration rectified = input.calibration;
@@ -268,13 +269,14 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
     return resolved;
 }
 
-// What the mask keeps goes into the input, and with what the confidences keep it is given back; empty = all.
-// What a rectified view does not show is hidden likewise. Between the measurements that are sure a sparse map
-// is filled, but not where a mask says that nothing is.
+// Restricts the input's mask, which may hold the pixels that a rectified view shows, by the given mask and
+// the picture's transparency. Returns that mask restricted further to pixels of sufficient confidence; empty
+// = all. The two differ because a sparse map is filled across pixels of low confidence, but not at pixels
+// that the mask hides.
 readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskSource mask,
                                            MaskSource confidence) {
     if (config_.mask.alpha) {
-        // take_picture() has found that it fits.
+        // take_picture() has checked that the aspects agree.
         if (const readers::PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
             input.mask = both(std::move(input.mask), readers::resampled(opaque, view.width, view.height));
             log_.decide("alpha: " + percent_text(opaque, 0) +
@@ -295,7 +297,7 @@ readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskS
     return kept;
 }
 
-// Of the camera depths need the focal length alone.
+// Depths need only the focal length of the camera; a missing baseline is chosen by take_depths().
 void InputReader::take_depths_of(readers::DepthFile depth, const ResolvedCalibration& resolved,
                                  RunInput& input) {
     Calibration& camera = input.calibration;

@@ -1,4 +1,4 @@
-// What a run works on, read and made fit for the stages.
+// Input of a run, read and prepared for the stages.
 #pragma once
 
 #include <filesystem>
@@ -14,44 +14,44 @@
 
 namespace hexrelief::job {
 
-// A pair side by side, as it is matched.
+// A rectified pair, ready to be matched.
 struct InputPair {
     StereoPair views;
-    bool is_rectified = false;  // by its calibration file
+    bool is_rectified = false;  // true if the program rectified it by its calibration file
 };
 
-// A supplied map: its disparities, or those of its depths.
+// A supplied disparity map, or a supplied depth map converted to disparities.
 struct InputMap {
     DisparityMap disparities;
-    Image color;                // the left picture at the map's size; empty = none
-    Image picture;              // the same as it came, where its size is not the map's; else empty
-    std::string depth_read_as;  // of a map of depths: "16-bit integers, mm"; else empty
+    Image color;    // the left picture at the map's size; empty = none
+    Image picture;  // the left picture at its own size, if that differs from the map's; else empty
+    std::string depth_read_as;  // how a depth map was read: "16-bit integers, mm"; empty = not a depth map
 
     bool is_depth() const { return !depth_read_as.empty(); }
 };
 
 struct RunInput {
     std::variant<InputPair, InputMap> views;
-    // Of the left view: what its map is to keep once it is matched or filled; empty = all. Of a map that was
-    // supplied what is not kept is unknown already.
+    // Pixels of the left view that the map keeps after it is matched or filled; empty = all. In a supplied
+    // map the other pixels are unknown already.
     readers::PixelMask mask = {};
-    Calibration calibration = {};  // in effect, of the left view's size
-    std::string focal_from = {},
-                baseline_from = {};  // as ResolvedCalibration has them, or "the nearest distance"
+    Calibration calibration = {};                     // in effect, for the left view's size
+    std::string focal_from = {}, baseline_from = {};  // as in ResolvedCalibration, or "the nearest distance"
     std::vector<InputFile> files = {};
 
     const InputPair* pair() const { return std::get_if<InputPair>(&views); }
     const InputMap* map() const { return std::get_if<InputMap>(&views); }
-    // The left picture at the size of the view, and as it came; empty = none.
+    // color(): the left picture at the view's size; texture(): the same at its original size. Empty = none.
     const Image& color() const { return pair() ? pair()->views.left : map()->color; }
     const Image& texture() const { return map() && !map()->picture.empty() ? map()->picture : color(); }
 };
 
-// left_rectified.png right_rectified.png calib.txt: what save_rectified() writes.
+// Returns the names of the files that save_rectified()
+// writes: left_rectified.png right_rectified.png calib.txt.
 const std::vector<std::filesystem::path>& rectified_file_names();
 
-// Takes the arrays out of the source. Warns of a missing calibration. Throws Error(input) where a file cannot
-// be read or sizes differ.
+// Reads a source's files, or moves its arrays out of it. Warns of a missing calibration. Throws Error(input)
+// if a file cannot be read or sizes differ.
 RunInput read_input(Source source, const config::InputConfig& config, const readers::ReaderLimits& limits,
                     int threads, RunLog& log);
 

@@ -14,7 +14,7 @@
 namespace hexrelief::job {
 namespace {
 
-// The disparities themselves are then right.
+// True if the disparities are right in spite of this finding.
 bool leaves_disparities(const checks::Finding& finding) {
     return finding.mistake == checks::Mistake::range_wide ||
            finding.mistake == checks::Mistake::range_ends_low ||
@@ -29,7 +29,7 @@ void check_input(const RunInput& input, const stages::FoundRange& range, const c
                  int threads, RunLog& log) {
     const InputPair* const pair = input.pair();
     const InputMap* const map = input.map();
-    // The matcher refuses a blank picture: whatever is said beside that is made up.
+    // The matcher refuses a blank picture; any other finding would be spurious.
     if (pair && (checks::is_blank(pair->views.left) || checks::is_blank(pair->views.right))) return;
     const bool is_depth = map && map->is_depth();
     std::vector<checks::Finding> findings;

@@ -1,4 +1,4 @@
-// What the inputs of a run mean is looked at before the work.
+// Checks the meaning of a run's input before the work.
 #pragma once
 
 #include "pipeline/job/input.h"
@@ -6,8 +6,8 @@
 
 namespace hexrelief::job {
 
-// Warns of what a pair, a map, their picture or their camera seems to be wrong in; range: of a pair. Throws
-// Error(input) with the same text where run.strict asks for that.
+// Warns of likely mistakes in a pair or a map, its picture or its camera. range: the range found for a pair.
+// Throws Error(input) with the same text if run.strict is set.
 void check_input(const RunInput& input, const stages::FoundRange& range, const config::Config& config,
                  int threads, RunLog& log);
 

@@ -31,7 +31,7 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
     return static_cast<double>(most);
 }
 
-// True where the tolerance changes the files.
+// True if the tolerance changes the bytes of some output.
 bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
@@ -39,7 +39,8 @@ bool any_compressed(const std::vector<fs::path>& outputs, const exporters::Expor
            });
 }
 
-// What may be changed of the texture, where there is one: whatever the configuration does not give.
+// Returns the texture settings that the search may change: those that the configuration does not give. None
+// if no output has a texture.
 std::optional<budget::TextureLimits> texture_limits(const LeftView& view, const config::Config& config,
                                                     const std::vector<fs::path>& outputs) {
     const exporters::ExportConfig& exporting = config.exporting;
@@ -85,12 +86,12 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
                           const std::vector<fs::path>& outputs, Backend& backend, RunLog& log) {
     const int threads = backend.threads();
     config::Config config = given;        // with the texture in use
-    std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
-    std::vector<SurfaceMesh> coarser;     // of that mesh
+    std::optional<SurfaceResult> result;  // at solved_px; empty = nothing is left to mesh
+    std::vector<SurfaceMesh> coarser;     // coarser levels of that mesh
     double solved_px = 0;
     budget::BudgetJob search;
     const double side_px = std::min(view.disparity.width, view.disparity.height);
-    const double coarsest_level = std::ldexp(1, config.exporting.lod - 1);  // in spacings, of which three fit
+    const double coarsest_level = std::ldexp(1, config.exporting.lod - 1);  // in spacings; three fit
     search.most_px = std::max(search.least_px, std::min({256.0, side_px / 4, side_px / 3 / coarsest_level}));
     search.start_px = std::min(config.mesh.spacing_px, search.most_px);
     search.tolerance_px = config.exporting.tolerance_px;

@@ -1,4 +1,4 @@
-// The surface that keeps a budget.
+// Searches for the surface that keeps a budget.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace hexrelief::job {
 
-// make_surface() at other spacings and tolerances until it keeps the configured limit (budget.h); what was
-// found is in the result's configuration and budget. Bytes are those of the largest of `outputs`. Throws
-// Error(usage) where the limit is out of reach.
+// Repeats make_surface() with other spacings and tolerances until the surface keeps the configured limit
+// (budget.h). The result's configuration and budget hold what was found. A limit on bytes applies to the
+// largest of `outputs`. Throws Error(usage) if the limit is out of reach.
 SurfaceResult meet_budget(const LeftView& view, const config::Config& config,
                           const std::vector<std::filesystem::path>& outputs, Backend& backend, RunLog& log);
 

@@ -1,4 +1,4 @@
-// The files that a run writes.
+// Writes the files of a run.
 #pragma once
 
 #include <cstdint>
@@ -20,29 +20,29 @@ struct OutputFile {
     std::string sha256;
 };
 
-// What the exporters are given; it refers to its arguments.
+// Returns the exporters' input, which refers to the arguments.
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                           const std::vector<SurfaceMesh>& coarser);
 
-// The surface as the files among `outputs` hold it, against the map.
+// Measures the surface, as the compressed files among `outputs` hold it, against the map.
 SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
                                 const std::vector<std::filesystem::path>& outputs, int threads,
                                 const RunLog& log);
 
-// Writes each of `paths` with the files beside it; missing folders are made. Throws Error(output).
+// Writes each of `paths` with its companion files; makes missing folders. Throws Error(output).
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
                                    const std::vector<std::filesystem::path>& paths, files::OutputSet& files,
                                    const RunLog& log);
 
-// Data and pictures of all stages. Throws Error(output).
+// Writes data and pictures of all stages. Throws Error(output).
 void save_stages(const LeftView& view, const SurfaceResult& result, const std::filesystem::path& folder,
                  files::OutputSet& files, int threads, const RunLog& log);
 
-// A rectified pair, and its camera as a file that --calib reads. Throws Error(output).
+// Writes a rectified pair, and its camera as a file that --calib reads. Throws Error(output).
 void save_rectified(const StereoPair& pair, const Calibration& camera, const std::filesystem::path& folder,
                     files::OutputSet& files);
 
-// Throws Error(output).
+// Writes the text. Throws Error(output).
 void write_text_file(const std::string& text, const std::filesystem::path& name, files::OutputSet& files);
 
 }  // namespace hexrelief::job

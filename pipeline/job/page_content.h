@@ -1,4 +1,4 @@
-// What a page (.html) shows beside the relief: figures and pictures of the stages.
+// Figures and pictures of the stages, shown on a page (.html) beside the relief.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace hexrelief::job {
 
-// Whether one of the outputs is a page.
+// True if one of the outputs is a page.
 bool has_page(const std::vector<std::filesystem::path>& outputs);
 
 exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,

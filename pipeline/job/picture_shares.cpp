@@ -7,12 +7,12 @@
 namespace hexrelief::job {
 namespace {
 
-// The pixels of a row that are neither known nor seen by the right camera. In a run of unknown pixels with
-// disparities l on its left and r > l on its right, the last r - l are hidden behind what is on the right. At
-// the image's left edge the right camera's picture begins r px further right.
+// Counts the unknown pixels of a row that the right camera cannot see. In a run of unknown pixels with
+// disparities l on its left and r > l on its right, the last r - l pixels are hidden behind the surface on
+// the right. At the image's left edge the right camera's picture begins r px further right.
 std::size_t occluded_in_row(const DisparityMap& map, int y) {
     std::size_t occluded = 0;
-    float before = 0;  // the last known disparity; 0 where the image begins
+    float before = 0;  // the last known disparity; 0 = none yet
     int unknown = 0;   // length of the run that ends here
     for (int x = 0; x < map.width; ++x) {
         const float d = map.at(x, y);

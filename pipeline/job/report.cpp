@@ -61,7 +61,7 @@ Json input_json(const RunReport& report) {
     return json;
 }
 
-// Meshed or not, and why not.
+// Shares of meshed pixels, and of the others by reason.
 Json picture_json(const PictureShares& shares) {
     Json json;
     json["meshed_share"] = shares.meshed;
@@ -118,7 +118,7 @@ Json mesh_json(const SurfaceResult& surface) {
     json["device_seconds"] = lattice.device_training_s;
     json["device_balance_seconds"] = lattice.device_balance_s;
     json["device_surface_seconds"] = surface.device_s;
-    json["device_sheet_seconds"] = surface.device_s;  // its former name, for those who still read it
+    json["device_sheet_seconds"] = surface.device_s;  // former name, kept for programs that still read it
     json["device_bytes"] = lattice.device_bytes;
     json["percent_cost"] = finite(quality.percent_cost);
     json["max_deviation_percent"] = finite(quality.max_deviation_percent);
@@ -173,7 +173,7 @@ Json budget_json(const budget::BudgetResult& budget) {
     return json;
 }
 
-// Paths need not be UTF-8: what is not becomes U+FFFD rather than an exception.
+// Paths need not be UTF-8: invalid bytes become U+FFFD instead of an exception.
 std::string dump(const Json& json, int indent) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
@@ -247,11 +247,12 @@ std::string report_json(const RunReport& report) {
 std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     Json parameters = config::config_json(result.config);
     parameters.erase("run");
-    parameters.erase("budget");  // what it led to is in the other keys
+    parameters.erase("budget");  // its result is in the other keys
     Json& input = parameters["input"];
     input["calibration"].erase("file");
     if (input["disparity"]["key"] == "") input["disparity"].erase("key");
-    // Where depths were not read otherwise than by default, files stay what they were before there were any.
+    // Sections with default values are left out, so that files keep the bytes that they had
+    // before these sections existed.
     const Json defaults = config::config_json({})["input"];
     for (const char* const section : {"depth", "mask", "confidence"})
         if (input[section] == defaults[section]) input.erase(section);

@@ -1,4 +1,4 @@
-// What a run did: the report that --report writes.
+// The report of a run, which --report writes.
 #pragma once
 
 #include <cstddef>
@@ -16,53 +16,54 @@
 
 namespace hexrelief::job {
 
-// What a run makes of its input, before anything is written: what its stages gave.
+// Results of all stages, before anything is written.
 struct Relief {
     RunInput input;
     std::shared_ptr<Backend> backend;
-    std::string backend_reason;  // why this one
+    std::string backend_reason;  // why this backend was chosen
     DisparityResult disparity;
     DensityMap density;
     SurfaceResult surface;
 
-    // Refers to this.
+    // Returns a view that refers to this relief.
     LeftView view() const;
 };
 
-// And what writing it came to.
+// A relief and the results of writing it.
 struct RunReport {
     std::shared_ptr<const Relief> relief;
-    std::string stamp = {};                        // of the request; empty = none
-    std::optional<SurfaceMeasures> measures = {};  // only where a report or a page is asked for
+    std::string stamp = {};                        // the request's; empty = none
+    std::optional<SurfaceMeasures> measures = {};  // only for a report or a page
     std::vector<SurfaceMesh> coarser = {};         // levels of detail, fine to coarse
     PictureShares shares = {};
     std::vector<OutputFile> outputs = {};
     std::vector<std::pair<std::string, double>> stage_seconds = {};
     std::vector<std::string> warnings = {};
-    double seconds = 0;          // from the beginning of the run until its report
-    std::size_t peak_bytes = 0;  // of the process's memory until then
+    double seconds = 0;          // from the beginning of the run to its report
+    std::size_t peak_bytes = 0;  // the process's largest memory until its report
 
     const config::Config& config() const { return relief->surface.config; }  // in effect
 };
 
-// A sparse map's, or a pair's.
+// Shares of a filled sparse map or of a matched pair.
 struct OriginShares {
-    double measured = 0, filled = 0;  // of the picture; what is measured of a pair is matched
+    double measured = 0, filled = 0;  // shares of the picture; a pair's matched pixels count as measured
 };
-// None where the map was supplied as it is.
+// Returns none if the map was supplied and not filled.
 std::optional<OriginShares> origin_shares(const DisparityMap& map);
 
-// What share of the picture is meshed, and what became of its pixels. A depth map has no right camera.
+// Returns the picture's shares. A depth map has no right camera, so that its occluded
+// pixels count as unknown.
 PictureShares shares_of(const Relief& relief);
 
-// Time, memory and warnings until now.
+// Copies the times, memory and warnings so far into the report.
 void take_figures(const RunLog& log, RunReport& report);
 
-// The report as JSON text, schema 1.
+// Returns the report as JSON text, schema 1.
 std::string report_json(const RunReport& report);
 
-// What glTF's asset.extras hold: version, parameters and calibration; nothing that differs between machines,
-// so that the same input gives the same bytes everywhere.
+// Returns the JSON text of glTF's asset.extras: version, parameters and calibration. It holds nothing that
+// differs between machines, so that the same input gives the same bytes everywhere.
 std::string extras_json(const LeftView& view, const SurfaceResult& result);
 
 }  // namespace hexrelief::job

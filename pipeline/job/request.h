@@ -1,4 +1,4 @@
-// What a run is asked for.
+// The request of a run: source, outputs and configuration.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,12 @@
 
 namespace hexrelief::job {
 
-// What a run can be made from. Files first; but for the first of each, names may be empty, which is none.
-// Masks and confidences are of the left view.
+// Alternatives of a run's source, files first. All names but the first of each may be empty, which means
+// none. Masks and confidences are for the left view.
 struct PairFiles {
     std::filesystem::path left, right, mask = {};
 };
-// Both views in one file.
+// One file with both views.
 struct StereoFile {
     std::filesystem::path file, mask = {};
 };
@@ -31,8 +31,8 @@ struct DepthFiles {
     std::filesystem::path map, color = {}, mask = {}, confidence = {};
 };
 
-// The same in memory; empty arrays are none. A pair is side by side, and taken for its disparities alone:
-// without a calibration there is nothing to warn of.
+// Arrays in memory; an empty array means none. A pair is rectified and used only for its disparities, so that
+// a missing calibration gives no warning.
 struct PairArrays {
     StereoPair views;
 };
@@ -54,27 +54,27 @@ struct InputFile {
     // "left", "right", "stereo", "disparity", "depth", "color", "calibration", "mask", "confidence"
     std::string role;
     std::string path;
-    std::string sha256 = {};  // once it is read
+    std::string sha256 = {};  // set after the file is read
 };
 
-// The files of a source that are named, the main one first; none where it is in memory.
+// Returns the named files of a source, the main one first; none for arrays.
 std::vector<InputFile> files_of(const Source& source);
 
 struct RunRequest {
     Source source;
-    std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
+    std::vector<std::filesystem::path> outputs;  // the extension gives the format
     config::Config config;
-    std::filesystem::path config_file;    // that config was read from; empty = none
+    std::filesystem::path config_file;    // the file that config was read from; empty = none
     std::filesystem::path report;         // empty = none
     std::filesystem::path stages_folder;  // empty = none
-    std::filesystem::path depfile;        // for make: what the outputs are made from; empty = none
-    std::string stamp;  // told in the report: of all that the outputs depend on (stamp.h); empty = not
-    int jobs = 1;       // that this process does, this one included: they share a device's start-up
+    std::filesystem::path depfile;        // rule for make that lists the files read; empty = none
+    std::string stamp;                    // hash of what the outputs depend on (stamp.h); empty = none
+    int jobs = 1;  // runs of this process, including this one; they share one start of the device
 };
 
-// Everything that can be known to fail before the work: throws Error(usage) for unknown extensions, an output
-// that is named twice or is an input, Error(output) for a place that cannot be written, and Error(input) for
-// a run that is estimated to take more memory than limits.max_memory.
+// Checks all that can be checked before the work. Throws Error(usage) for unknown extensions and for an
+// output that is named twice or is an input, Error(output) for a place that cannot be written, and
+// Error(input) if the estimated memory exceeds limits.max_memory.
 void check_request(const RunRequest& request);
 
 }  // namespace hexrelief::job

@@ -16,19 +16,21 @@ void override_by(double& value, double given) {
     if (!std::isnan(given)) value = given;
 }
 
-// The same, of a value whose origin is told.
+// Also stores the origin of the value.
 void override_by(double& value, double given, const char* key, std::string& from) {
     if (std::isnan(given)) return;
     value = given;
     from = key;
 }
 
-// How far the principal point lies from the middle of a view of this size, share of its sides.
+// Returns the distance of the principal point from the middle of a view of this size, as a
+// share of its sides.
 double off_centre(const Calibration& camera, ViewSize size) {
     return std::hypot(camera.cx / size.width - 0.5, camera.cy / size.height - 0.5);
 }
 
-// A file that says no size is of the view, or of its picture where its principal point fits that better.
+// Returns the size that the file's camera is for. A file without a size is for the view, or for its picture
+// if the principal point is closer to the picture's middle.
 ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
     if (camera.width > 0) return {camera.width, camera.height};
     const bool of_picture =
@@ -36,7 +38,7 @@ ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
     return of_picture ? source.picture : source.view;
 }
 
-// The file's camera for the view.
+// Returns the file's camera, scaled to the view.
 Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& resolved) {
     const readers::CalibrationFile file = readers::read_calibration_file(source.config.file);
     for (const std::string& told : file.told) resolved.warnings.push_back(source.config.file + ": " + told);
@@ -57,7 +59,7 @@ Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& reso
     return scaled_to(camera, source.view);
 }
 
-// In px of the view; 0 = not known.
+// Returns the focal length from the picture's EXIF data, in px of the view; 0 = unknown.
 double focal_of_picture(const CameraSource& source, ResolvedCalibration& resolved) {
     if (source.picture_file.empty()) return 0;
     const auto focal =
@@ -90,7 +92,7 @@ void check_between(const char* what, double value, double least, double most, co
     throw Error(ErrorKind::input, text);
 }
 
-// Wide enough for microscopes and for aerial photographs; beyond, depths are no floats.
+// The limits include microscopes and aerial photographs; beyond them depths do not fit into floats.
 void check_camera_range(const Calibration& camera) {
     check_between("focal length", camera.focal_px, 1e-3, 1e9, "px");
     check_between("baseline", camera.baseline_m, 1e-12, 1e9, "m");

@@ -1,4 +1,4 @@
-// The calibration in effect: a file's, explicit values, or none.
+// The calibration in effect: from a file, from explicit values, or assumed.
 #pragma once
 
 #include <filesystem>
@@ -16,43 +16,44 @@ struct ViewSize {
     bool operator==(const ViewSize&) const = default;
 };
 
-// "640x480"
+// Returns "640x480".
 std::string size_text(ViewSize size);
 
-// The same view at two sizes: each side of the smaller follows from the larger's to within a pixel.
+// True if two sizes have the same aspect: the larger one, scaled to the smaller one's height or width,
+// differs from it by at most one pixel.
 bool same_aspect(ViewSize a, ViewSize b);
 
-// The camera of the same view at another size, which has an aspect as `size`.
+// Returns the camera of the same view at another size of the same aspect.
 Calibration scaled_to(const Calibration& camera, ViewSize size);
 
-// What a run is given to find its camera.
+// Inputs from which a run's camera is found.
 struct CameraSource {
     const config::CalibrationConfig& config;
-    ViewSize view;                            // of the map, or of the pair's pictures
-    ViewSize picture;                         // of the left picture; as the view where there is none
-    const Calibration* rectified = nullptr;   // of the pair that was rectified, in place of the file's
-    std::filesystem::path picture_file = {};  // whose EXIF data may tell the focal length; empty = none
+    ViewSize view;                            // size of the map, or of the pair's pictures
+    ViewSize picture;                         // size of the left picture; equal to view without a picture
+    const Calibration* rectified = nullptr;   // camera of a rectified pair, instead of the file's
+    std::filesystem::path picture_file = {};  // file whose EXIF data may give the focal length; empty = none
 };
 
 struct ResolvedCalibration {
-    // Of the view. Without a focal length it is the view's width, without a baseline that is 1, without a
-    // principal point that is in the middle; metric where focal length and baseline are known.
+    // For the view's size. A missing focal length is the view's width, a missing baseline is 1, a missing
+    // principal point is the middle. Metric if focal length and baseline are known.
     Calibration calibration;
     bool is_focal_known = false, is_baseline_known = false;
-    // Where they come from: a key, "the calibration file (KITTI)", "EXIF: 28 mm on 35 mm film", or what is
-    // taken in their stead.
+    // Their origins: a key, "the calibration file (KITTI)", "EXIF: 28 mm on 35 mm film", or
+    // the assumption made instead.
     std::string focal_from, baseline_from;
     std::vector<std::string> warnings, decisions;
 };
 
-// Explicit values override the file's; they are of the view. A file's camera of the picture's size is scaled
-// to the view's. Where no focal length is given, that of the picture's EXIF data is taken, with a warning.
-// Throws Error(input) where the file's is made for yet another size, the principal
-// point lies more than one view's size outside of it, or focal length, baseline or doffs are beyond those of
-// any camera.
+// Finds the calibration for the view. Explicit values override the file's and apply to the view. A file's
+// camera for the picture's size is scaled to the view's. Without a focal length, that of the picture's EXIF
+// data is used, with a warning. Throws Error(input) if the file is for yet another size, if the principal
+// point lies more than one view's size outside the view, or if focal length, baseline or doffs are beyond
+// those of any camera.
 ResolvedCalibration resolve_calibration(const CameraSource& source);
 
-// What is missing for a mesh in metres, as a warning; empty where nothing is. Of a pair or a disparity map.
+// Returns a warning that says what a pair or a disparity map lacks for a mesh in metres; empty = nothing.
 std::string missing_for_metres(const ResolvedCalibration& resolved);
 
 }  // namespace hexrelief::job

@@ -27,7 +27,7 @@ int files_for_standard_output(const RunRequest& request) {
         std::count_if(request.outputs.begin(), request.outputs.end(), files::is_standard_output));
 }
 
-// One file can go to the standard output.
+// Throws Error(usage) unless at most one file goes to the standard output.
 void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
         if (!files::is_standard_output(output)) continue;
@@ -40,12 +40,12 @@ void check_standard_output(const RunRequest& request) {
         refuse("the standard output takes one file: give '-' once, as an output or as the report");
 }
 
-// A file that a run writes, and what for.
+// A file that a run writes, and its purpose for messages.
 struct PlannedFile {
     files::FileIdentity identity;
     fs::path path;
     std::string purpose;
-    bool texture = false;  // two outputs may share it: its bytes are the same
+    bool texture = false;  // two outputs may share a texture: its bytes are equal
 };
 
 std::vector<PlannedFile> plan(const RunRequest& request) {
@@ -90,7 +90,7 @@ constexpr std::uint64_t kBaseBytes = 40 << 20;
 
 struct MainInput {
     fs::path path;
-    std::uint64_t width = 0, height = 0;  // 0 where the header cannot be read
+    std::uint64_t width = 0, height = 0;  // 0 = the header cannot be read
 };
 
 MainInput main_input(const RunRequest& request) {
@@ -101,7 +101,7 @@ MainInput main_input(const RunRequest& request) {
         if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
             return {path, static_cast<std::uint64_t>(raster->width),
                     static_cast<std::uint64_t>(raster->height)};
-    } catch (const Error&) {  // the run will tell
+    } catch (const Error&) {  // the run will report it
     }
     return {path};
 }
@@ -112,7 +112,7 @@ std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
            static_cast<std::uint64_t>(static_cast<double>(input.width * input.height) * bytes_per_pixel);
 }
 
-// Where the estimate is more than limits.max_memory.
+// Throws Error(input) if the estimate exceeds limits.max_memory.
 void check_memory(const RunRequest& request) {
     const auto limit = static_cast<std::uint64_t>(request.config.limits.max_memory);
     if (limit == 0) return;

@@ -1,4 +1,4 @@
-// What a run tells while it goes: its stages, decisions and warnings.
+// Messages of a running job: its stages, decisions and warnings.
 #pragma once
 
 #include <functional>
@@ -11,23 +11,23 @@
 
 namespace hexrelief::job {
 
-// Tells at once what happens, and keeps times and warnings for the report. Stages and progress end the
-// process where the run has been interrupted (interrupt.h).
+// Reports each event at once, and keeps times and warnings for the report. stage() and progress() end the
+// process if the run has been interrupted (interrupt.h).
 class RunLog {
   public:
     RunLog() = default;
     RunLog(const RunLog&) = delete;
     RunLog& operator=(const RunLog&) = delete;
 
-    // Told what happens; each may be empty.
+    // Callbacks for the events; each may be empty.
     std::function<void(const std::string& stage)> stage_begins;
     std::function<void(double share)> stage_progresses;
     std::function<void(const std::string& stage, double seconds)> stage_ends;
     std::function<void(const std::string& decision)> decides;
     std::function<void(const std::string& warning)> warns;
 
-    // Runs one stage and returns what `work` returns. The times of stages of one name are added up: a budget
-    // comes to the same stage several times.
+    // Runs one stage and returns the result of `work`. Times of stages with the same name are added up: a
+    // budget repeats a stage several times.
     template <typename Work>
     auto stage(const std::string& name, const Work& work) {
         begin_stage(name);
@@ -41,7 +41,7 @@ class RunLog {
             return result;
         }
     }
-    void progress(double share) const;  // of the stage at hand, 0..1
+    void progress(double share) const;  // of the current stage, 0..1
     void decide(const std::string& decision) const;
     void warn(const std::string& warning);
 
@@ -54,11 +54,11 @@ class RunLog {
     void end_stage(const std::string& name, double seconds);
 
     const double begun_ = now_seconds();
-    std::vector<std::pair<std::string, double>> stage_seconds_;  // in the order in which they first ended
+    std::vector<std::pair<std::string, double>> stage_seconds_;  // in the order of their first end
     std::vector<std::string> warnings_;
 };
 
-// "%.3f" and the like.
+// Formats a number with `digits` decimals.
 std::string fixed(double value, int digits);
 
 }  // namespace hexrelief::job

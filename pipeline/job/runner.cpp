@@ -19,7 +19,7 @@ namespace hexrelief::job {
 
 namespace {
 
-// A device's driver starts in a thread of its own whatever the job's threads: it mostly waits.
+// A device's driver starts in a thread of its own even if the job has one thread, because it mostly waits.
 constexpr int kWithDriver = 2;
 
 int threads_for(const config::Config& config, const RunLog& log) {
@@ -47,7 +47,7 @@ std::string reason_for(const Backend& backend, const BackendDecision& decision) 
     return decision.reason + (missing ? ", but none is usable" : "");
 }
 
-// The backend that has been started, and the CPU in its place should it fail where the choice is free.
+// Returns the started backend. Under auto the CPU replaces the device if the device fails.
 BackendPointer take_backend(BackendPointer started, const config::Config& config, RunLog& log) {
     if (!started->missed.empty()) log.warn(going_on_without(started->missed));
     if (config.run.backend != config::BackendChoice::automatic || started->name() == "cpu") return started;
@@ -76,8 +76,8 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     if (const std::string told = levels_inside_warning(request); !told.empty()) log.warn(told);
     for (const std::string& decision : config.decisions) log.decide(decision);
     const int threads = threads_for(config, log);
-    // A device that is asked for starts while the files are read; one that auto takes, when their size is
-    // known, while the range is found.
+    // A requested device starts while the files are read; a device that auto may choose starts once their
+    // size is known, while the disparity range is searched for.
     const auto start = [&](config::BackendChoice choice) {
         return start_work(kWithDriver,
                           [&, choice] { return backends.get(choice, threads, config.mesh.method); });
@@ -174,7 +174,7 @@ RunReport run_job(const RunRequest& request, Backends& backends, RunLog& log) {
     check_request(request);
     const auto relief = std::make_shared<const Relief>(make_relief(request, backends, log));
     std::future<void> giving_back;
-    // Coarser levels are solved when files are written.
+    // Coarser levels still need the device when files are written.
     if (backends.ends_with_run() && relief->backend->name() != "cpu" &&
         relief->surface.config.exporting.lod == 1)
         giving_back = start_work(kWithDriver, [&] { relief->backend->give_back(); });

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What Draco makes of a fixed number of bits.
+// Returns the grid that Draco makes of a fixed number of bits.
 exporters::Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
     const Bounds bounds = bounds_of(surface.positions);
     const double step = bounds.widest_side() / ((1u << bits) - 1);
@@ -33,7 +33,8 @@ exporters::Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
     return grid;
 }
 
-// Draco in glTF has a step for each axis; .drc has no transform to hold them. None if positions stay floats.
+// Returns the grid of a file's positions; none if they stay floats. Draco in glTF has a step per axis; .drc
+// has no transform that could hold them.
 std::optional<exporters::Grid<3>> grid_of(const exporters::Scene& scene,
                                           const exporters::ExportConfig& config, const fs::path& path) {
     const exporters::ExportConfig held = exporters::config_of_file(scene, config, path);

@@ -1,4 +1,4 @@
-// How exactly the positions of a surface are to be written, and what compressed files hold of them.
+// Tolerance of written positions, and the positions that compressed files hold.
 #pragma once
 
 #include <filesystem>
@@ -11,9 +11,8 @@
 
 namespace hexrelief::job {
 
-// The tolerance of positions, px: config.tolerance_px, or, where tolerance_share is above 0 and that is less,
-// this share of the surface's error away from discontinuities (SurfaceQuality::flat_rmse_px), at least
-// kLeastTolerance_px.
+// Returns the tolerance of positions, px: config.tolerance_px if tolerance_share is 0, else min(tolerance_px,
+// max(tolerance_share * SurfaceQuality::flat_rmse_px, kLeastTolerance_px)).
 inline constexpr double kLeastTolerance_px = 0.01;
 double tolerance_for(const exporters::ExportConfig& config, const SurfaceMesh& surface,
                      const DisparityMap& map, float background_px, int threads);
@@ -21,9 +20,9 @@ double tolerance_for(const exporters::ExportConfig& config, const SurfaceMesh& s
 // True if a file at this path has quantised positions.
 bool is_compressed(const std::filesystem::path& path, const exporters::ExportConfig& config);
 
-// Triangles, image points and disparities of the scene's mesh as they are read back from the first of
-// `outputs` that is compressed; the mesh itself if none is. The scene has a camera, before which all
-// positions lie.
+// Returns the scene's mesh with the triangles, image points and disparities that a reader of the first
+// compressed one of `outputs` gets; the mesh itself if no output is compressed. The scene has a camera, and
+// all positions lie in front of it.
 SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportConfig& config,
                        const std::vector<std::filesystem::path>& outputs);
 

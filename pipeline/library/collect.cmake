@@ -1,5 +1,5 @@
-# collect_libraries(TARGET ROOMS EXTERNALS): what TARGET links, itself included: the project's own static libraries, and the
-# others as names for the linker, dependents first.
+# collect_libraries(TARGET ROOMS EXTERNALS): lists the libraries that TARGET links. ROOMS gets the project's static libraries,
+# TARGET included; EXTERNALS gets the others as names for the linker, dependents first.
 function(collect_libraries target rooms_variable externals_variable)
     set_property(GLOBAL PROPERTY collected_seen "")
     set_property(GLOBAL PROPERTY collected_rooms "")

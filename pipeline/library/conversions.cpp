@@ -14,7 +14,7 @@
 namespace hexrelief::library {
 namespace {
 
-// `height` rows of `row` samples, without the gaps between them.
+// Returns `height` rows of `row` samples, without the gaps between rows.
 template <typename Sample>
 std::vector<Sample> rows_of(const void* from, std::size_t row, int height, std::size_t row_bytes) {
     std::vector<Sample> samples(row * static_cast<std::size_t>(height));
@@ -29,7 +29,8 @@ void require_pixels(const void* values, int width, int height, const std::string
         throw Error(ErrorKind::input, name + ": it has no pixels; give an array of height x width");
 }
 
-// The last channel becomes the image's alpha, which is kept where some pixel is transparent, as of files.
+// Moves the last channel to the image's alpha, which is dropped if all pixels are opaque, as the
+// readers of files do.
 void split_alpha(Image& image) {
     const auto all = static_cast<std::size_t>(image.channels), colors = all - 1;
     const std::size_t pixels = image.pixels.size() / all;

@@ -1,4 +1,4 @@
-// What the library is given, as the pipeline takes it.
+// Converts the library's types to the pipeline's.
 #pragma once
 
 #include <hexrelief/hexrelief.h>
@@ -11,22 +11,23 @@
 
 namespace hexrelief::library {
 
-// A copy. `name` stands in messages. Throws Error(input) where there are not 1 to 4 channels.
+// Returns a copy. `name` is for messages. Throws Error(input) unless there are 1 to 4 channels.
 Image image_of(const ImageView& view, const std::string& name);
-// Throws Error(input) as read_disparity_map().
+// Returns the disparities that the samples stand for. Throws Error(input) as read_disparity_map().
 DisparityMap map_of(const MapView& view, const readers::DisparityFileConfig& config);
 
-// Throw Error(input) as those that read the same from files.
+// Return what the readers of files return for the same samples, and throw Error(input) as those readers do.
 readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig& config);
 readers::PixelMask mask_of(const ImageView& view, const readers::MaskConfig& config);
 readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceConfig& config);
 
-// As the command line reads --config, --set, its direct options and what it is told of the camera. `files`:
-// the options of the files that are read, as far as direct options go with them. Throws Error(usage).
+// Returns the configuration that the command line makes of --config, --set, its direct options and
+// the camera's options. `files`: the options of the files that are read; direct options may depend
+// on them. Throws Error(usage).
 config::Config config_of(const Options& options, const Camera& camera,
                          const std::vector<std::string>& files = {});
 
-// Settings of `export` on top of a configuration. Throws Error(usage) for other keys.
+// Applies settings of `export` on top of a configuration. Throws Error(usage) for other keys.
 void apply_export_settings(config::Config& config, const Options& options);
 bool sets_tolerance(const Options& options);
 

@@ -20,10 +20,10 @@
 namespace hexrelief {
 namespace {
 
-// Held by each call that works: a set of files is the process's own, and a device does one job at a time.
+// Held during each call: the process has one set of files to undo, and a device does one job at a time.
 std::mutex library_mutex;
 
-// What happens, by the caller's functions.
+// Connects the log's events to the caller's functions.
 void tell_caller(const Options& options, job::RunLog& log) {
     if (options.progress) {
         const auto stage = std::make_shared<std::string>();
@@ -43,14 +43,14 @@ void tell_nobody(job::RunLog& log) {
     tell_caller({}, log);
 }
 
-// The first device that is taken is kept: the next call need not wait for it to start. It is never given
-// back, for at the process's end the driver may be gone before.
+// Keeps the first device that is used, so that the next call need not wait for its start. The backends are
+// never destroyed, because at the process's end the driver may be gone first.
 job::Backends& kept_backends() {
     static auto* const backends = new job::Backends;
     return *backends;
 }
 
-// What the mesh of a map in memory is made for: a limit on bytes is one of such a file's.
+// The format that a limit on bytes applies to when a map in memory is meshed.
 constexpr const char* kLimitedOutput = "relief.glb";
 
 template <typename Arrays>
@@ -84,7 +84,7 @@ const float* floats_of(const std::vector<Vec3f>& points) {
 inline namespace v0 {
 
 struct Mesh::State {
-    job::RunLog log;  // tells nobody between the calls
+    job::RunLog log;  // without callbacks between the calls
     std::shared_ptr<job::Relief> relief;
     std::vector<job::OutputFile> written;
 
@@ -144,7 +144,7 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
     const std::lock_guard lock(library_mutex);
     State& state = *state_;
     config::Config& config = state.relief->surface.config;
-    // For this call alone.
+    // Undoes the changes of this call.
     struct Restore {
         State& state;
         config::Config& changed;

@@ -51,7 +51,8 @@ std::vector<std::string> given_files(const FileRequest& files) {
     return given;
 }
 
-// "-" is written as GLB, "drc:-" and the like as what they say.
+// Returns the output's name for the standard output: "-.glb" for "-", and "-" with the format's extension for
+// "drc:-" and the like.
 std::filesystem::path standard_output_name(const std::string& name) {
     if (name == "-") return "-.glb";
     return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;

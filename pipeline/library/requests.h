@@ -1,4 +1,4 @@
-// A run by files, as the library is asked for it and as the pipeline takes it.
+// Converts the library's requests to the pipeline's, and the pipeline's results to the library's.
 #pragma once
 
 #include <hexrelief/run.h>
@@ -8,7 +8,7 @@
 
 namespace hexrelief::library {
 
-// Throws Error(usage).
+// Returns the request of a run. Throws Error(usage).
 job::RunRequest request_of(const FileRequest& files, const Options& options);
 
 RunSummary summary_of(const job::RunReport& report);

@@ -33,8 +33,8 @@ struct DisparityConfig {
     static constexpr ValueRange kPenalty{0, kLargestPenalty};
     // Penalty of a disparity step of 1 px; 0 = 45, or with sgbm 16 * channels * block_size^2.
     int p1 = 0;
-    // Penalty of larger steps, > p1; 0 = 330, or with sgbm 64 * channels * block_size^2, at most
-    // kLargestPenalty.
+    // Penalty of larger steps, > p1; 0 = 330, or with sgbm 64 * channels *
+    // block_size^2, at most kLargestPenalty.
     int p2 = 0;
     static constexpr ValueRange kSpeckleWindow_px{0, 100000};
     int speckle_window_px = 100;  // speckles of at most this many pixels are removed; 0 = off
@@ -66,7 +66,7 @@ struct DisparityConfig {
     double wls_sigma = 1.5;
 };
 
-// What sgm matches by: pipeline/matching's match_pair(), or the same on a device.
+// The matcher behind sgm: match_pair() of pipeline/matching, or the same on a device.
 class PairMatcher {
   public:
     virtual ~PairMatcher() = default;
@@ -83,7 +83,7 @@ class CpuMatcher final : public PairMatcher {
     int threads_;
 };
 
-// Returns what is wrong with a configuration for any pair: "disparity.p1 must be ..."; empty if nothing is.
+// Returns the mistake in a configuration that no pair can have: "disparity.p1 must be ..."; empty = none.
 std::string wrong_disparity_config(const DisparityConfig& config);
 
 // The corrections that a pair's images get before they are matched.
@@ -98,7 +98,7 @@ PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middl
 // Returns the middle part of an image that find_noise() is applied to: at most 1024x1024 px.
 PixelRect middle_of(int width, int height);
 
-// The range to search in a pair, and what both views agree on at a small size, which tells it.
+// The range to search in a pair, and the coarse match that it is found by.
 struct FoundRange {
     DisparityConfig config;  // with num_disparities_px and farthest_px
     RangeOrigin origin = RangeOrigin::chosen;
@@ -110,27 +110,28 @@ struct FoundRange {
 // not at their pixels.
 void check_matchable(const StereoPair& pair, const DisparityConfig& config);
 
-// The disparities below a calibration's ndisp that can be searched in pictures of this width; 0 where the
-// configuration has a range of its own, or the calibration says none.
+// Returns the number of disparities below a calibration's ndisp that can be searched in pictures of this
+// width; 0 if the configuration has a range of its own, or the calibration has no ndisp.
 int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width);
 
-// The configuration's own range, else the calibration's, else the one that holds the disparities of the
-// coarse match, which also say what farthest_px is where that is NaN. Throws as match_range().
+// Returns the configuration's range, else the calibration's, else the range that holds the disparities of the
+// coarse match. The coarse match also gives farthest_px if that is NaN. Throws as match_range().
 FoundRange find_range(const StereoPair& pair, const Calibration& calibration, const DisparityConfig& config,
                       int threads);
 
-// The pair in the left picture's light and with less noise, as it is best matched.
+// Returns the pair with the right image in the left image's light and with less noise in both, for matching.
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
 
-// Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a
-// point without a depth, where the range begins at 0 or above. config: FoundRange's; no match is far where
-// farthest_px is NaN. The same bytes for any number of threads. Throws Error(input) where the images differ
-// in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for a parameter out of
-// range, or a range wider than the image.
+// Returns disparities of the left view in px (multiples of 1/16 px) and their origins. A range from 0 or
+// above gives no disparity of 0, which would be a point without a depth. config: FoundRange's; if farthest_px
+// is NaN, no match counts as far. The same bytes for any number of threads. Throws Error(input) if the images
+// differ in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for a parameter
+// out of range, or a range wider than the image.
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
                          int threads);
 
-// The three in turn, for a pair of which no calibration is known; on the CPU where no matcher is given.
+// Calls find_range(), corrected() and match_range() for a pair without a calibration; on the CPU if
+// no matcher is given.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
                                int threads);
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);

@@ -6,7 +6,7 @@
 
 namespace hexrelief::stages {
 
-// Where the range searched comes from: the pair itself, the configuration, or the calibration's ndisp.
+// The origin of the searched range: the pair itself, the configuration, or the calibration's ndisp.
 enum class RangeOrigin { chosen, given, ndisp };
 
 struct ReducedPair {

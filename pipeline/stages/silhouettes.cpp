@@ -17,7 +17,7 @@ constexpr double kSlack_px = 0.5, kErrorCap_px = 10;
 constexpr double kLeastArea = 0.3;  // least area of a triangle after a move, as a share of its first area
 // Px of disparity per pixel; on steeper planes a moved vertex keeps its disparity.
 constexpr double kSteepest = 1;
-constexpr double kLeastCost_px2 = 0.5;  // vertices around which the cost is lower are left alone
+constexpr double kLeastCost_px2 = 0.5;  // vertices with a lower cost stay where they are
 constexpr double kLeastGain = 0.01;     // least share of the cost that a move must save
 constexpr int kFlatReach_px = 2;
 constexpr double kFlatStep_px = 2;  // a larger step within kFlatReach_px means that a pixel is not flat

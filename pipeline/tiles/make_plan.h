@@ -16,10 +16,10 @@ struct PlanRequest {
     config::Config config;    // checked and complete
 };
 
-// Writes the plan's folder, all files or none, with plan.json as the last. Memory: the map shrunk by
-// TilePlan::shrunk_by as solve_mesh() takes it, and a seam across the map. The same bytes for any number of
-// threads and on any backend. Throws Error(usage) for settings that tiles cannot have, Error(input) as
-// PlannedMap, where nothing is foreground, and where the picture is not the map's.
+// Writes the plan's folder, all files or none, with plan.json as the last. Memory: that of solve_mesh() for
+// the map shrunk by TilePlan::shrunk_by, and of a seam across the map. The same bytes for any number of
+// threads and on any backend. Throws Error(usage) for settings that tiles cannot have; Error(input) as
+// PlannedMap, if nothing is foreground, and if the picture does not fit the map.
 TilePlan make_plan(const PlanRequest& request, job::Backend& backend, job::RunLog& log);
 
 }  // namespace hexrelief::tiles

@@ -23,10 +23,11 @@ struct SolveObserver {
     std::function<void(const TileNumber& tile, const std::string& failure, int exit_code)> ended;
 };
 
-// Solves tiles of the finest level and writes of each, together, tile_file()'s .mesh (corners, triangles and
-// seam edges, tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as
-// the last. A tile that fails is told and left out; the others go on. The same bytes in any order, for any
-// number of threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
+// Solves tiles of the finest level. Writes tile_file()'s files of each tile, all or none: .mesh (corners,
+// triangles and seam edges, tile_files.h), .glb (the mesh in space; none if the tile is empty) and, as the
+// last, .json, the report. A tile that fails is reported and left out; the others go on. The same bytes in
+// any order, for any number of threads and jobs, on any backend. Throws Error(input) if the coarse lattice
+// is not the plan's.
 void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, job::Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer);
 

@@ -19,7 +19,7 @@ struct TileWorkers {
     mesh_tiles::CutMesh cut;
 };
 
-// A device is one caller's at a time; the CPU works on the caller's thread.
+// Returns workers that use the backend: one caller at a time on a device, each caller's thread on the CPU.
 TileWorkers workers_of(job::Backend& backend, int threads);
 
 // Makes the process keep the memory of freed windows for the next ones, for the rest of its life: sixteen

@@ -48,7 +48,7 @@ constexpr SlopeTables slope_tables() {
 }
 __device__ constexpr SlopeTables kTables = slope_tables();
 
-// Returns the slope that the lower halves of the words tell.
+// Returns the slope from the sums in the lower halves of the words.
 __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std::uint32_t v_behind,
                            std::uint32_t tv_behind) {
     const step::SideSum before(v_before & 0xffffu), behind(v_behind & 0xffffu), t_before(tv_before & 0xffffu),

@@ -9,7 +9,7 @@
 
 namespace hexrelief::exporters {
 
-// A whole .glb file. path names it in messages. Throws Error(output).
+// Returns a whole .glb file. path is for messages. Throws Error(output).
 std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,
                                     const std::filesystem::path& path);
 

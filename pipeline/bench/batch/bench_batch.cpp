@@ -44,7 +44,7 @@ struct BatchRow {
     std::uint64_t bytes = 0;  // of one GLB
 };
 
-// The steps of run_job(), without its files.
+// Runs the steps of run_job() without its files.
 std::uint64_t do_job(const Scenery& scene, const config::Config& config, job::Backend& backend,
                      job::RunLog& log) {
     const int threads = backend.threads();

@@ -30,7 +30,7 @@ struct Method {
     std::function<DisparityMap(const StereoPair&, const stages::DisparityConfig&, int threads)> match;
 };
 
-// StereoSGBM's own answer: both views agree on it, nothing is filled or refined.
+// Returns StereoSGBM's disparities on which both views agree, neither filled nor refined.
 DisparityMap match_by_opencv(const StereoPair& pair, const stages::DisparityConfig& config, int threads) {
     stages::RawViews views =
         stages::match_views_sgbm(pair, stages::find_range(pair, {}, config, threads).config, threads);
@@ -118,7 +118,7 @@ match::Row measure(const match::ScenePair& scene, const LoadedScene& loaded, con
     return row;
 }
 
-// What stands above the rows, as text and JSON.
+// Prints the head of the table and begins the JSON document.
 Json begin(const MatchOptions& options, const std::vector<job::BackendPointer>& backends, int threads,
            const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;

@@ -1,6 +1,6 @@
 #include "pipeline/cli/arguments/argument_parser.h"
 
-#include <CLI/CLI.hpp>  // takes ten seconds to compile: in this file alone
+#include <CLI/CLI.hpp>  // takes ten seconds to compile, so only this file includes it
 #include <algorithm>
 
 #include "pipeline/config/suggest.h"
@@ -20,14 +20,14 @@ void apply_traits(const CLI::App& app, CLI::Option& option, const OptionTraits& 
     if (!traits.excludes.empty()) option.excludes(const_cast<CLI::Option*>(app.get_option(traits.excludes)));
 }
 
-// The innermost command that was named, and its full name.
+// Returns the innermost command that was given, and stores its full name.
 const CLI::App& innermost(const CLI::App& app, std::string& name) {
     name += (name.empty() ? "" : " ") + app.get_name();
     for (const CLI::App* sub : app.get_subcommands()) return innermost(*sub, name);
     return app;
 }
 
-// " (did you mean '--left'?)" for the first argument that no option or command answers to.
+// Returns " (did you mean '--left'?)" for the first argument that matches no option or command.
 std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
     std::vector<std::string> names;
     for (const CLI::Option* option : app.get_options())
@@ -39,7 +39,7 @@ std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
         argument.resize(std::min(argument.size(), argument.find('=')));
         if (std::find(names.begin(), names.end(), argument) != names.end()) continue;
         const bool option = argument.starts_with("--");
-        if (!option && i + 1 < argc) continue;  // a value, most likely
+        if (!option && i + 1 < argc) continue;  // probably a value
         const std::string near = config::nearest_name(argument, names);
         if (!near.empty() && near.starts_with("--") == option) return " (did you mean '" + near + "'?)";
     }

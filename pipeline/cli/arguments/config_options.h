@@ -1,4 +1,4 @@
-// --config, --set and the options that set a key, as several commands take them.
+// Adds --config, --set and the options that set a key to several commands.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace hexrelief::cli {
 
 void add_config_options(Command& command, config::ConfigOptions& options, const std::string& group);
 
-// Options of the field table, by their flags. Those that are given are appended.
+// Adds the field table's options with these flags; appends those that are given to `options`.
 void add_key_options(Command& command, config::KeyOptions& options, const std::vector<std::string>& flags,
                      const std::string& group);
 

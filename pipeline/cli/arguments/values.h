@@ -1,4 +1,4 @@
-// Values of options that several commands take.
+// Parses option values that several commands share.
 #pragma once
 
 #include <cstddef>
@@ -7,15 +7,15 @@
 
 namespace hexrelief::cli {
 
-// K/N: every N-th item from item K on.
+// Selects every N-th item from item K on, for K/N.
 struct Shard {
     std::size_t number = 1, of = 1;
 };
 
-// "K/N" of --shard; 1/1 for an empty text. Throws Error(usage).
+// Parses "K/N" of --shard; an empty text gives 1/1. Throws Error(usage).
 Shard parse_shard(const std::string& text);
 
-// Of --memory: "8G", "512M", or bytes; 0 for an empty text. Throws Error(usage).
+// Parses the value of --memory, "8G", "512M", or bytes; an empty text gives 0. Throws Error(usage).
 std::uint64_t parse_memory(const std::string& text);
 
 }  // namespace hexrelief::cli

@@ -9,7 +9,8 @@ namespace {
 
 constexpr std::size_t kLongest = 2000, kKeptAtTheEnd = 800;
 
-// The length of the UTF-8 character that begins at `at`, and its code point; 0 where there is none.
+// Returns the length of the UTF-8 character that begins at `at`, and stores its code point; 0 if the
+// bytes are no UTF-8.
 std::size_t character_at(const std::string& text, std::size_t at, std::uint32_t& code) {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
     const std::uint8_t first = byte(at);
@@ -44,7 +45,7 @@ void escape(std::string& out, const std::string& text, std::size_t first, std::s
     }
 }
 
-// Of one line.
+// Returns the beginning and the end of a line that is too long.
 std::string shortened(const std::string& line) {
     if (line.size() <= kLongest) return line;
     const auto inside = [&](std::size_t at) { return (static_cast<std::uint8_t>(line[at]) & 0xc0) == 0x80; };

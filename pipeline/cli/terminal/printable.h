@@ -1,17 +1,16 @@
-// Text that holds names and values from outside, as a terminal may show it.
+// Makes text with names and values from outside safe for a terminal.
 #pragma once
 
 #include <string>
 
 namespace hexrelief::cli {
 
-// Control characters, marks that change the direction of writing and bytes that are no UTF-8 become "\x1b"
-// and the like, so that a file's name cannot move the cursor, recolour or imitate other output; a line feed
-// is kept where `lines` says that the text has several. A line of more than 2000 characters keeps its
-// beginning and its end.
+// Replaces control characters, marks that change the direction of writing and bytes that are no UTF-8 by
+// "\x1b" and the like, so that a file's name cannot move the cursor, change colours or imitate other output.
+// Line feeds are kept if `lines` is true. A very long line keeps its beginning and its end.
 std::string printable(const std::string& text, bool lines = false);
 
-// "hexrelief: warning: ..." on standard error.
+// Prints "hexrelief: warning: ..." to standard error.
 void print_warning(const std::string& warning);
 
 }  // namespace hexrelief::cli

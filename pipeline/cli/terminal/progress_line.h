@@ -1,11 +1,11 @@
-// The progress line of a stage, on a terminal.
+// Prints the progress of stages on a terminal.
 #pragma once
 
 #include <string>
 
 namespace hexrelief::cli {
 
-// One line a stage on stderr, rewritten in place: "mesh        42 %   1.3 s". Silent unless enabled.
+// One line per stage on stderr, rewritten in place: "mesh        42 %   1.3 s". Silent unless enabled.
 class ProgressLine {
   public:
     explicit ProgressLine(bool enabled) : enabled_(enabled) {}
@@ -14,9 +14,9 @@ class ProgressLine {
     ProgressLine& operator=(const ProgressLine&) = delete;
 
     void begin(const std::string& stage);
-    void update(double share);  // 0..1; redraws ten times a second at most
+    void update(double share);  // 0..1; redraws at most ten times a second
     void end();
-    // Clears the line that is half written, so that another text can take its place.
+    // Clears an unfinished line, so that other text can take its place.
     void break_line();
 
   private:
@@ -24,7 +24,7 @@ class ProgressLine {
     bool enabled_;
     bool open_ = false;
     std::string stage_;
-    double share_ = -1;  // < 0: the stage does not tell
+    double share_ = -1;  // < 0: the stage reports no progress
     double begun_ = 0, drawn_ = 0;
 };
 

@@ -23,7 +23,7 @@ struct MakeMapOptions {
     int seed = 1, threads = 0;
 };
 
-// "WIDTHxHEIGHT"; what sides are good for says the writer.
+// Parses "WIDTHxHEIGHT"; the writer checks the sides.
 std::pair<int, int> parse_map_size(const std::string& text) {
     int width = 0, height = 0;
     const char* const end = text.data() + text.size();

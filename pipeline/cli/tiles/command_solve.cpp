@@ -67,7 +67,7 @@ int print_commands(const SolveOptions& options, const std::vector<tiles::TileNum
     return 0;
 }
 
-// Tells how far the tiles are.
+// Prints the progress of the tiles.
 class TileTeller {
   public:
     TileTeller(const tiles::TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)
@@ -111,7 +111,8 @@ config::BackendChoice backend_of(const SolveOptions& options, const config::Conf
     return config.run.backend;
 }
 
-// memory: in bytes, for all tiles together; 0 = of what is free.
+// Solves the tiles in this process and returns the exit code. memory: bytes for all tiles together; 0 = a
+// share of the free memory.
 int solve_here(const tiles::TilePlan& plan, const std::vector<tiles::TileNumber>& tiles,
                const SolveOptions& options, int threads, std::uint64_t memory) {
     std::vector<tiles::TileNumber> missing;
@@ -131,7 +132,8 @@ int solve_here(const tiles::TilePlan& plan, const std::vector<tiles::TileNumber>
     return teller.all_ended();
 }
 
-// A process for each device, with every n-th tile, and its share of threads and memory.
+// Solves the tiles in one process per device, each with every n-th tile and its share of threads and memory.
+// Returns the first exit code other than 0.
 int solve_on(const std::vector<std::string>& devices, const tiles::TilePlan& plan,
              const std::vector<tiles::TileNumber>& tiles, const SolveOptions& options, int threads,
              std::uint64_t memory) {

@@ -1,4 +1,4 @@
-// What a command on tiles tells of its stages.
+// Prints the stages of a command for tiles.
 #pragma once
 
 #include <unistd.h>
@@ -11,8 +11,8 @@
 
 namespace hexrelief::cli {
 
-// On stderr: verbose, a line a stage with its time; otherwise the progress on a terminal; with warnings.
-// Quiet: nothing.
+// Prints to stderr: if verbose, a line per stage with its time, else the progress on a terminal; and
+// warnings. Prints no progress and no warnings if quiet.
 class StageTeller {
   public:
     StageTeller(bool quiet, bool verbose) : progress_(!quiet && !verbose && isatty(STDERR_FILENO)) {

@@ -16,7 +16,7 @@ std::string number(double value) {
     return text;
 }
 
-// The share of known pixels, and between which depths they lie.
+// Returns the share of known pixels and their range of depths. Throws Error(input) if none is known.
 std::string extent_text(const DepthMap& map) {
     float nearest = kUnknownDepth, farthest = 0;
     std::size_t known = 0;

@@ -1,4 +1,4 @@
-// A depth map as the later stages take it: as disparities.
+// Converts a depth map to the disparities that later stages need.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@ namespace hexrelief::job {
 
 struct DepthInput {
     DisparityMap map;
-    std::vector<std::string> decisions;  // what was believed, and which baseline is used
-    bool is_baseline_chosen = false;     // by the depths
+    std::vector<std::string> decisions;  // how the samples were read, and a baseline that was chosen
+    bool is_baseline_chosen = false;     // true if the depths chose the baseline
 };
 
-// `camera` is that of the depth map; where its baseline is not known (0), or the depths are relative, it gets
-// the one that the map's depths ask for (stages/depth.h). It is metric where the depths are and the focal
-// length is known. Throws Error(input) where near_m and far_m leave no depth.
+// Converts depths to disparities. `camera` is the depth map's; if its baseline is unknown (0), or the depths
+// are relative, the baseline is chosen by the depths (stages/depth.h). The camera becomes metric if the
+// depths are and the focal length is known. Throws Error(input) if near_m and far_m leave no depth.
 DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& config, bool is_focal_known,
                        Calibration& camera);
 

@@ -1,4 +1,4 @@
-// Masks and confidences as the maps take them.
+// Applies masks and confidences to maps.
 #pragma once
 
 #include <vector>
@@ -9,15 +9,17 @@
 
 namespace hexrelief::job {
 
-// Makes unknown (+infinity) what the mask does not keep; the values are those of a map of the mask's size.
+// Sets values that the mask does not keep to unknown (+infinity). The values are those of a map of the mask's
+// size; an empty mask keeps all.
 void hide(std::vector<float>& values, const readers::PixelMask& mask);
-// The same of a map, whose origins, where it has some, then say so.
+// Hides the same pixels of a map, and sets the origins of its unknown pixels, if it has origins, to unknown.
 void hide(DisparityMap& map, const readers::PixelMask& mask);
 
-// What is opaque in the image; empty where all is. Throws Error(input) where nothing is.
+// Returns the mask of the image's opaque pixels; empty if it has no alpha. Throws Error(input) if
+// no pixel is opaque.
 readers::PixelMask opaque_part(const Image& image);
 
-// What both keep. Either may be empty, which keeps all.
+// Returns the mask of the pixels that both masks keep. An empty mask keeps all.
 readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b);
 
 }  // namespace hexrelief::job

@@ -68,8 +68,8 @@ HEXRELIEF_HD Weight vote_weight(Weight likeness, Weight at_distance, Weight own,
     return known ? static_cast<Weight>(weight >> 5) : Weight{0};
 }
 
-// Returns the disparity that a voter votes for. change: plane_change() from the pixel in the middle to the
-// voter.
+// Returns the disparity that a voter votes for. change: plane_change() from the pixel in the
+// middle to the voter.
 template <typename Int>
 HEXRELIEF_HD Int vote(Int voter, Int change) {
     const auto disparity = static_cast<Int>(voter - static_cast<Int>(change >> 4));

@@ -53,8 +53,8 @@ HEXRELIEF_HD PathSteps<Word> path_steps(Word least, const SmallStep<Word>& small
             static_cast<Word>(2 * small_step.p1 - least)};
 }
 // Returns the cost of a path that ends here at one disparity: min(before, lower + p1, upper + p1, least + p2)
-// - least + cost, where all path costs are increased by p1. before: the path's cost at the previous pixel at
-// this disparity; lower and upper: at the disparities beside it. The result is at most cost + p2 + p1.
+// - least + cost. All path costs are increased by p1. before: the path's cost at the previous pixel at this
+// disparity; lower and upper: at the neighbouring disparities. The result is at most cost + p2 + p1.
 template <typename Word>
 HEXRELIEF_HD Word path_cost(Word before, Word lower, Word upper, const PathSteps<Word>& steps, Word cost) {
     const Word stay =

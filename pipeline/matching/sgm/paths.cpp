@@ -18,9 +18,9 @@ using PenaltyTable = std::array<Cost, 256>;  // penalties of large steps, indexe
 
 using SmallStep = step::SmallStep<Cost>;
 
-// The costs of several paths at their previous and current pixels, increased by p1 (see path_step.h), side by
-// side: one entry per disparity of the range, kNoPath where the pixel's window has none, so that windows may
-// differ from pixel to pixel.
+// The costs of several paths at their previous and current pixels, increased by p1 (see path_step.h),
+// side by side: one entry per disparity of the range, kNoPath outside the pixel's window, so that windows
+// may differ between pixels.
 class PathCosts {
   public:
     PathCosts(int paths, int count)

@@ -18,8 +18,8 @@ struct MatchingInput {
     step::PathPenalties penalties;
 };
 
-// The costs of vertical paths at the pixels of row y, increased by p1, in the layout of a row of a
-// MatchingVolume.
+// The costs of vertical paths at the pixels of row y, increased by p1, in the layout of a
+// row of a MatchingVolume.
 struct PathRow {
     std::uint16_t* costs;
     int y;

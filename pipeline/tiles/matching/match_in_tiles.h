@@ -30,8 +30,8 @@ struct TiledMatch {
 // result is the same for any number of threads and on any backend.
 //
 // Throws Error(usage) for settings that tiles cannot have and as MapWriter; Error(input) as
-// PictureWindows and compute_disparity(), where nothing matches, and where the calibration says that the pair
-// is not rectified; Error(output) as MapWriter.
+// PictureWindows and compute_disparity(), if nothing matches, and if the calibration describes an
+// unrectified pair; Error(output) as MapWriter.
 TiledMatch match_in_tiles(const MatchRequest& request, job::Backend& backend, job::RunLog& log);
 
 }  // namespace hexrelief::tiles

@@ -32,7 +32,7 @@ StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
     return {std::move(left), right.get()};
 }
 
-// Pixels of the range at full size that the shrunk pair's stands for.
+// Returns the number of disparities at full size for the range of the shrunk pair.
 int num_disparities_of_whole(int shrunk_end_px, int by, const stages::DisparityConfig& config, int width) {
     const long long end = 1LL * by * shrunk_end_px;
     const int widest = std::min(

@@ -13,11 +13,11 @@ struct PairWindows {
     const windows::PictureWindows &left, &right;
 };
 
-// The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
-// by a whole number where it has more than 16 Mpx; the light is that of this pair, the noise that of the
-// whole one's middle. Pairs that are not shrunk get what find_range() gives, but for a range that is not
-// rounded up; of others `coarse` is that of the shrunk pair. Tells the log of it. Throws as
-// check_matchable().
+// Returns the configuration's range, else the calibration's, else the range found in the whole pair,
+// which is shrunk by a whole number if it has more than 16 Mpx. The correction of light and `coarse`
+// come from the shrunk pair, the noise from the middle of the full one. A pair that is not shrunk
+// gets the same as from find_range(), except that the range is not rounded up. Writes the range to
+// the log. Throws as check_matchable().
 stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibration& calibration,
                                        const stages::DisparityConfig& config, int threads, job::RunLog& log);
 
