@@ -38,7 +38,7 @@ report, which says whether it is up to date: a second call does only what change
 of jobs.txt names its own files, and is up to date by its --report; without one it is done each time.
 OUT/batch.csv and OUT/batch.json hold all figures of all rows.
 
-matching::Rows that cannot be understood end the batch before it begins; with --keep-going the others are done. A row
+Rows that cannot be understood end the batch before it begins; with --keep-going the others are done. A row
 that fails later stops no other. The exit code is 0 if all are there, else that of the first that is not.
 
 Examples:

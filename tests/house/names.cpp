@@ -68,6 +68,15 @@ std::size_t after_block(const Words& words, std::size_t open) {
     return words.size();
 }
 
+// True if a block holds nothing but declarations such as `struct Name;`. Pointers to types of another room
+// need them where that room must not be included.
+bool only_declares_ahead(const Words& words, std::size_t first) {
+    std::size_t i = first;
+    while (i + 3 < words.size() && (words[i] == "struct" || words[i] == "class") && words[i + 2] == ";")
+        i += 3;
+    return i > first && words[i] == "}";
+}
+
 // The type that a declaration of these words defines, or nothing; specialisations and types inside of others
 // have no name of their own.
 std::string type_of(const Words& words, bool has_body) {
@@ -121,7 +130,7 @@ Names names_in(const SourceFile& file) {
                 if (is_named && !is_inline) {
                     if (!space.name.empty()) space.name += "::";
                     for (std::size_t k = first + 1; k < declaration.size(); ++k) space.name += declaration[k];
-                    names.namespaces.push_back(space.name);
+                    if (!only_declares_ahead(words, i + 1)) names.namespaces.push_back(space.name);
                 }
                 open.push_back(space);
                 ++i;

@@ -71,6 +71,9 @@ TEST(House, ForeignNamespacesAreNoticed) {
     const auto offences = [](const std::string& path, const std::string& space) {
         return foreign_namespaces({path, {"namespace " + space + " {", "}"}}).size();
     };
+    EXPECT_TRUE(foreign_namespaces({"exporters/core/mesh_format.h",
+                                    {"namespace hexrelief::inspect {", "struct Ahead;", "}"}})
+                    .empty());
     EXPECT_EQ(offences("pipeline/data/image.h", "hexrelief"), 0u);
     EXPECT_EQ(offences("pipeline/stages/density.h", "hexrelief"), 1u);
     EXPECT_EQ(offences("pipeline/stages/density.h", "hexrelief::stages"), 0u);
