@@ -68,8 +68,8 @@ struct Disparities {
 };
 
 // The rectified left camera and its distance to the right one. NaN = not given. A missing focal length is
-// taken to be the picture's width, a missing baseline to be 1; if either is missing, the mesh is right only
-// up to scale.
+// taken to be the picture's width, a missing baseline to be 1; if either is missing, the mesh is right
+// only up to scale.
 struct Camera {
     static constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
     std::string file = {};  // as --calib: Middlebury, KITTI, OpenCV, ROS, ...; the values below override it
