@@ -77,7 +77,7 @@ class CudaBackend final : public Backend {
     void give_back() override {
         matcher_.reset();
         mesher_.reset();
-        end_cuda();
+        cuda::end_cuda();
     }
 
   private:
@@ -99,6 +99,8 @@ BackendPointer usable_cuda_backend(int threads, std::string& why) {
     }
     return nullptr;
 }
+
+using cuda::copy_from_cuda_device;
 
 void append_cuda_devices(std::vector<DeviceDescription>& devices) {
     std::string why;

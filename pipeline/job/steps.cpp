@@ -120,7 +120,7 @@ DisparityMap densify_map(DisparityMap map, const Image& left, const readers::Pix
                          RunLog& log) {
     const densify::Sparsity sparsity = densify::measure_sparsity(map);
     if (!sparsity.is_sparse()) return map;
-    DisparityMap dense = log.stage("densify::densify", [&] {
+    DisparityMap dense = log.stage("densify", [&] {
         DisparityMap filled = densify::densify(map, left, threads);
         hide(filled, mask);
         return filled;
