@@ -59,7 +59,7 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
 }
 
 // The device's solver, whose first run loses the device.
-class LosingBackend final : public Backend {
+class LosingBackend final : public job::Backend {
   public:
     LosingBackend() : Backend(2) {}
     std::string name() const override { return "cuda"; }
@@ -78,7 +78,7 @@ class LosingBackend final : public Backend {
     void balance_patch(const DensityMap&, const BalanceConfig&, balance::LatticePatch&) override {}
 
   private:
-    CudaMesher mesher_;
+    cuda::CudaMesher mesher_;
 };
 
 // Under `auto` the run that loses the device ends on the CPU, with the same bytes, and so do those after it.
