@@ -1,7 +1,6 @@
 // Describes the contents of a mesh file.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +14,7 @@ struct LevelDescription {
 };
 
 struct MeshDescription {
-    std::string format;  // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz", "html"
+    std::string format;  // the extension without its dot
     // Sum over all meshes of the file, without coarser levels of detail; for .stl, which has no vertices, the
     // number of different corners.
     long long vertices = 0;
