@@ -50,7 +50,8 @@ struct RunInput {
 // writes: left_rectified.png right_rectified.png calib.txt.
 const std::vector<std::filesystem::path>& rectified_file_names();
 
-// Reads a source's files, or moves its arrays out of it. Warns of a missing calibration. Throws Error(input)
+// Reads a source's files, or moves its arrays out of it. Warns of a missing calibration, except
+// for a pair in memory. Throws Error(input)
 // if a file cannot be read or sizes differ.
 RunInput read_input(Source source, const config::InputConfig& config, const readers::ReaderLimits& limits,
                     int threads, RunLog& log);

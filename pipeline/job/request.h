@@ -14,8 +14,8 @@
 
 namespace hexrelief::job {
 
-// Alternatives of a run's source, files first. All names but the first of each may be empty, which means
-// none. Masks and confidences are for the left view.
+// Alternatives of a run's source, files first. Masks, confidences and colours may be empty, which means none;
+// masks and confidences are for the left view.
 struct PairFiles {
     std::filesystem::path left, right, mask = {};
 };

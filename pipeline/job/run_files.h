@@ -27,8 +27,9 @@ std::string depfile_rule(const RunRequest& request);
 std::string standard_output_names();
 bool writes_standard_output(const RunRequest& request);
 
-// Return all files that the job may write, and all that it reads.
+// Returns all files that the job may write, except rectified_file_names().
 std::vector<std::filesystem::path> written_files(const RunRequest& request);
+// Returns all files that the job reads.
 std::vector<std::filesystem::path> read_files(const RunRequest& request);
 
 // Estimates the memory of a run, in bytes, from the header of the first input and mesh.spacing_px: 40 MiB

@@ -123,10 +123,10 @@ FoundRange find_range(const StereoPair& pair, const Calibration& calibration, co
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
 
 // Returns disparities of the left view in px (multiples of 1/16 px) and their origins. A range from 0 or
-// above gives no disparity of 0, which would be a point without a depth. config: FoundRange's; if farthest_px
-// is NaN, no match counts as far. The same bytes for any number of threads. Throws Error(input) if the images
-// differ in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for a parameter
-// out of range, or a range wider than the image.
+// above gives no disparity of 0, which would be a point without a depth. config: FoundRange::config; if
+// farthest_px is NaN, no match counts as far. The same bytes for any number of threads. Throws Error(input)
+// if the images differ in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for
+// a parameter out of range, or a range wider than the image.
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
                          int threads);
 

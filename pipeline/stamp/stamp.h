@@ -7,9 +7,10 @@
 
 namespace hexrelief::stamp {
 
-// Returns the SHA-256 of everything that the outputs' bytes depend on: the bytes of all files read, the
-// effective configuration, the outputs' names without their folders, and the program's version. Threads,
-// backend and folders change no byte and are left out. Throws Error(input) if a file cannot be read.
+// Returns the SHA-256 of everything that the outputs' bytes depend on: the bytes of the source's files
+// and of the calibration, the effective configuration, the outputs' names without their folders, and the
+// program's version. Threads, backend and folders change no byte and are left out. Throws Error(input) if a
+// file cannot be read.
 std::string unit_stamp(const job::RunRequest& request);
 
 enum class UnitState {
