@@ -47,23 +47,24 @@ Examples:
   hexrelief batch pairs.yaml -o out --print-commands | parallel)";
 
 job::RunRequest request_of_words(const std::vector<std::string>& words) {
-    RunOptions options;
+    FileRequest files;
+    Options options;
+    Verbosity verbosity{};
     ArgumentParser parser("hexrelief run", "", {});
     Command command = parser.root();
-    add_run_options(command, options);
+    add_run_options(command, files, options, verbosity);
     std::string program = "hexrelief run";
     std::vector<std::string> copies = words;
     std::vector<char*> arguments{program.data()};
     for (std::string& word : copies) arguments.push_back(word.data());
     if (!parser.parse(static_cast<int>(arguments.size()), arguments.data()))
         throw Error(ErrorKind::usage, "a job takes neither --help nor --version");
-    return library::request_of(options.request, options_of(options));
+    return library::request_of(files, options);
 }
 
 struct BatchCommand {
     fs::path what, output;
-    config::ConfigOptions config;
-    config::KeyOptions keys;  // for all rows
+    Options rows;  // for all rows
     std::vector<std::string> formats;
     std::string gpus, shard, memory, log = "auto";
     int jobs = 0, threads = 0;
@@ -72,13 +73,14 @@ struct BatchCommand {
 };
 
 batch::ManifestOptions manifest_options(const BatchCommand& command) {
-    batch::ManifestOptions options{command.output, {"glb"}, command.config.file, {}, command.depfiles};
+    batch::ManifestOptions options{command.output, {"glb"}, command.rows.config, {}, command.depfiles};
     if (!command.formats.empty()) options.formats = command.formats;
     if (command.print_commands && !options.output.empty())
         options.output = fs::absolute(options.output).lexically_normal();
-    for (const std::string& setting : command.config.settings)
-        options.words.insert(options.words.end(), {"--set", setting});
-    for (const auto& [flag, text] : command.keys)  // as settings, so that a row's own options override them
+    for (const auto& [key, text] : command.rows.settings)
+        options.words.insert(options.words.end(), {"--set", key + "=" + text});
+    for (const auto& [flag, text] :
+         command.rows.direct)  // as settings, so that a row's own options override them
         options.words.insert(options.words.end(),
                              {"--set", config::row_of_option(flag, {}).path + "=" + text});
     for (const FileOption& file : file_options()) options.file_options.emplace_back(file.flag);
@@ -228,7 +230,7 @@ int run_batch(const BatchCommand& command) {
     const TableFiles table = table_files(command.output, shard);
     if (writes_table) {
         files::check_writable_folder(command.output);
-        files::check_overwrites({table.csv, table.json}, {command.what, command.config.file});
+        files::check_overwrites({table.csv, table.json}, {command.what, command.rows.config});
     }
 
     BatchTeller teller(command, units);
@@ -272,10 +274,10 @@ void add_batch_options(Command& command, BatchCommand& options) {
                        {.value = "KIND", .shows_default = true});
     command.add_flag("--quiet", options.quiet, "nothing but failures");
     const char* const group = "Rows";
-    add_config_options(command, options.config, group);
+    add_config_options(command, options.rows, group);
     std::vector<std::string> flags = config::option_flags("Job");
     std::erase(flags, "--threads");  // applies to all rows together, see above
-    add_key_options(command, options.keys, flags, group);
+    add_key_options(command, options.rows, flags, group);
 }
 
 }  // namespace

@@ -7,12 +7,13 @@
 #include "pipeline/config/document.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
+#include "pipeline/library/conversions.h"
 
 namespace hexrelief::cli {
 namespace {
 
 struct ConfigCommandOptions {
-    config::ConfigOptions config;
+    Options shown;
     std::string checked;
     bool markdown = false;
 };
@@ -22,8 +23,7 @@ void print_warnings(const config::Config& config) {
 }
 
 int show(const ConfigCommandOptions& options) {
-    const config::Config config = config::read_config(options.config);
-    config::finish_config(config);
+    const config::Config config = library::config_of(options.shown, {});
     print_warnings(config);
     const std::string text = options.markdown ? config::config_markdown() : config::config_yaml(config);
     std::fputs(text.c_str(), stdout);
@@ -57,7 +57,7 @@ void add_config_command(Command& program) {
 
     Command shown = group.add_command(
         "show", "the configuration as fully commented YAML, without options the default one");
-    add_config_options(shown, options->config, "Options");
+    add_config_options(shown, options->shown, "Options");
     shown.add_flag("--markdown", options->markdown, "a table of all keys and their defaults, for documents");
     shown.set_footer(
         "Examples:\n  hexrelief config show > my.yaml\n  hexrelief config show --config my.yaml --set "

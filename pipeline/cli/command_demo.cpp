@@ -82,20 +82,18 @@ int show_demo(const DemoOptions& demo) {
         throw Error(ErrorKind::output,
                     "cannot make the folder " + folder.string() + ": " + failure.message());
     samples::write_sample_files(pair, folder);
-    RunOptions options;
-    options.request.left = folder / "left.png";
-    options.request.right = folder / "right.png";
+    FileRequest files;
+    files.left = folder / "left.png";
+    files.right = folder / "right.png";
     const std::string calibration = folder / "calib.txt";
-    options.keys = {{"--calib", calibration}};
-    options.request.outputs = {outputs.begin(), outputs.end()};
-    std::vector<std::string> words = {
-        "hexrelief",           "run",     "--left",   options.request.left, "--right",
-        options.request.right, "--calib", calibration};
+    files.outputs = {outputs.begin(), outputs.end()};
+    std::vector<std::string> words = {"hexrelief", "run",       "--left",  files.left,
+                                      "--right",   files.right, "--calib", calibration};
     for (const fs::path& output : outputs) words.insert(words.end(), {"-o", output.string()});
     std::printf("%s\n", printable(batch::shell_line(words)).c_str());
-    options.request.ends_process = true;
+    files.ends_process = true;
     end_on_interrupt();
-    run_and_tell(options);
+    run_and_tell(files, {.direct = {{"--calib", calibration}}}, Verbosity::summary);
     if (!exporters::has_viewer())
         std::printf("%s\n", exporters::kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))

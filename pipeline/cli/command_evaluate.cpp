@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "pipeline/bench/match/match_rows.h"
-#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/config/options.h"
 #include "pipeline/evaluation/evaluate.h"
 #include "pipeline/readers/disparity_reader.h"
 

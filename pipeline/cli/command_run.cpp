@@ -27,40 +27,42 @@ Settings apply in this order: defaults, --config, --set, direct options such as 
 Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 memory, 1 a bug,
 130 interrupted.)";
 
-void add_input_options(Command& command, RunOptions& options) {
+void add_input_options(Command& command, FileRequest& files, Options& options) {
     const char* const group = "Input";
     for (const auto& [flag, value, help, file] : file_options())
-        command.add_option(flag, &(options.request.*file), help, {.group = group, .value = value});
-    add_key_options(command, options.keys, config::option_flags(group), group);
+        command.add_option(flag, &(files.*file), help, {.group = group, .value = value});
+    add_key_options(command, options, config::option_flags(group), group);
 }
 
-void add_output_options(Command& command, RunOptions& options) {
+void add_output_options(Command& command, FileRequest& files, Options& options, Verbosity& verbosity) {
     const char* const group = "Output";
     command.add_option(
-        "-o,--output", &options.request.outputs,
+        "-o,--output", &files.outputs,
         "mesh file; may be given several times; - or " + output_streams() + ": to the standard output",
         {.group = group, .value = "OUT", .repeated = true});
-    command.add_option("--report", &options.request.report,
-                       "what was done, as JSON; - = to the standard output",
+    command.add_option("--report", &files.report, "what was done, as JSON; - = to the standard output",
                        {.group = group, .value = "R.json"});
-    command.add_flag("--update", options.request.update,
+    command.add_flag("--update", files.update,
                      "do nothing where the report says that all is there, of these inputs and settings",
                      {.group = group});
-    command.add_option("--depfile", &options.request.depfile,
+    command.add_option("--depfile", &files.depfile,
                        "a rule for make: the outputs depend on all files that are read",
                        {.group = group, .value = "FILE.d"});
-    command.add_option("--save-stages", &options.request.stages_folder, "each stage's result and pictures",
+    command.add_option("--save-stages", &files.stages_folder, "each stage's result and pictures",
                        {.group = group, .value = "DIR"});
-    add_key_options(command, options.keys, config::option_flags(group), group);
-    command.add_flag("--quiet", options.quiet, "nothing but errors", {.group = group});
-    command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage",
-                     {.group = group, .excludes = "--quiet"});
+    add_key_options(command, options, config::option_flags(group), group);
+    const auto set = [&verbosity](Verbosity value) {
+        return [&verbosity, value](const std::string&) { verbosity = value; };
+    };
+    command.add_option("--quiet", set(Verbosity::quiet), "nothing but errors", {.group = group});
+    command.add_option("--verbose", set(Verbosity::verbose), "decisions and the seconds of each stage",
+                       {.group = group, .excludes = "--quiet"});
 }
 
-void add_job_options(Command& command, RunOptions& options) {
+void add_job_options(Command& command, Options& options) {
     const char* const group = "Job";
-    add_config_options(command, options.config, group);
-    add_key_options(command, options.keys, config::option_flags(group), group);
+    add_config_options(command, options, group);
+    add_key_options(command, options, config::option_flags(group), group);
 }
 
 }  // namespace
@@ -83,29 +85,17 @@ const std::vector<FileOption>& file_options() {
     return options;
 }
 
-void add_run_options(Command& command, RunOptions& options) {
-    add_input_options(command, options);
-    add_output_options(command, options);
+void add_run_options(Command& command, FileRequest& files, Options& options, Verbosity& verbosity) {
+    add_input_options(command, files, options);
+    add_output_options(command, files, options, verbosity);
     add_job_options(command, options);
 }
 
-Options options_of(const RunOptions& options) {
-    Options said{.config = options.config.file};
-    said.direct = options.keys;
-    for (const std::string& setting : options.config.settings) {
-        const std::size_t equals = setting.find('=');
-        if (equals == std::string::npos)
-            throw Error(ErrorKind::usage, "--set " + setting + ": write it as key.path=value");
-        said.settings.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
-    }
-    return said;
-}
-
-void run_and_tell(const RunOptions& options) {
+void run_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
     const auto begun = std::chrono::steady_clock::now();
-    const bool verbose = options.verbose;
-    Options said = options_of(options);
-    ProgressLine progress(!options.quiet && !verbose && isatty(STDERR_FILENO));
+    const bool quiet = verbosity == Verbosity::quiet, verbose = verbosity == Verbosity::verbose;
+    Options said = options;
+    ProgressLine progress(!quiet && !verbose && isatty(STDERR_FILENO));
     std::string shown;  // the stage that the progress line shows
     said.progress = [&](const std::string& stage, double share) {
         if (shown == stage)
@@ -122,14 +112,14 @@ void run_and_tell(const RunOptions& options) {
         said.decided = [](const std::string& decision) {
             std::fprintf(stderr, "  %s\n", printable(decision).c_str());
         };
-    if (!options.quiet)
+    if (!quiet)
         said.warn = [&](const std::string& warning) {
             progress.break_line();
             print_warning(warning);
         };
-    const RunSummary summary = run(options.request, said);
+    const RunSummary summary = run(files, said);
     if (summary.is_up_to_date) {
-        if (!options.quiet) std::printf("%s: up to date\n", printable(options.request.report).c_str());
+        if (!quiet) std::printf("%s: up to date\n", printable(files.report).c_str());
         return;
     }
     if (verbose) {
@@ -140,21 +130,26 @@ void run_and_tell(const RunOptions& options) {
                      summary.percent_cost, full / static_cast<double>(summary.triangles), summary.threads,
                      summary.device.c_str(), summary.peak_bytes >> 20);
     }
-    if (options.quiet) return;
+    if (quiet) return;
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
-    std::fputs(summary_text(summary, options.request, taken.count()).c_str(),
-               uses_standard_output(options.request) ? stderr : stdout);
+    std::fputs(summary_text(summary, files, taken.count()).c_str(),
+               uses_standard_output(files) ? stderr : stdout);
 }
 
 void add_run_command(Command& program) {
     Command command = program.add_command("run", "a stereo pair or a disparity map to mesh files");
-    const auto options = std::make_shared<RunOptions>();
-    add_run_options(command, *options);
+    struct Run {
+        FileRequest files;
+        Options options;
+        Verbosity verbosity = Verbosity::summary;
+    };
+    const auto run = std::make_shared<Run>();
+    add_run_options(command, run->files, run->options, run->verbosity);
     command.set_footer(kExamples + output_extensions() + kRules);
-    command.set_action([options] {
-        options->request.ends_process = true;
+    command.set_action([run] {
+        run->files.ends_process = true;
         end_on_interrupt();
-        run_and_tell(*options);
+        run_and_tell(run->files, run->options, run->verbosity);
         return 0;
     });
 }

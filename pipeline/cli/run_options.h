@@ -18,19 +18,13 @@ struct FileOption {
 };
 const std::vector<FileOption>& file_options();
 
-struct RunOptions {
-    FileRequest request;
-    config::ConfigOptions config;
-    config::KeyOptions keys;
-    bool quiet = false, verbose = false;
-};
+// What a run prints: nothing but errors, the summary, or also its decisions and the seconds of its stages.
+enum class Verbosity { quiet, summary, verbose };
 
-void add_run_options(Command& command, RunOptions& options);
-
-// Returns the library's options that the command line gives, without its files. Throws Error(usage).
-Options options_of(const RunOptions& options);
+// Adds the options of one run, which set the library's request and options.
+void add_run_options(Command& command, FileRequest& files, Options& options, Verbosity& verbosity);
 
 // Calls the library's run() and prints its progress, warnings and results as requested. Throws as run().
-void run_and_tell(const RunOptions& options);
+void run_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity);
 
 }  // namespace hexrelief::cli

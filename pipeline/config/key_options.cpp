@@ -59,7 +59,8 @@ const Field& row_of_option(const std::string& flag, const std::vector<std::strin
     throw Error(ErrorKind::usage, flag + " goes with " + missing + ", which is not given");
 }
 
-void apply_options(Config& config, const KeyOptions& options, const std::vector<std::string>& files) {
+void apply_options(Config& config, const std::vector<std::pair<std::string, std::string>>& options,
+                   const std::vector<std::string>& files) {
     for (const auto& [flag, text] : options)
         apply_option(config, flag, row_of_option(flag, files).path, text);
 }

@@ -9,9 +9,6 @@
 
 namespace hexrelief::config {
 
-// Flags with their values as typed: {"--fov-x", "60"}; "true" for a flag without a value.
-using KeyOptions = std::vector<std::pair<std::string, std::string>>;
-
 // Returns the flags of a group in the help, in the table's order: "Input", "Output" (keys
 // of `export`), or "Job".
 std::vector<std::string> option_flags(const std::string& group);
@@ -28,8 +25,10 @@ std::string option_value(const Field& field);
 // if no row has the flag, or if the file that the row needs is not among them.
 const Field& row_of_option(const std::string& flag, const std::vector<std::string>& files);
 
-// Sets the rows of the options in their order. Throws as row_of_option(), and Error(usage) for
-// values out of range.
-void apply_options(Config& config, const KeyOptions& options, const std::vector<std::string>& files);
+// Sets the rows of the options, which are flags with their values as typed, in their order: {"--fov-x",
+// "60"}; "true" for a flag without a value. Throws as row_of_option(), and Error(usage) for values out of
+// range.
+void apply_options(Config& config, const std::vector<std::pair<std::string, std::string>>& options,
+                   const std::vector<std::string>& files);
 
 }  // namespace hexrelief::config

@@ -1,4 +1,4 @@
-// Reads --config and --set for several commands.
+// Reads a configuration from a file or preset and settings on top of it.
 #pragma once
 
 #include <string>
@@ -9,14 +9,11 @@
 
 namespace hexrelief::config {
 
-struct ConfigOptions {
-    std::string file;
-    std::vector<std::string> settings;
-};
-
-// Returns `base` with the file's and then the settings' values, in their order. Call finish_config()
-// afterwards. Throws Error(usage), also if a key is set by its old name and by its new one.
-Config read_config(const ConfigOptions& options, const Config& base = {});
+// Returns `base` with the values of the file, or of the preset of that name, and then of the settings
+// ("key.path=value"), in their order. Call finish_config() afterwards. Throws Error(usage), also if a key is
+// set by its old name and by its new one.
+Config read_config(const std::string& file, const std::vector<std::string>& settings,
+                   const Config& base = {});
 // Returns the configuration to start from if neither preset nor file is named: the defaults; for a limit on
 // bytes the preset compact; for a limit on vertices compact with the default export settings.
 Config budget_base(const BudgetConfig& budget);

@@ -63,9 +63,9 @@ readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
 
 config::Config configured(const Options& options, const Camera& camera, const std::vector<std::string>& files,
                           const config::Config& base) {
-    config::ConfigOptions said{options.config, {}};
-    for (const auto& [key, value] : options.settings) said.settings.push_back(key + "=" + value);
-    config::Config config = config::read_config(said, base);
+    std::vector<std::string> settings;
+    for (const auto& [key, value] : options.settings) settings.push_back(key + "=" + value);
+    config::Config config = config::read_config(options.config, settings, base);
     const auto take = [&](const char* name, double value) {
         if (!std::isnan(value))
             config::apply_option(config, std::string("camera.") + name,

@@ -83,10 +83,14 @@ void Command::add_flag(const std::string& name, bool& target, const std::string&
 
 void Command::add_option(const std::string& name, const std::function<void(const std::string&)>& take,
                          const std::string& help, const OptionTraits& traits) {
-    CLI::Option* const option = traits.value.empty()
-                                    ? app_->add_flag_callback(
-                                          name, [take] { take("true"); }, help)
-                                    : app_->add_option_function<std::string>(name, take, help);
+    const auto take_all = [take](const std::vector<std::string>& texts) {
+        for (const std::string& text : texts) take(text);
+    };
+    CLI::Option* const option =
+        traits.value.empty() ? app_->add_flag_callback(
+                                   name, [take] { take("true"); }, help)
+        : traits.repeated ? app_->add_option_function<std::vector<std::string>>(name, take_all, help)
+                          : app_->add_option_function<std::string>(name, take, help);
     apply_traits(*app_, *option, traits);
 }
 

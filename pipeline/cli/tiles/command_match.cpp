@@ -7,6 +7,7 @@
 #include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/library/conversions.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
 
 namespace hexrelief::cli {
@@ -14,8 +15,7 @@ namespace {
 
 struct MatchOptions {
     std::filesystem::path left, right, output;
-    config::ConfigOptions config;
-    config::KeyOptions keys;
+    Options config;
     int tile_px = tiles::MatchRequest().tile_px;
     bool quiet = false, verbose = false;
 };
@@ -25,9 +25,7 @@ int match_tiles(const MatchOptions& options) {
                                 .right = options.right,
                                 .map = options.output,
                                 .tile_px = options.tile_px,
-                                .config = config::read_config(options.config)};
-    config::apply_options(request.config, options.keys, {"--left", "--right"});
-    config::finish_config(request.config);
+                                .config = library::config_of(options.config, {}, {"--left", "--right"})};
     files::check_writable_file(options.output);
     const int threads = job::effective_threads(request.config.run.threads);
     const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
@@ -56,7 +54,7 @@ void add_match_command(Command& group) {
     command.add_option("--tile", &options->tile_px, "a tile's side",
                        {.value = "PX", .shows_default = true, .range = {{64, 16384}}});
     add_config_options(command, options->config, "Options");
-    add_key_options(command, options->keys, {"--calib", "--backend", "--threads"}, "Options");
+    add_key_options(command, options->config, {"--calib", "--backend", "--threads"}, "Options");
     command.add_flag("--quiet", options->quiet, "nothing but errors");
     command.add_flag("--verbose", options->verbose, "the range searched, and the stages' times");
     command.set_footer(

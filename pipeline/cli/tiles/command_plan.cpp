@@ -7,6 +7,7 @@
 #include "pipeline/cli/tiles/tiles_commands.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
+#include "pipeline/library/conversions.h"
 #include "pipeline/tiles/make_plan.h"
 
 namespace hexrelief::cli {
@@ -14,23 +15,21 @@ namespace {
 
 struct PlanOptions {
     std::filesystem::path map, color, folder;
-    config::ConfigOptions config;
-    config::KeyOptions keys;
+    Options config;
     std::string raw;
     int tile_vertices = 512;
     bool quiet = false, verbose = false;
 };
 
 int plan_tiles(const PlanOptions& options) {
-    tiles::PlanRequest request{options.map, options.color,         options.folder,
-                               {},          options.tile_vertices, config::read_config(options.config)};
-    apply_options(request.config, options.keys, {"--disparity"});
-    config::finish_config(request.config);
+    tiles::PlanRequest request{
+        options.map, options.color,         options.folder,
+        {},          options.tile_vertices, library::config_of(options.config, {}, {"--disparity"})};
     if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
     files::check_writable_folder(options.folder);
     files::check_overwrites(
         {tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
-        {options.map, options.color, options.config.file, request.config.input.calibration.file});
+        {options.map, options.color, options.config.config, request.config.input.calibration.file});
     const int threads = job::effective_threads(request.config.run.threads);
     const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
     files::install_interrupt_handling();
@@ -67,7 +66,7 @@ void add_plan_command(Command& group) {
                        {.value = "WxH,TYPE"});
     add_config_options(command, options->config, "Options");
     add_key_options(
-        command, options->keys,
+        command, options->config,
         {"--disparity-scale", "--disparity-offset", "--unknown", "--calib", "--backend", "--threads"},
         "Options");
     command.add_flag("--quiet", options->quiet, "nothing but errors");

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 struct SolveOptions {
     fs::path folder;
     std::string tile, shard, gpus, memory;
-    config::KeyOptions keys;
+    Options config;
     int jobs = 0, threads = 0;
     bool force = false, print_commands = false, quiet = false;
 };
@@ -59,7 +59,7 @@ int print_commands(const SolveOptions& options, const std::vector<tiles::TileNum
         std::vector<std::string> words = {"hexrelief", "tiles",
                                           "solve",     fs::absolute(options.folder).string(),
                                           "--tile",    std::to_string(tile.j) + "," + std::to_string(tile.i)};
-        for (const auto& [flag, text] : options.keys) words.insert(words.end(), {flag, text});
+        for (const auto& [flag, text] : options.config.direct) words.insert(words.end(), {flag, text});
         if (options.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options.threads)});
         if (options.force) words.emplace_back("--force");
         std::printf("%s\n", batch::shell_line(words).c_str());
@@ -107,7 +107,7 @@ class TileTeller {
 
 config::BackendChoice backend_of(const SolveOptions& options, const config::Config& planned) {
     config::Config config = planned;
-    apply_options(config, options.keys, {});
+    apply_options(config, options.config.direct, {});
     return config.run.backend;
 }
 
@@ -200,7 +200,7 @@ void add_solve_command(Command& group) {
     command.add_option("--memory", &options->memory,
                        "for all tiles together, as 8G; otherwise three quarters of what is free",
                        {.value = "SIZE"});
-    add_key_options(command, options->keys, {"--backend"}, "Options");
+    add_key_options(command, options->config, {"--backend"}, "Options");
     command.add_option("--gpus", &options->gpus, "all, or a number: the tiles are spread over these devices",
                        {.value = "all|N"});
     command.add_flag("--force", options->force, "solve tiles that are there as well");

@@ -194,17 +194,12 @@ TEST(ConfigFile, OldAndNewNameTogetherAreErrors) {
                    {"my.yaml:3:", "duplicate key 'surface.silhouette_inset_px'"});
     expect_message("surface:\n  silhouette_inset_px: 0.2\n  rim_inset_px: 0.1\n",
                    {"my.yaml:3:", "duplicate key", "old name 'surface.rim_inset_px'"});
-    ConfigOptions options;
-    options.settings = {"surface.silhouette_inset_px=0.2", "surface.rim_inset_px=0.1"};
-    EXPECT_THROW(read_config(options), Error);
+    EXPECT_THROW(read_config("", {"surface.silhouette_inset_px=0.2", "surface.rim_inset_px=0.1"}), Error);
 }
 
 // A preset names the key by its new name, and a setting may still override it by the old one.
 TEST(Setting, OldNamesOverrideAPreset) {
-    ConfigOptions options;
-    options.file = "compact";
-    options.settings = {"surface.rim_inset_px=0.1"};
-    const Config config = read_config(options);
+    const Config config = read_config("compact", {"surface.rim_inset_px=0.1"});
     EXPECT_EQ(config.surface.silhouette_inset_px, 0.1);
     EXPECT_EQ(config.warnings.size(), 1u);
 }
