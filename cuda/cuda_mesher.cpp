@@ -27,6 +27,7 @@ struct CudaMesher::State {
     const DisparityMap* expected_map = nullptr;  // for the next solve(); null = none
     cuda::ResidentMap map;
     cuda::LevelTimer balance_timer;
+    DeviceFigures figures;
 };
 
 CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
@@ -66,11 +67,18 @@ bool CudaMesher::can_cut_meshes() const {
     return state_->can_cut_meshes;
 }
 
-surface::DisparityMeshResult CudaMesher::cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                            const SurfaceConfig& config) {
+DisparityMesh CudaMesher::cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                             const SurfaceConfig& config) {
     surface::check_disparity_mesh_input(input);
     const float* const map = state_->map.copy_of(input.map->values);
-    return cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input, config);
+    DisparityMesh mesh = cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input,
+                                                  config, state_->figures.surface_s);
+    state_->figures.bytes = state_->arena.peak_bytes() + (map ? state_->map.bytes() : 0);
+    return mesh;
+}
+
+const DeviceFigures& CudaMesher::figures() const {
+    return state_->figures;
 }
 
 void CudaMesher::balance_patch(const DensityMap& density, const BalanceConfig& config,
@@ -82,8 +90,8 @@ void CudaMesher::expect_map(const DisparityMap& map) {
     state_->expected_map = &map;
 }
 
-mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config,
-                                     const ProgressFunction& progress) {
+HexMesh2D CudaMesher::solve(const DensityMap& density, const MeshConfig& config,
+                            const ProgressFunction& progress) {
     const DisparityMap* const map = std::exchange(state_->expected_map, nullptr);
     state_->map.forget();
     if (config.method == MeshMethod::sequential)
@@ -112,15 +120,15 @@ mesher::MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig
         state_->map.hold(map->values);
     }
 
-    mesher::MeshResult result;
-    result.mesh = job.download(state_->staging);
-    result.iterations = job.iterations();
+    HexMesh2D mesh = job.download(state_->staging);
+    mesh.iterations = job.iterations();
     float milliseconds = 0;
     cuda::check(cudaEventElapsedTime(&milliseconds, state_->begin, state_->end), "timing");
-    result.device_balance_s = config.balance.enabled ? state_->balance_timer.seconds(job.levels()) : 0;
-    result.device_training_s = milliseconds * 1e-3 - result.device_balance_s;
-    result.device_bytes = state_->arena.peak_bytes() + (map ? state_->map.bytes() : 0);
-    return result;
+    DeviceFigures& figures = state_->figures;
+    figures.balance_s = config.balance.enabled ? state_->balance_timer.seconds(job.levels()) : 0;
+    figures.training_s = milliseconds * 1e-3 - figures.balance_s;
+    figures.bytes = state_->arena.peak_bytes() + (map ? state_->map.bytes() : 0);
+    return mesh;
 }
 
 }  // namespace hexrelief::cuda

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mesher/balance/balance.h"
+#include "mesher/common/device_figures.h"
 #include "mesher/mesher.h"
 
 namespace hexrelief::cuda {
@@ -56,8 +57,7 @@ class CudaMesher {
     // Runs mesher::solve_mesh on the device. Also throws Error(usage) for MeshMethod::sequential and for more
     // than 100 sweeps of balancing, and Error(device) if memory is too small, an image side exceeds 32,767
     // px, or a neighbourhood radius exceeds 27.
-    mesher::MeshResult solve(const DensityMap& density, const MeshConfig& config,
-                             const ProgressFunction& progress);
+    HexMesh2D solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress);
 
     // Runs balance::balance_patch on the device. Throws Error(usage) for more than 100 sweeps and
     // Error(device) if memory is too small; the patch is then unchanged.
@@ -66,8 +66,10 @@ class CudaMesher {
     // True if the device supports cut_disparity_mesh, which needs compute capability 8.0.
     bool can_cut_meshes() const;
     // Runs surface::cut_disparity_mesh on the device. Also throws Error(device) if memory is too small.
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config);
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input, const SurfaceConfig& config);
+
+    // Returns the figures of the latest solve() and cut_disparity_mesh().
+    const DeviceFigures& figures() const;
 
   private:
     struct State;

@@ -109,8 +109,8 @@ som::LatticePositions train_one_by_one(std::vector<float> density, const som::Le
 
 }  // namespace
 
-MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
-                      const ProgressFunction& progress) {
+HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
+                     const ProgressFunction& progress) {
     const som::MeshArea area = som::mesh_area(density, config);
     std::vector<som::LevelPlan> plans = som::plan_levels(density.width, density.height, config, area);
     const som::MeshOutline outline = som::mesh_outline(density, area, config);
@@ -122,14 +122,14 @@ MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int t
         config.method == MeshMethod::sequential
             ? train_one_by_one(std::move(values), plans.back(), config, pool, progress)
             : train_coarse_to_fine(std::move(values), plans, config, pool, progress);
-    MeshResult result;
-    result.mesh.columns = plans.back().lattice.columns;
-    result.mesh.rows = plans.back().lattice.rows;
+    HexMesh2D mesh;
+    mesh.columns = plans.back().lattice.columns;
+    mesh.rows = plans.back().lattice.rows;
     for (std::size_t i = 0; i < positions.x.size(); ++i)
-        result.mesh.positions.push_back(
+        mesh.positions.push_back(
             {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
-    for (const som::LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
-    return result;
+    for (const som::LevelPlan& plan : plans) mesh.iterations += static_cast<int>(plan.iterations.size());
+    return mesh;
 }
 
 }  // namespace hexrelief::mesher

@@ -20,8 +20,6 @@
 // Errors: Error(usage) if parameters do not fit the image, Error(input) if maps do not fit each other.
 #pragma once
 
-#include <cstddef>
-
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/progress_function.h"
 #include "mesher/common/surface_config.h"
@@ -32,16 +30,6 @@
 
 namespace hexrelief::mesher {
 
-struct MeshResult {
-    HexMesh2D mesh;
-    int iterations = 0;  // parallel iterations of all levels; for the sequential method draws / cells
-    // Set by the CUDA backend only, 0 on the CPU: seconds of training and of balancing by the device's clock,
-    // and the peak of its memory in bytes.
-    double device_training_s = 0;
-    double device_balance_s = 0;
-    std::size_t device_bytes = 0;
-};
-
 // Trains a hexagonal lattice on the density with the cellular self-organizing map, coarse to fine
 // (MeshMethod::cellular; paper, section 4), or with the online map (MeshMethod::sequential; section 3), and
 // then balances it (BalanceConfig). The mesh has max(3, round(size / spacing_px)) columns and rows and covers
@@ -49,7 +37,7 @@ struct MeshResult {
 // lattice stays regular. `progress` may be empty; it is called on the calling thread with the share done,
 // 0..1, and an exception from it ends the call and is passed on. Throws Error(usage) if the image is narrower
 // or lower than three spacings.
-MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
-                      const ProgressFunction& progress);
+HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
+                     const ProgressFunction& progress);
 
 }  // namespace hexrelief::mesher

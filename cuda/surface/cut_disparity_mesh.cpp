@@ -42,10 +42,9 @@ bool can_cut_meshes() {
     return can_fit_silhouettes();
 }
 
-surface::DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
-                                                const float* map_on_device,
-                                                const surface::DisparityMeshInput& input,
-                                                const SurfaceConfig& config) {
+DisparityMesh cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
+                                 const float* map_on_device, const surface::DisparityMeshInput& input,
+                                 const SurfaceConfig& config, double& device_s) {
     Stopwatch stopwatch(launch.stream);
     for (double share = kVertexShare;; share *= 2) {  // NOLINT(cert-flp30-c): exact
         const SurfaceMemory memory = take_surface_memory(arena, input, config, map_on_device, share);
@@ -55,8 +54,8 @@ surface::DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& are
         stopwatch.end();
         std::optional<DisparityMesh> mesh = download_mesh(launch.stream, staging, memory.state);
         if (!mesh) continue;
-        const std::size_t map_bytes = map_on_device ? input.map->values.size() * sizeof(float) : 0;
-        return {std::move(*mesh), stopwatch.seconds(), arena.peak_bytes() + map_bytes};
+        device_s = stopwatch.seconds();
+        return std::move(*mesh);
     }
 }
 

@@ -11,10 +11,10 @@ namespace hexrelief::cuda {
 bool can_cut_meshes();
 
 // Returns the same bytes as surface::cut_disparity_mesh(). map_on_device: the map's copy on the device, or
-// null if it still has to be uploaded. Resets the arena. Throws Error(device) if memory is too small.
-surface::DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
-                                                const float* map_on_device,
-                                                const surface::DisparityMeshInput& input,
-                                                const SurfaceConfig& config);
+// null if it still has to be uploaded. `device_s` gets the seconds by the device's clock, without transfers.
+// Resets the arena. Throws Error(device) if memory is too small.
+DisparityMesh cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
+                                 const float* map_on_device, const surface::DisparityMeshInput& input,
+                                 const SurfaceConfig& config, double& device_s);
 
 }  // namespace hexrelief::cuda

@@ -1,8 +1,6 @@
 // Cuts the lattice along silhouettes, at depth discontinuities, and fits disparities to its vertices.
 #pragma once
 
-#include <cstddef>
-
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "pipeline/data/disparity_map.h"
@@ -26,14 +24,6 @@ struct DisparityMeshInput {
     float background_px = 0;            // lower disparities, and those not above 0, are background
     const Image* color = nullptr;       // the left image, of the map's size; null = none
     WholeMap whole = {};
-};
-
-struct DisparityMeshResult {
-    DisparityMesh cut_mesh;
-    // Set by the CUDA backend only, 0 on the CPU: seconds by the device's clock without transfers, and peak
-    // device memory in bytes.
-    double device_s = 0;
-    std::size_t device_bytes = 0;
 };
 
 // Cuts the mesh of `input` and fits its disparities. The steps, one header each:

@@ -48,13 +48,14 @@ Row measure(const Case& c, const std::string& solver, job::Backend& backend, con
     for (int run = 0; run < runs; ++run) {
         backend.expect_map(c.disparity);
         const double start = now_seconds();
-        const mesher::MeshResult result = backend.solve_mesh(c.density, config, {});
+        const HexMesh2D mesh = backend.solve_mesh(c.density, config, {});
         row.stage_s.runs.push_back(now_seconds() - start);
-        if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
+        const DeviceFigures device = backend.figures();
+        if (device.training_s > 0) row.som_s.runs.push_back(device.training_s);
         if (run > 0) continue;  // every run gives the same bytes
-        row.iterations = result.iterations;
-        row.device_bytes = result.device_bytes;
-        add_quality(c, result.mesh, threads, costs, row);
+        row.iterations = mesh.iterations;
+        row.device_bytes = device.bytes;
+        add_quality(c, mesh, threads, costs, row);
     }
     return row;
 }
@@ -138,19 +139,19 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
 
 Row Solvers::cut_mesh(const Case& c, int runs) {
     state_->cuda->expect_map(c.disparity);
-    const mesher::MeshResult solved = state_->cuda->solve_mesh(c.density, {}, {});
-    const surface::DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr};
+    const HexMesh2D lattice = state_->cuda->solve_mesh(c.density, {}, {});
+    const surface::DisparityMeshInput input{&lattice, &c.disparity, c.density.background_px, nullptr};
     Row row = empty_row(c, "cut");
-    row.columns = solved.mesh.columns;
-    row.rows = solved.mesh.rows;
+    row.columns = lattice.columns;
+    row.rows = lattice.rows;
     for (int run = -1; run < runs; ++run) {
         const double start = now_seconds();
-        const surface::DisparityMeshResult result = state_->cuda->cut_disparity_mesh(input, {});
+        state_->cuda->cut_disparity_mesh(input, {});
         const double seconds = now_seconds() - start;
         if (run < 0) continue;
         row.stage_s.runs.push_back(seconds);
-        row.som_s.runs.push_back(result.device_s);
-        row.device_bytes = result.device_bytes;
+        row.som_s.runs.push_back(state_->cuda->figures().surface_s);
+        row.device_bytes = state_->cuda->figures().bytes;
     }
     return row;
 }

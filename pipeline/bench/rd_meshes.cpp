@@ -67,10 +67,10 @@ SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triang
 
 SurfaceMesh preset_mesh(const DisparityMap& map, const config::Config& config, int threads) {
     const DensityMap density = stages::compute_density(map, config.density);
-    const mesher::MeshResult solved = mesher::solve_mesh(density, config.mesh, threads, {});
+    const HexMesh2D lattice = mesher::solve_mesh(density, config.mesh, threads, {});
     // Any camera will do, because errors are measured in the image.
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
-    DisparityMesh cut_mesh = surface::cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr},
+    DisparityMesh cut_mesh = surface::cut_disparity_mesh({&lattice, &map, density.background_px, nullptr},
                                                          config.surface, threads);
     stages::adjust_silhouettes(cut_mesh, map, density.background_px, config.surface.silhouette_rounds);
     return stages::build_surface(cut_mesh, map.width, map.height, camera, config.surface.min_component);

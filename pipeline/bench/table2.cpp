@@ -106,15 +106,15 @@ Row measure(const bench::table2::PaperMap& paper, const LoadedMap& map, const Me
     row.ssr = config.ssr;
     row.crr = config.crr;
     for (int run = 0; run < runs; ++run) {
-        mesher::MeshResult result;
+        HexMesh2D mesh;
         backend.expect_map(map.disparity);
-        row.mesh.runs.push_back(seconds_of([&] { result = backend.solve_mesh(map.density, config, {}); }));
-        row.surface.runs.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
+        row.mesh.runs.push_back(seconds_of([&] { mesh = backend.solve_mesh(map.density, config, {}); }));
+        row.surface.runs.push_back(seconds_of([&] { lay_surface(mesh, map, threads); }));
         if (run > 0) continue;  // same seed, same mesh
-        row.columns = result.mesh.columns;
-        row.rows = result.mesh.rows;
-        row.iterations = result.iterations;
-        row.quality = quality::measure_quality(result.mesh, map.density, threads);
+        row.columns = mesh.columns;
+        row.rows = mesh.rows;
+        row.iterations = mesh.iterations;
+        row.quality = quality::measure_quality(mesh, map.density, threads);
     }
     std::sort(row.mesh.runs.begin(), row.mesh.runs.end());
     std::sort(row.surface.runs.begin(), row.surface.runs.end());

@@ -18,6 +18,8 @@ struct HexMesh2D {
     int columns = 0;
     int rows = 0;
     std::vector<Vec2f> positions;  // columns * rows
+    // Parallel iterations of all levels that trained it; draws / cells for MeshMethod::sequential.
+    int iterations = 0;
 
     std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * columns + column; }
     const Vec2f& at(int column, int row) const { return positions[index(column, row)]; }

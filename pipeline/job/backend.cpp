@@ -36,13 +36,13 @@ class CpuBackend final : public Backend {
     matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config) override {
         return matching::match_pair(pair, config, threads());
     }
-    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                  const ProgressFunction& progress) override {
+    HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                         const ProgressFunction& progress) override {
         return mesher::solve_mesh(density, config, threads(), progress);
     }
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config) override {
-        return {surface::cut_disparity_mesh(input, config, threads())};
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                     const SurfaceConfig& config) override {
+        return surface::cut_disparity_mesh(input, config, threads());
     }
     void balance_patch(const DensityMap& density, const BalanceConfig& config,
                        balance::LatticePatch& patch) override {
@@ -61,19 +61,20 @@ class CudaBackend final : public Backend {
         return matcher_->match_pair(pair, config);
     }
     void expect_map(const DisparityMap& map) override { mesher_->expect_map(map); }
-    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                  const ProgressFunction& progress) override {
+    HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                         const ProgressFunction& progress) override {
         return mesher_->solve(density, config, progress);
     }
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config) override {
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                     const SurfaceConfig& config) override {
         if (mesher_->can_cut_meshes()) return mesher_->cut_disparity_mesh(input, config);
-        return {surface::cut_disparity_mesh(input, config, threads())};
+        return surface::cut_disparity_mesh(input, config, threads());
     }
     void balance_patch(const DensityMap& density, const BalanceConfig& config,
                        balance::LatticePatch& patch) override {
         mesher_->balance_patch(density, config, patch);
     }
+    DeviceFigures figures() const override { return mesher_->figures(); }
     void give_back() override {
         matcher_.reset();
         mesher_.reset();
@@ -191,18 +192,19 @@ class ReplacedBackend final : public Backend {
         return attempt([&](Backend& backend) { return backend.match_pair(pair, config); });
     }
     void expect_map(const DisparityMap& map) override { used().expect_map(map); }
-    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                  const ProgressFunction& progress) override {
+    HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                         const ProgressFunction& progress) override {
         return attempt([&](Backend& backend) { return backend.solve_mesh(density, config, progress); });
     }
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config) override {
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                     const SurfaceConfig& config) override {
         return attempt([&](Backend& backend) { return backend.cut_disparity_mesh(input, config); });
     }
     void balance_patch(const DensityMap& density, const BalanceConfig& config,
                        balance::LatticePatch& patch) override {
         attempt([&](Backend& backend) { backend.balance_patch(density, config, patch); });
     }
+    DeviceFigures figures() const override { return used().figures(); }
     void give_back() override { device_->give_back(); }
     bool is_replaced() const override { return is_replaced_; }
 

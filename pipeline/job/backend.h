@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mesher/balance/balance.h"
+#include "mesher/common/device_figures.h"
 #include "mesher/mesher.h"
 #include "pipeline/config/config.h"
 #include "pipeline/job/run_log.h"
@@ -28,13 +29,16 @@ class Backend : public stages::PairMatcher {
     // Announces the map that the next mesh is cut by, so that a device can copy the map while it solves that
     // mesh. The map must stay unchanged, at the same address, until the mesh is cut.
     virtual void expect_map(const DisparityMap&) {}
-    virtual mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                          const ProgressFunction& progress) = 0;
-    virtual surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                            const SurfaceConfig& config) = 0;
+    virtual HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                                 const ProgressFunction& progress) = 0;
+    virtual DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                             const SurfaceConfig& config) = 0;
     // Calls balance_patch() of mesher/balance/balance.h.
     virtual void balance_patch(const DensityMap& density, const BalanceConfig& config,
                                balance::LatticePatch& patch) = 0;
+
+    // Returns the device's figures of the latest solve_mesh() and cut_disparity_mesh().
+    virtual DeviceFigures figures() const { return {}; }
 
     // Ends the process's use of the device. After this call only name() and device() may be called.
     virtual void give_back() {}

@@ -26,11 +26,17 @@ exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
     return scene;
 }
 
-SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
-                                const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
-    return measure_surface(result.mesh,
-                           as_written(scene_of(view, result, {}), result.config.exporting, outputs), view,
-                           threads, log);
+stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,
+                                       const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
+    const stages::SurfaceQuality quality = stages::measure_surface_quality(
+        as_written(scene_of(view, result, {}), result.config.exporting, outputs), view.disparity,
+        view.density.background_px, threads);
+    log.decide("root mean square error against the disparity map: left view " +
+               fixed(quality.rmse_near_px, 3) + " px, both views " + fixed(quality.duo_rmse_near_px, 3) +
+               " px, away from discontinuities " + fixed(quality.flat_rmse_px, 3) +
+               " px; rubber sheets over " + fixed(100 * quality.sheet_share, 2) +
+               " % of what only the right camera sees, coverage " + fixed(100 * quality.coverage, 2) + " %");
+    return quality;
 }
 
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,
@@ -60,7 +66,7 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
     files.make_folder(folder);
     const pictures::StageResults results{&view.meshed,
                                          &view.density,
-                                         &result.lattice.mesh,
+                                         &result.lattice,
                                          &result.mesh,
                                          view.color.empty() ? nullptr : &view.color,
                                          result.config.mesh.seed,

@@ -24,10 +24,11 @@ struct OutputFile {
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                           const std::vector<SurfaceMesh>& coarser);
 
-// Measures the surface, as the compressed files among `outputs` hold it, against the map.
-SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
-                                const std::vector<std::filesystem::path>& outputs, int threads,
-                                const RunLog& log);
+// Measures the surface, as the compressed files among `outputs` hold it, against the map. Takes as long as a
+// good part of the stage surface.
+stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,
+                                       const std::vector<std::filesystem::path>& outputs, int threads,
+                                       const RunLog& log);
 
 // Writes each of `paths` with its companion files; makes missing folders. Throws Error(output).
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,

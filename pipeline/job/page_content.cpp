@@ -20,8 +20,8 @@ bool has_page(const std::vector<std::filesystem::path>& outputs) {
 }
 
 exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
-                                    const SurfaceMeasures& measures, int threads) {
-    const HexMesh2D& lattice = result.lattice.mesh;
+                                    const stages::SurfaceQuality& quality, int threads) {
+    const HexMesh2D& lattice = result.lattice;
     std::future<Image> relief = start_work(threads, [&] {
         return pictures::render_relief(result.mesh, view.color.empty() ? nullptr : &view.color);
     });
@@ -39,7 +39,6 @@ exporters::PageContent page_content(const LeftView& view, const SurfaceResult& r
 
     add("relief", "The relief, seen from the side", relief.get());
 
-    const stages::SurfaceQuality& quality = measures.quality;
     page.figures = {
         {"Lattice vertices", static_cast<double>(lattice.positions.size()), 0, ""},
         {"%cost", result.quality.percent_cost, 2, ""},

@@ -13,6 +13,6 @@ namespace hexrelief::job {
 bool has_page(const std::vector<std::filesystem::path>& outputs);
 
 exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
-                                    const SurfaceMeasures& measures, int threads);
+                                    const stages::SurfaceQuality& quality, int threads);
 
 }  // namespace hexrelief::job

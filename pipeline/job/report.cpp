@@ -107,19 +107,20 @@ Json angles_json(const quality::MeshQuality& quality) {
 }
 
 Json mesh_json(const SurfaceResult& surface) {
-    const mesher::MeshResult& lattice = surface.lattice;
+    const HexMesh2D& lattice = surface.lattice;
+    const DeviceFigures& device = surface.device;
     const quality::MeshQuality& quality = surface.quality;
     Json json;
-    json["columns"] = lattice.mesh.columns;
-    json["rows"] = lattice.mesh.rows;
-    json["vertices"] = static_cast<long long>(lattice.mesh.columns) * lattice.mesh.rows;
-    json["triangles"] = lattice.mesh.triangle_count();
+    json["columns"] = lattice.columns;
+    json["rows"] = lattice.rows;
+    json["vertices"] = static_cast<long long>(lattice.columns) * lattice.rows;
+    json["triangles"] = lattice.triangle_count();
     json["iterations"] = lattice.iterations;
-    json["device_seconds"] = lattice.device_training_s;
-    json["device_balance_seconds"] = lattice.device_balance_s;
-    json["device_surface_seconds"] = surface.device_s;
-    json["device_sheet_seconds"] = surface.device_s;  // former name, kept for programs that still read it
-    json["device_bytes"] = lattice.device_bytes;
+    json["device_seconds"] = device.training_s;
+    json["device_balance_seconds"] = device.balance_s;
+    json["device_surface_seconds"] = device.surface_s;
+    json["device_sheet_seconds"] = device.surface_s;  // former name, kept for programs that still read it
+    json["device_bytes"] = device.bytes;
     json["percent_cost"] = finite(quality.percent_cost);
     json["max_deviation_percent"] = finite(quality.max_deviation_percent);
     json["inverted_triangles"] = quality.inverted_triangles;
@@ -130,16 +131,17 @@ Json mesh_json(const SurfaceResult& surface) {
     return json;
 }
 
-Json surface_json(const SurfaceResult& surface, const SurfaceMeasures& measures) {
+Json surface_json(const RunReport& report) {
+    const SurfaceResult& surface = report.relief->surface;
+    const stages::SurfaceQuality& quality = report.quality;
     const auto& [low, high] = surface.bounds;
     Json json;
     json["vertices"] = surface.mesh.positions.size();
     json["triangles"] = surface.mesh.triangles.size();
-    json["components"] = measures.topology.components;
-    json["boundary_loops"] = measures.topology.boundary_loops;
+    json["components"] = report.topology.components;
+    json["boundary_loops"] = report.topology.boundary_loops;
     json["bounds"] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
     json["metric"] = surface.mesh.metric;
-    const stages::SurfaceQuality& quality = measures.quality;
     json["rmse_near_px"] = quality.rmse_near_px;
     json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
     json["flat_rmse_px"] = quality.flat_rmse_px;
@@ -203,6 +205,13 @@ PictureShares shares_of(const Relief& relief) {
     return shares;
 }
 
+void take_measures(const std::vector<std::filesystem::path>& outputs, const RunLog& log, RunReport& report) {
+    const SurfaceResult& surface = report.relief->surface;
+    report.topology = stages::count_topology(surface.mesh);
+    report.quality =
+        measure_written(report.relief->view(), surface, outputs, report.relief->backend->threads(), log);
+}
+
 void take_figures(const RunLog& log, RunReport& report) {
     report.stage_seconds = log.stage_seconds();
     report.warnings = log.warnings();
@@ -231,7 +240,7 @@ std::string report_json(const RunReport& report) {
     for (const auto& [name, seconds] : report.stage_seconds)
         json["stages"].push_back({{"name", name}, {"seconds", seconds}});
     json["mesh"] = mesh_json(surface);
-    json["surface"] = surface_json(surface, report.measures.value_or(SurfaceMeasures{}));
+    json["surface"] = surface_json(report);
     if (!report.coarser.empty()) json["levels"] = levels_json(report);
     json["budget"] = budget_json(surface.budget);
     json["outputs"] = Json::array();

@@ -32,9 +32,11 @@ struct Relief {
 // A relief and the results of writing it.
 struct RunReport {
     std::shared_ptr<const Relief> relief;
-    std::string stamp = {};                        // the request's; empty = none
-    std::optional<SurfaceMeasures> measures = {};  // only for a report or a page
-    std::vector<SurfaceMesh> coarser = {};         // levels of detail, fine to coarse
+    std::string stamp = {};  // the request's; empty = none
+    // By take_measures(), only for a report or a page; else 0.
+    stages::Topology topology = {};
+    stages::SurfaceQuality quality = {};
+    std::vector<SurfaceMesh> coarser = {};  // levels of detail, fine to coarse
     PictureShares shares = {};
     std::vector<OutputFile> outputs = {};
     std::vector<std::pair<std::string, double>> stage_seconds = {};
@@ -55,6 +57,9 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map);
 // Returns the picture's shares. A depth map has no right camera, so that its occluded
 // pixels count as unknown.
 PictureShares shares_of(const Relief& relief);
+
+// Sets the topology of the surface, and its quality by measure_written().
+void take_measures(const std::vector<std::filesystem::path>& outputs, const RunLog& log, RunReport& report);
 
 // Copies the times, memory and warnings so far into the report.
 void take_figures(const RunLog& log, RunReport& report);

@@ -140,8 +140,7 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
     RunReport report{std::move(made), request.stamp};
     const bool with_page = has_page(request.outputs);
     if (!request.report.empty() || with_page)
-        report.measures = log.stage(
-            "measures", [&] { return measure_written(view, surface, request.outputs, threads, log); });
+        log.stage("measures", [&] { take_measures(request.outputs, log, report); });
     if (surface.config.exporting.lod > 1)
         report.coarser =
             log.stage("levels", [&] { return coarser_levels(view, surface.config, *relief.backend, log); });
@@ -151,7 +150,7 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
     scene.threads = threads;
     exporters::PageContent page;
     if (with_page)
-        page = log.stage("page", [&] { return page_content(view, surface, *report.measures, threads); });
+        page = log.stage("page", [&] { return page_content(view, surface, report.quality, threads); });
     scene.page = with_page ? &page : nullptr;
     auto shares = start_work(threads, [&] { return shares_of(relief); });
     report.outputs = log.stage(

@@ -20,29 +20,33 @@
 namespace hexrelief::job {
 namespace {
 
-mesher::MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, Backend& backend,
-                                 const RunLog& log) {
-    backend.expect_map(view.meshed);
-    mesher::MeshResult solved =
-        backend.solve_mesh(view.density, config, [&log](double share) { log.progress(share); });
-    if (solved.device_bytes > 0)
-        log.decide("device: training " + fixed(solved.device_training_s * 1e3, 3) + " ms, balancing " +
-                   fixed(solved.device_balance_s * 1e3, 3) + " ms on its own clock, " +
-                   fixed(static_cast<double>(solved.device_bytes) / (1 << 20), 1) + " MiB of its memory");
-    log.decide("lattice: " + std::to_string(solved.mesh.columns) + " x " + std::to_string(solved.mesh.rows) +
-               ", " + std::to_string(solved.iterations) + " iterations on " + backend.name());
-    return solved;
+std::string memory_text(const DeviceFigures& device) {
+    return fixed(static_cast<double>(device.bytes) / (1 << 20), 1) + " MiB of its memory";
 }
 
-surface::DisparityMeshResult cut_lattice(const HexMesh2D& lattice, const LeftView& view,
-                                         const SurfaceConfig& config, Backend& backend, const RunLog& log) {
+HexMesh2D solve_lattice(const LeftView& view, const MeshConfig& config, Backend& backend, const RunLog& log) {
+    backend.expect_map(view.meshed);
+    HexMesh2D lattice =
+        backend.solve_mesh(view.density, config, [&log](double share) { log.progress(share); });
+    const DeviceFigures device = backend.figures();
+    if (device.bytes > 0)
+        log.decide("device: training " + fixed(device.training_s * 1e3, 3) + " ms, balancing " +
+                   fixed(device.balance_s * 1e3, 3) + " ms on its own clock, " + memory_text(device));
+    log.decide("lattice: " + std::to_string(lattice.columns) + " x " + std::to_string(lattice.rows) + ", " +
+               std::to_string(lattice.iterations) + " iterations on " + backend.name());
+    return lattice;
+}
+
+DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const SurfaceConfig& config,
+                          Backend& backend, const RunLog& log) {
     const float background_px = view.density.background_px;
-    surface::DisparityMeshResult cut = backend.cut_disparity_mesh(
+    DisparityMesh cut = backend.cut_disparity_mesh(
         {&lattice, &view.meshed, background_px, view.color.empty() ? nullptr : &view.color}, config);
-    if (cut.device_bytes > 0)
-        log.decide("device: cut and fit " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
-                   fixed(static_cast<double>(cut.device_bytes) / (1 << 20), 1) + " MiB of its memory");
-    stages::adjust_silhouettes(cut.cut_mesh, view.disparity, background_px, config.silhouette_rounds);
+    const DeviceFigures device = backend.figures();
+    if (device.surface_s > 0)
+        log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +
+                   memory_text(device));
+    stages::adjust_silhouettes(cut, view.disparity, background_px, config.silhouette_rounds);
     return cut;
 }
 
@@ -57,9 +61,8 @@ SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config&
     const auto progress = [&](double share) { log.progress((level - 1 + share) / (levels - 1)); };
     try {
         backend.expect_map(view.meshed);
-        const mesher::MeshResult lattice = backend.solve_mesh(view.density, config.mesh, progress);
-        return surface_of(cut_lattice(lattice.mesh, view, config.surface, backend, log).cut_mesh, view,
-                          config.surface);
+        const HexMesh2D lattice = backend.solve_mesh(view.density, config.mesh, progress);
+        return surface_of(cut_lattice(lattice, view, config.surface, backend, log), view, config.surface);
     } catch (const Error& error) {
         throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
                                       fixed(config.mesh.spacing_px, 1) + " px: " + error.what() +
@@ -166,13 +169,13 @@ SurfaceResult make_surface(const LeftView& view, const config::Config& config, B
     const int threads = backend.threads();
     SurfaceResult result;
     result.lattice = log.stage("mesh", [&] { return solve_lattice(view, config.mesh, backend, log); });
-    const HexMesh2D& lattice = result.lattice.mesh;
+    const HexMesh2D& lattice = result.lattice;
     auto quality =
         start_work(threads, [&] { return quality::measure_quality(lattice, view.density, threads); });
     log.stage("surface", [&] {
-        const surface::DisparityMeshResult cut = cut_lattice(lattice, view, config.surface, backend, log);
-        result.device_s = cut.device_s;
-        result.mesh = surface_of(cut.cut_mesh, view, config.surface);
+        const DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
+        result.device = backend.figures();
+        result.mesh = surface_of(cut, view, config.surface);
         result.bounds = bounds_of(result.mesh.positions);
         log.decide("depth: " + fixed(result.nearest(), 3) + " to " + fixed(result.farthest(), 3) +
                    (view.calibration.metric ? " m" : " (relative)"));
@@ -214,20 +217,6 @@ std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const config::Conf
                    std::to_string(mesh.triangles.size()) + " triangles");
     }
     return levels;
-}
-
-SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& written, const LeftView& view,
-                                int threads, const RunLog& log) {
-    const SurfaceMeasures measures = {
-        stages::count_topology(surface),
-        stages::measure_surface_quality(written, view.disparity, view.density.background_px, threads)};
-    const stages::SurfaceQuality& quality = measures.quality;
-    log.decide("root mean square error against the disparity map: left view " +
-               fixed(quality.rmse_near_px, 3) + " px, both views " + fixed(quality.duo_rmse_near_px, 3) +
-               " px, away from discontinuities " + fixed(quality.flat_rmse_px, 3) +
-               " px; rubber sheets over " + fixed(100 * quality.sheet_share, 2) +
-               " % of what only the right camera sees, coverage " + fixed(100 * quality.coverage, 2) + " %");
-    return measures;
 }
 
 }  // namespace hexrelief::job

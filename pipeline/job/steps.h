@@ -45,22 +45,16 @@ struct LeftView {
 // A surface with the lattice and the configuration that it was made from.
 struct SurfaceResult {
     config::Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
-    mesher::MeshResult lattice;
+    HexMesh2D lattice;
     quality::MeshQuality quality;  // of the lattice
     SurfaceMesh mesh;
-    Bounds bounds;                // of the mesh
-    double device_s = 0;          // cutting and fitting, on the device's own clock; 0 on the CPU
+    Bounds bounds;  // of the mesh
+    DeviceFigures device;
     budget::BudgetResult budget;  // result of the search for the spacing; no kind = no budget
 
     // Depths of the mesh along the left camera's axis, in metres or relative units.
     double nearest() const { return -static_cast<double>(bounds.high.z); }
     double farthest() const { return -static_cast<double>(bounds.low.z); }
-};
-
-// Measures of the surface against the disparity map.
-struct SurfaceMeasures {
-    stages::Topology topology;
-    stages::SurfaceQuality quality;
 };
 
 // Returns the log's line about a range.
@@ -105,10 +99,5 @@ void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log);
 // Returns export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_surface().
 std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const config::Config& config, Backend& backend,
                                         const RunLog& log);
-
-// Measures the topology of the surface, and the quality of the surface as files hold it (tolerance.h). Takes
-// as long as a good part of the stage surface, and is needed only for a report.
-SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& written, const LeftView& view,
-                                int threads, const RunLog& log);
 
 }  // namespace hexrelief::job

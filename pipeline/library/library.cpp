@@ -115,13 +115,13 @@ bool Mesh::is_metric() const {
     return state_->surface().metric;
 }
 const float* Mesh::lattice() const {
-    return floats_of(state_->relief->surface.lattice.mesh.positions);
+    return floats_of(state_->relief->surface.lattice.positions);
 }
 int Mesh::lattice_columns() const {
-    return state_->relief->surface.lattice.mesh.columns;
+    return state_->relief->surface.lattice.columns;
 }
 int Mesh::lattice_rows() const {
-    return state_->relief->surface.lattice.mesh.rows;
+    return state_->relief->surface.lattice.rows;
 }
 
 std::string Mesh::report() const {
@@ -132,8 +132,7 @@ std::string Mesh::report() const {
     std::erase_if(
         paths, [](const auto& path) { return !exporters::find_mesh_format(path); });  // textures and the like
     job::RunReport report{state_->relief};
-    report.measures =
-        job::measure_written(relief.view(), relief.surface, paths, relief.backend->threads(), state_->log);
+    job::take_measures(paths, state_->log, report);
     report.shares = job::shares_of(relief);
     report.outputs = state_->written;
     job::take_figures(state_->log, report);

@@ -120,7 +120,7 @@ RunSummary summary_of(const job::RunReport& report) {
     summary.backend = relief.backend->name();
     summary.device = relief.backend->device();
     summary.threads = relief.backend->threads();
-    summary.device_bytes = surface.lattice.device_bytes;
+    summary.device_bytes = surface.device.bytes;
     summary.peak_bytes = report.peak_bytes;
     return summary;
 }

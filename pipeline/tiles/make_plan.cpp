@@ -223,7 +223,7 @@ TilePlan make_plan(const PlanRequest& request, job::Backend& backend, job::RunLo
     mesh_tiles::CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
     const DensityMap shrunk = log.stage("shrunk density", [&] { return shrunk_density(plan, map, threads); });
     coarse.mesh = log.stage("coarse lattice", [&] {
-        return backend.solve_mesh(shrunk, plan.config.mesh, [&](double share) { log.progress(share); }).mesh;
+        return backend.solve_mesh(shrunk, plan.config.mesh, [&](double share) { log.progress(share); });
     });
     files::OutputSet files;
     write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));

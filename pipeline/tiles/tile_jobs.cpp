@@ -31,7 +31,7 @@ TileWorkers workers_of(job::Backend& backend, int threads) {
             },
             [&backend, turn](const surface::DisparityMeshInput& input, const SurfaceConfig& config, int) {
                 const std::lock_guard lock(*turn);
-                return backend.cut_disparity_mesh(input, config).cut_mesh;
+                return backend.cut_disparity_mesh(input, config);
             }};
 }
 

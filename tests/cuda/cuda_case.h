@@ -21,11 +21,10 @@ inline cuda::CudaMesher* shared_mesher() {
 #define HEXRELIEF_NEEDS_DEVICE() \
     if (!shared_mesher()) GTEST_SKIP() << "no CUDA device here: CPU and CUDA were not compared"
 
-inline bool same_bytes(const mesher::MeshResult& a, const mesher::MeshResult& b) {
-    return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
-           a.mesh.positions.size() == b.mesh.positions.size() &&
-           std::memcmp(a.mesh.positions.data(), b.mesh.positions.data(),
-                       a.mesh.positions.size() * sizeof(Vec2f)) == 0;
+inline bool same_bytes(const HexMesh2D& a, const HexMesh2D& b) {
+    return a.columns == b.columns && a.rows == b.rows && a.iterations == b.iterations &&
+           a.positions.size() == b.positions.size() &&
+           std::memcmp(a.positions.data(), b.positions.data(), a.positions.size() * sizeof(Vec2f)) == 0;
 }
 
 // Returns disparities that follow the density, unknown where it is 0.
@@ -62,10 +61,10 @@ inline MeshConfig paper_config(int t_max) {
 
 // Solves on both backends and compares the results; asserts that the device did the work.
 inline void expect_equal(const DensityMap& density, const MeshConfig& config) {
-    const mesher::MeshResult cpu = mesher::solve_mesh(density, config, 2, {});
-    const mesher::MeshResult cuda = shared_mesher()->solve(density, config, {});
-    EXPECT_GT(cuda.device_bytes, 0u) << "the device did nothing";
-    EXPECT_EQ(cuda.device_balance_s > 0, config.balance.enabled);
+    const HexMesh2D cpu = mesher::solve_mesh(density, config, 2, {});
+    const HexMesh2D cuda = shared_mesher()->solve(density, config, {});
+    EXPECT_GT(shared_mesher()->figures().bytes, 0u) << "the device did nothing";
+    EXPECT_EQ(shared_mesher()->figures().balance_s > 0, config.balance.enabled);
     EXPECT_TRUE(same_bytes(cpu, cuda)) << testing_mesher::describe(density, config);
 }
 

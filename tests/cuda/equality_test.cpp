@@ -156,9 +156,9 @@ TEST(CudaOracle, PlainLoopsGiveTheSame) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(60, 48), testing_mesher::noise_density(160, 150, 2)})
         for (const MeshConfig& config : {quick_config(20), paper_config(40)}) {
-            const mesher::MeshResult cuda = shared_mesher()->solve(density, config, {});
+            const HexMesh2D cuda = shared_mesher()->solve(density, config, {});
             const testing_mesher::NaiveResult naive = testing_mesher::naive_som(density, config);
-            EXPECT_EQ(naive.mesh.positions, cuda.mesh.positions) << testing_mesher::describe(density, config);
+            EXPECT_EQ(naive.mesh.positions, cuda.positions) << testing_mesher::describe(density, config);
         }
 }
 
@@ -208,7 +208,7 @@ TEST(CudaRepeats, EveryRunGivesTheSameBytes) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(451, 375), testing_mesher::noise_density(901, 751, 5)}) {
         for (const MeshConfig& config : {quick_config(80), MeshConfig{}}) {
-            const mesher::MeshResult first = shared_mesher()->solve(density, config, {});
+            const HexMesh2D first = shared_mesher()->solve(density, config, {});
             for (int k = 1; k < (repeats ? std::atoi(repeats) : 20); ++k)
                 ASSERT_TRUE(same_bytes(first, shared_mesher()->solve(density, config, {}))) << "run " << k;
         }

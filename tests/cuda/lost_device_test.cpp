@@ -67,12 +67,11 @@ class LosingBackend final : public job::Backend {
     matching::MatchedMap match_pair(const StereoPair&, const matching::MatchingConfig&) override {
         return {};
     }
-    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                  const ProgressFunction&) override {
+    HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                         const ProgressFunction&) override {
         return mesher_.solve(density, config, losing_progress());
     }
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput&,
-                                                    const SurfaceConfig&) override {
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput&, const SurfaceConfig&) override {
         return {};
     }
     void balance_patch(const DensityMap&, const BalanceConfig&, balance::LatticePatch&) override {}
@@ -90,7 +89,7 @@ class LosingBackend final : public job::Backend {
         const job::BackendPointer both = job::with_replacement(
             std::make_shared<LosingBackend>(), job::pick_backend(config::BackendChoice::cpu, 2), log);
         const MeshConfig config = balanced_config(20);
-        const mesher::MeshResult expected = mesher::solve_mesh(density(), config, 2, {});
+        const HexMesh2D expected = mesher::solve_mesh(density(), config, 2, {});
         for (int i = 0; i < 2; ++i)
             same = same && same_bytes(both->solve_mesh(density(), config, {}), expected);
         same = same && both->is_replaced();

@@ -18,13 +18,11 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
 
 void expect_same_mesh(const surface::DisparityMeshInput& input, const SurfaceConfig& config) {
     const DisparityMesh cpu = surface::cut_disparity_mesh(input, config, 2);
-    const surface::DisparityMeshResult cuda = shared_mesher()->cut_disparity_mesh(input, config);
-    EXPECT_GT(cuda.device_s, 0) << "the device did nothing";
-    EXPECT_TRUE(same(cpu.points, cuda.cut_mesh.points))
-        << cpu.points.size() << " " << cuda.cut_mesh.points.size();
-    EXPECT_TRUE(same(cpu.disparities, cuda.cut_mesh.disparities));
-    EXPECT_TRUE(same(cpu.triangles, cuda.cut_mesh.triangles))
-        << cpu.triangles.size() << " " << cuda.cut_mesh.triangles.size();
+    const DisparityMesh cuda = shared_mesher()->cut_disparity_mesh(input, config);
+    EXPECT_GT(shared_mesher()->figures().surface_s, 0) << "the device did nothing";
+    EXPECT_TRUE(same(cpu.points, cuda.points)) << cpu.points.size() << " " << cuda.points.size();
+    EXPECT_TRUE(same(cpu.disparities, cuda.disparities));
+    EXPECT_TRUE(same(cpu.triangles, cuda.triangles)) << cpu.triangles.size() << " " << cuda.triangles.size();
 }
 
 Image stripes(int width, int height, int channels) {
@@ -159,9 +157,9 @@ TEST(CudaSurface, SolvedMeshes) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(457, 379), testing_mesher::noise_density(333, 290, 3)}) {
         const DisparityMap map = varied_map(density);
-        const mesher::MeshResult solved = mesher::solve_mesh(density, {}, 2, {});
+        const HexMesh2D solved = mesher::solve_mesh(density, {}, 2, {});
         for (const float background_px : {0.0f, 18.0f})
-            expect_same_mesh({&solved.mesh, &map, background_px, nullptr}, {});
+            expect_same_mesh({&solved, &map, background_px, nullptr}, {});
     }
 }
 
@@ -173,17 +171,16 @@ TEST(CudaSurface, MapOnTheDevice) {
         const DisparityMap original = varied_map(density);
         DisparityMap map = original;
         shared_mesher()->expect_map(map);
-        const mesher::MeshResult solved = shared_mesher()->solve(density, {}, {});
-        const surface::DisparityMeshInput input{&solved.mesh, &map, 0, nullptr};
+        const HexMesh2D solved = shared_mesher()->solve(density, {}, {});
+        const surface::DisparityMeshInput input{&solved, &map, 0, nullptr};
         expect_same_mesh(input, {});
         std::fill(map.values.begin(), map.values.end(), 1.0f);
-        const DisparityMesh kept = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
-        const DisparityMesh expected =
-            surface::cut_disparity_mesh({&solved.mesh, &original, 0, nullptr}, {}, 2);
+        const DisparityMesh kept = shared_mesher()->cut_disparity_mesh(input, {});
+        const DisparityMesh expected = surface::cut_disparity_mesh({&solved, &original, 0, nullptr}, {}, 2);
         EXPECT_TRUE(same(kept.points, expected.points) && same(kept.disparities, expected.disparities) &&
                     same(kept.triangles, expected.triangles));
         EXPECT_FALSE(same(kept.disparities, surface::cut_disparity_mesh(input, {}, 2).disparities));
-        expect_same_mesh({&solved.mesh, &original, 0, nullptr}, {});
+        expect_same_mesh({&solved, &original, 0, nullptr}, {});
         shared_mesher()->solve(density, {}, {});
         expect_same_mesh(input, {});
     }
@@ -193,12 +190,12 @@ TEST(CudaRepeats, SurfacesAreTheSameEveryTime) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(457, 379);
     const DisparityMap map = varied_map(density);
-    const mesher::MeshResult solved = mesher::solve_mesh(density, {}, 2, {});
-    const surface::DisparityMeshInput input{&solved.mesh, &map, 18, nullptr};
-    const DisparityMesh first = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
+    const HexMesh2D solved = mesher::solve_mesh(density, {}, 2, {});
+    const surface::DisparityMeshInput input{&solved, &map, 18, nullptr};
+    const DisparityMesh first = shared_mesher()->cut_disparity_mesh(input, {});
     const char* repeats = std::getenv("HEXRELIEF_REPEATS");
     for (int i = 0; i < (repeats ? std::atoi(repeats) : 5); ++i) {
-        const DisparityMesh again = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
+        const DisparityMesh again = shared_mesher()->cut_disparity_mesh(input, {});
         ASSERT_TRUE(same(first.points, again.points) && same(first.disparities, again.disparities) &&
                     same(first.triangles, again.triangles))
             << "run " << i;

@@ -74,7 +74,7 @@ DensityMap bright_pixel_density(int width, int height, int x, int y) {
 }
 
 HexMesh2D solve(const DensityMap& density, const MeshConfig& config, int threads) {
-    return mesher::solve_mesh(density, config, threads, {}).mesh;
+    return mesher::solve_mesh(density, config, threads, {});
 }
 
 std::string describe(const DensityMap& density, const MeshConfig& config) {

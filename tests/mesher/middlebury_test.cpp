@@ -66,7 +66,7 @@ class Middlebury : public testing::Test {
             const DisparityMap map = readers::read_disparity_map(folder_ / paper.file, file);
             const DensityMap density = stages::compute_density(map, density_config);
             const quality::MeshQuality quality =
-                quality::measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
+                quality::measure_quality(solve_mesh(density, config, threads, {}), density, threads);
             std::printf("%-8s %%cost %6.2f (the paper's %5.2f), 1st percentile angle %5.2f deg\n", paper.name,
                         quality.percent_cost, paper.paper_cost, quality.percentile1_angle_deg);
             EXPECT_EQ(quality.inverted_triangles, 0) << paper.name;

@@ -13,9 +13,9 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-bool same_bytes(const mesher::MeshResult& a, const mesher::MeshResult& b) {
-    return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
-           a.mesh.positions == b.mesh.positions;
+bool same_bytes(const HexMesh2D& a, const HexMesh2D& b) {
+    return a.columns == b.columns && a.rows == b.rows && a.iterations == b.iterations &&
+           a.positions == b.positions;
 }
 
 TEST(Threads, SameBytesForAnyNumberAndAgain) {
@@ -34,12 +34,12 @@ TEST(Threads, SameBytesForAnyNumberAndAgain) {
         {"tiny", bumps_density(18, 19)},       {"nothing", flat_density(90, 80, 0)}};
     for (const NamedDensity& d : densities)
         for (const MeshConfig& config : {coarse_to_fine, paper, sequential}) {
-            const mesher::MeshResult one = mesher::solve_mesh(d.density, config, 1, {});
-            const double cost = quality::measure_quality(one.mesh, d.density, 1).percent_cost;
+            const HexMesh2D one = mesher::solve_mesh(d.density, config, 1, {});
+            const double cost = quality::measure_quality(one, d.density, 1).percent_cost;
             for (const int threads : {1, 2, 3, 5}) {
                 EXPECT_TRUE(same_bytes(one, mesher::solve_mesh(d.density, config, threads, {})))
                     << d.name << ", " << threads << " threads; " << describe(d.density, config);
-                EXPECT_EQ(cost, quality::measure_quality(one.mesh, d.density, threads).percent_cost);
+                EXPECT_EQ(cost, quality::measure_quality(one, d.density, threads).percent_cost);
             }
         }
 }

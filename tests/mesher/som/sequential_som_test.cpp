@@ -92,10 +92,10 @@ TEST(Sequential, CountsIterationsAndSeeds) {
     MeshConfig config = paper_schedule(MeshMethod::sequential, 20);
     config.levels = 4;  // the sequential method has one level, whatever is configured
     const DensityMap density = bumps_density(120, 100);
-    const mesher::MeshResult one = mesher::solve_mesh(density, config, 1, {});
+    const HexMesh2D one = mesher::solve_mesh(density, config, 1, {});
     EXPECT_EQ(one.iterations, 20);
     config.seed = 2;
-    EXPECT_NE(one.mesh.positions, solve(density, config).positions);
+    EXPECT_NE(one.positions, solve(density, config).positions);
 }
 
 }  // namespace

@@ -289,7 +289,7 @@ TEST(CutDisparityMesh, StaysSoundOnAdaptedLatticesAndNoise) {
         DensityMap density{kWidth, kHeight, {}, 12};
         for (const float d : scene.map.values)
             density.values.push_back(std::isfinite(d) && d >= 12 ? d * d * d / 125000 : 0);
-        scene.mesh = mesher::solve_mesh(density, {}, 2, {}).mesh;
+        scene.mesh = mesher::solve_mesh(density, {}, 2, {});
         const DisparityMesh s = scene.open();
         expect_sound(s);
         for (const float d : s.disparities) {

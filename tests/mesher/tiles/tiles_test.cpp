@@ -47,8 +47,8 @@ class Tiled {
         rounded_disparities(map);
         config.spacing_px = spacing_px;
         density = stages::compute_density(map, stages::DensityConfig{});
-        undivided = mesher::solve_mesh(density, config, threads, {}).mesh;
-        coarse_ = {mesher::solve_mesh(halved(density), config, threads, {}).mesh, 2, map.width, map.height};
+        undivided = mesher::solve_mesh(density, config, threads, {});
+        coarse_ = {mesher::solve_mesh(halved(density), config, threads, {}), 2, map.width, map.height};
         tiling.emplace(undivided.columns, undivided.rows, tile);
     }
     TileSolver solver() const { return {*tiling, coarse_, config.balance, density_of_, threads_}; }

@@ -80,7 +80,7 @@ TEST(DepthInput, ADepthMapGivesTheMeshOfItsDisparityMap) {
     EXPECT_EQ(input.calibration.baseline_m, scene.camera.baseline_m);
     EXPECT_TRUE(input.calibration.metric);
     EXPECT_NEAR(triangles(report), triangles(expected), 0.002 * triangles(expected));
-    EXPECT_NEAR(report.measures->quality.rmse_near_px, expected.measures->quality.rmse_near_px, 0.01);
+    EXPECT_NEAR(report.quality.rmse_near_px, expected.quality.rmse_near_px, 0.01);
     const Bounds there = bounds(report), here = bounds(expected);
     EXPECT_NEAR(there.low.z, here.low.z, 1e-3 * std::abs(here.low.z));
     EXPECT_NEAR(there.high.x, here.high.x, 1e-3 * std::abs(here.high.x));

@@ -37,7 +37,7 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
     RunLog log;
     const RunReport report = run_job(request, backends, log);
     ASSERT_EQ(report.coarser.size(), 2u);
-    EXPECT_EQ(report.relief->surface.device_s, 1);
+    EXPECT_EQ(report.relief->surface.device.surface_s, 1);
     const auto json = nlohmann::json::parse(report_json(report));
     EXPECT_EQ(json["mesh"]["device_surface_seconds"], 1);
     EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
@@ -274,7 +274,7 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
                     exact = run(stages::Dequantization::none, 0);
     EXPECT_EQ(smooth.relief->disparity.quantum_px, 1);
     EXPECT_EQ(nlohmann::json::parse(report_json(smooth))["input"]["quantum_px"], 1);
-    EXPECT_NEAR(smooth.measures->quality.flat_rmse_px, 0.29, 0.03);
+    EXPECT_NEAR(smooth.quality.flat_rmse_px, 0.29, 0.03);
     EXPECT_EQ(exact.relief->disparity.quantum_px, 0);
     EXPECT_TRUE(nlohmann::json::parse(report_json(exact))["input"]["quantum_px"].is_null());
     EXPECT_NE(smooth.outputs[0].sha256, exact.outputs[0].sha256);
@@ -313,7 +313,7 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     EXPECT_EQ(told,
               "densify: 20.0 % of the pixels are known, with unknown ones between them; 100.0 % are known "
               "when filled");
-    EXPECT_GT(filled.measures->quality.coverage, 0.95);
+    EXPECT_GT(filled.quality.coverage, 0.95);
     EXPECT_EQ(filled.relief->disparity.quantum_px, 1);
     const auto input = nlohmann::json::parse(report_json(filled))["input"];
     EXPECT_NEAR(input["densified"]["measured_share"], 0.2, 1e-9);

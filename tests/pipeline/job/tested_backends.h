@@ -15,12 +15,12 @@ class TestedBackend : public job::Backend {
     matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config) override {
         return cpu_->match_pair(pair, config);
     }
-    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                  const ProgressFunction& progress) override {
+    HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                         const ProgressFunction& progress) override {
         return cpu_->solve_mesh(density, config, progress);
     }
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config) override {
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                     const SurfaceConfig& config) override {
         return cpu_->cut_disparity_mesh(input, config);
     }
     void balance_patch(const DensityMap& density, const BalanceConfig& config,
@@ -34,12 +34,12 @@ class TestedBackend : public job::Backend {
 
 // Has a device's clock: each cut takes a second more than the one before.
 class ClockedBackend final : public TestedBackend {
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config) override {
-        surface::DisparityMeshResult result = TestedBackend::cut_disparity_mesh(input, config);
-        result.device_s = ++cuts_;
-        return result;
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                     const SurfaceConfig& config) override {
+        ++cuts_;
+        return TestedBackend::cut_disparity_mesh(input, config);
     }
+    DeviceFigures figures() const override { return {.surface_s = static_cast<double>(cuts_)}; }
     int cuts_ = 0;
 };
 
@@ -57,14 +57,14 @@ class FailingBackend final : public TestedBackend {
         fail_if(Fails::matching);
         return TestedBackend::match_pair(pair, config);
     }
-    mesher::MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config,
-                                  const ProgressFunction& progress) override {
+    HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config,
+                         const ProgressFunction& progress) override {
         progress(0.5);
         fail_if(Fails::solving);
         return TestedBackend::solve_mesh(density, config, progress);
     }
-    surface::DisparityMeshResult cut_disparity_mesh(const surface::DisparityMeshInput& input,
-                                                    const SurfaceConfig& config) override {
+    DisparityMesh cut_disparity_mesh(const surface::DisparityMeshInput& input,
+                                     const SurfaceConfig& config) override {
         fail_if(Fails::cutting);
         return TestedBackend::cut_disparity_mesh(input, config);
     }
