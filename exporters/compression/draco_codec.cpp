@@ -12,8 +12,8 @@
 #include <stdexcept>
 
 #include "exporters/compression/draco_stream.h"
-#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {

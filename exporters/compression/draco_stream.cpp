@@ -17,8 +17,8 @@
 #include <utility>
 
 #include "exporters/compression/draco_box.h"
-#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "exporters/compression/grid_smoothing.h"
-#include "pipeline/data/background.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {

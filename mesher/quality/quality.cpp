@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesher/quality/exact_cell_mass.h"
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::quality {
 namespace {

@@ -27,8 +27,8 @@ class Collisions {
 
     // Returns why the unit must not run beside those before it; empty if it may.
     std::string add(std::size_t unit, const job::RunRequest& request) {
-        for (const fs::path& file : job::written_files(request))
-            if (std::string why = use(file, {unit, false, true}); !why.empty()) return why;
+        for (const job::WrittenFile& file : job::written_files(request))
+            if (std::string why = use(file.path, {unit, false, true}); !why.empty()) return why;
         for (const fs::path& file : job::read_files(request))
             if (std::string why = use(file, {unit, true, false}); !why.empty()) return why;
         return {};

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "exporters/images/resize.h"
-#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/mask_input.h"

@@ -6,7 +6,7 @@
 
 #include "exporters/mesh_formats.h"
 #include "mesher/mesher.h"
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/pictures/weights_picture.h"

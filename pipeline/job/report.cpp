@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/config/document.h"
+#include "pipeline/config/fields.h"
 
 namespace hexrelief::job {
 namespace {
@@ -75,7 +76,8 @@ Json matching_json(const DisparityResult& disparity) {
     const std::optional<OriginShares> shares = origin_shares(disparity.map);
     if (!disparity.matched || !shares) return nullptr;
     Json json;
-    json["method"] = disparity.matched->method == stages::DisparityMethod::sgm ? "sgm" : "sgbm";
+    const auto method = static_cast<std::size_t>(disparity.matched->method);
+    json["method"] = config::find_field("disparity.method")->choices.at(method);
     json["min_disparity_px"] = disparity.matched->min_disparity_px;
     json["num_disparities_px"] = disparity.matched->num_disparities_px;
     json["matched_share"] = shares->measured;

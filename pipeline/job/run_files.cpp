@@ -5,9 +5,11 @@
 #include "exporters/core/file_names.h"
 #include "exporters/images/texture.h"
 #include "exporters/viewer/html_exporter.h"
+#include "pipeline/config/fields.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/make_rule.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/job/input.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/readers/describe_raster.h"
@@ -40,50 +42,56 @@ void check_standard_output(const RunRequest& request) {
         refuse("the standard output takes one file: give '-' once, as an output or as the report");
 }
 
-// A file that a run writes, and its purpose for messages.
-struct PlannedFile {
-    files::FileIdentity identity;
-    fs::path path;
-    std::string purpose;
-    bool texture = false;  // two outputs may share a texture: its bytes are equal
-};
-
-std::vector<PlannedFile> plan(const RunRequest& request) {
-    std::vector<PlannedFile> files;
-    auto add = [&](const fs::path& path, const std::string& purpose, bool texture = false) {
-        if (!files::is_standard_output(path))
-            files.push_back({files::identify(path), path, purpose, texture});
-    };
-    for (const fs::path& output : request.outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting)) {
-            const char* const companion = exporters::export_format(output).companion;
-            const bool texture =
-                companion && file.extension() != output.extension() && file.extension() != companion;
-            add(file, (file == output ? "the output " : "what goes with the output ") + output.string(),
-                texture);
-        }
-    if (!request.report.empty()) add(request.report, "the report");
-    if (!request.depfile.empty()) add(request.depfile, "the rule for make");
-    if (!request.stages_folder.empty())
-        for (const fs::path& name : pictures::stage_file_names())
-            add(request.stages_folder / name, "a stage's result in " + request.stages_folder.string());
-    return files;
+// True if the run may rectify its pair, which only the calibration file's contents decide.
+bool may_rectify(const RunRequest& request) {
+    const bool is_pair = std::holds_alternative<PairFiles>(request.source) ||
+                         std::holds_alternative<StereoFile>(request.source);
+    return is_pair && !request.config.input.calibration.file.empty();
 }
 
 void check_collisions(const RunRequest& request) {
-    const std::vector<PlannedFile> files = plan(request);
+    const std::vector<WrittenFile> files = written_files(request);
+    std::vector<files::FileIdentity> identities;
+    for (const WrittenFile& file : files) identities.push_back(files::identify(file.path));
     for (std::size_t i = 0; i < files.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
-            if (files[i].identity == files[j].identity && !(files[i].texture && files[j].texture))
+            if (identities[i] == identities[j] && !(files[i].is_texture && files[j].is_texture))
                 refuse(files[j].purpose + " and " + files[i].purpose + " would be one file, " +
                        files[i].path.string() + "; choose another name");
     for (const fs::path& source : read_files(request)) {
         const files::FileIdentity identity = files::identify(source);
-        for (const PlannedFile& file : files)
-            if (file.identity == identity)
-                refuse(file.purpose + " would overwrite the input " + source.string() +
+        for (std::size_t i = 0; i < files.size(); ++i)
+            if (identities[i] == identity && !files[i].is_rectified)
+                refuse(files[i].purpose + " would overwrite the input " + source.string() +
                        "; choose another name");
     }
+}
+
+// Return the files of each kind of source by role. Those that are not given are empty.
+std::vector<InputFile> all_files(const PairFiles& pair) {
+    return {{"left", pair.left}, {"right", pair.right}, {"mask", pair.mask}};
+}
+std::vector<InputFile> all_files(const StereoFile& stereo) {
+    return {{"stereo", stereo.file}, {"mask", stereo.mask}};
+}
+template <typename Map>
+std::vector<InputFile> all_files_of_map(const char* role, const Map& map) {
+    return {{role, map.map}, {"color", map.color}, {"mask", map.mask}, {"confidence", map.confidence}};
+}
+std::vector<InputFile> all_files(const DisparityFiles& map) {
+    return all_files_of_map("disparity", map);
+}
+std::vector<InputFile> all_files(const DepthFiles& map) {
+    return all_files_of_map("depth", map);
+}
+std::vector<InputFile> all_files(const PairArrays&) {
+    return {};
+}
+std::vector<InputFile> all_files(const DisparityArrays&) {
+    return {};
+}
+std::vector<InputFile> all_files(const DepthArrays&) {
+    return {};
 }
 
 constexpr std::uint64_t kBaseBytes = 40 << 20;
@@ -170,48 +178,53 @@ std::vector<fs::path> planned_files(const fs::path& path, const exporters::Expor
     return files;
 }
 
-std::vector<fs::path> written_files(const RunRequest& request) {
-    std::vector<fs::path> files;
+std::vector<WrittenFile> written_files(const RunRequest& request) {
+    std::vector<WrittenFile> files;
     for (const fs::path& output : request.outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting)) files.push_back(file);
-    if (!request.depfile.empty()) files.push_back(request.depfile);
-    if (!request.report.empty()) files.push_back(request.report);
-    if (!request.stages_folder.empty())
+        for (const fs::path& file : planned_files(output, request.config.exporting)) {
+            const char* const companion = exporters::export_format(output).companion;
+            const bool is_texture =
+                companion && file.extension() != output.extension() && file.extension() != companion;
+            files.push_back(
+                {file, (file == output ? "the output " : "what goes with the output ") + output.string(),
+                 is_texture});
+        }
+    if (!request.report.empty()) files.push_back({request.report, "the report"});
+    if (!request.depfile.empty()) files.push_back({request.depfile, "the rule for make"});
+    if (!request.stages_folder.empty()) {
+        const std::string folder = request.stages_folder.string();
         for (const fs::path& name : pictures::stage_file_names())
-            files.push_back(request.stages_folder / name);
+            files.push_back({request.stages_folder / name, "a stage's result in " + folder});
+        if (may_rectify(request))
+            for (const fs::path& name : rectified_file_names())
+                files.push_back({request.stages_folder / name, "the rectified pair in " + folder,
+                                 /*is_texture=*/false, /*is_rectified=*/true});
+    }
+    std::erase_if(files, [](const WrittenFile& file) { return files::is_standard_output(file.path); });
     return files;
 }
 
 std::vector<InputFile> files_of(const Source& source) {
-    std::vector<InputFile> files;
-    const auto add = [&](const char* role, const fs::path& path) {
-        if (!path.empty()) files.push_back({role, path.string()});
-    };
-    if (const auto* const pair = std::get_if<PairFiles>(&source)) {
-        add("left", pair->left);
-        add("right", pair->right);
-        add("mask", pair->mask);
+    std::vector<InputFile> files = std::visit([](const auto& given) { return all_files(given); }, source);
+    std::erase_if(files, [](const InputFile& file) { return file.path.empty(); });
+    return files;
+}
+
+std::vector<InputFile> input_files(const RunRequest& request) {
+    std::vector<InputFile> files = files_of(request.source);
+    for (const config::Field& field : config::config_fields()) {
+        if (field.type != config::FieldType::file) continue;
+        const std::string path = std::get<std::string>(field.get(request.config)),
+                          section = config::section_of(field.path);
+        if (!path.empty()) files.push_back({section.substr(section.rfind('.') + 1), path});
     }
-    if (const auto* const stereo = std::get_if<StereoFile>(&source)) {
-        add("stereo", stereo->file);
-        add("mask", stereo->mask);
-    }
-    const auto add_map = [&](const char* role, const auto& map) {
-        add(role, map.map);
-        add("color", map.color);
-        add("mask", map.mask);
-        add("confidence", map.confidence);
-    };
-    if (const auto* const map = std::get_if<DisparityFiles>(&source)) add_map("disparity", *map);
-    if (const auto* const map = std::get_if<DepthFiles>(&source)) add_map("depth", *map);
     return files;
 }
 
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
-    for (const InputFile& file : files_of(request.source)) files.emplace_back(file.path);
-    for (const fs::path& file : {fs::path(request.config.input.calibration.file), request.config_file})
-        if (!file.empty()) files.push_back(file);
+    for (const InputFile& file : input_files(request)) files.emplace_back(file.path);
+    if (!request.config_file.empty()) files.push_back(request.config_file);
     return files;
 }
 

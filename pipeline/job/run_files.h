@@ -27,9 +27,20 @@ std::string depfile_rule(const RunRequest& request);
 std::string standard_output_names();
 bool writes_standard_output(const RunRequest& request);
 
-// Returns all files that the job may write, except rectified_file_names().
-std::vector<std::filesystem::path> written_files(const RunRequest& request);
-// Returns all files that the job reads.
+// A file that a job may write.
+struct WrittenFile {
+    std::filesystem::path path;
+    std::string purpose;        // for messages
+    bool is_texture = false;    // two outputs may share a texture, whose bytes are equal
+    bool is_rectified = false;  // one of rectified_file_names(): only a pair that is not yet rectified has it
+};
+
+// Returns all files that the job may write, without the standard output.
+std::vector<WrittenFile> written_files(const RunRequest& request);
+// Returns the files that the outputs' bytes depend on: the source's and those that are named by keys of the
+// configuration, whose role is the key's section ("calibration").
+std::vector<InputFile> input_files(const RunRequest& request);
+// Returns all files that the job reads: input_files() and the configuration itself.
 std::vector<std::filesystem::path> read_files(const RunRequest& request);
 
 // Estimates the memory of a run, in bytes, from the header of the first input and mesh.spacing_px: 40 MiB

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/unchanged_files.h"
 #include "pipeline/job/input_checks.h"

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "pipeline/checks/pair_statistics.h"
-#include "pipeline/data/background.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/densify/densify.h"
 #include "pipeline/densify/sparsity.h"
 #include "pipeline/dequantize/dequantize.h"

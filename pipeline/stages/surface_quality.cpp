@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "pipeline/stages/other_view.h"
+#include "pipeline/stages/hidden_from_left.h"
 #include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief::stages {

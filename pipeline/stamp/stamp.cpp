@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/config/document.h"
+#include "pipeline/config/fields.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
@@ -20,14 +21,23 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// Erases "section.inner.leaf".
+void erase(Json& json, const std::string& path) {
+    std::string pointer = "/" + config::section_of(path);
+    std::replace(pointer.begin(), pointer.end(), '.', '/');
+    json.at(Json::json_pointer(pointer)).erase(path.substr(path.rfind('.') + 1));
+}
+
 // Returns the configuration as text, with the keys that were given, since a key may be given with its default
 // value (a budget does not change a given key).
 std::string config_text(const config::Config& config) {
     Json json = config::config_json(config);
     json["run"].erase("threads");
     json["run"].erase("backend");
-    json.erase("limits");                        // the limits change no byte
-    json["input"]["calibration"].erase("file");  // the file's bytes are hashed instead
+    json.erase("limits");  // the limits change no byte
+    // The files' bytes are hashed, not their names.
+    for (const config::Field& field : config::config_fields())
+        if (field.type == config::FieldType::file) erase(json, field.path);
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     for (const std::string& path : config.given)
         if (path != "run.threads" && path != "run.backend" && !path.starts_with("limits."))
@@ -36,7 +46,6 @@ std::string config_text(const config::Config& config) {
 }
 
 std::string digest_line(const std::string& role, const fs::path& path) {
-    if (path.empty()) return "";
     static_cast<void>(readers::codec::load_head(path, 0));  // refuses as the run would
     return role + " " + files::sha256_of_file(path) + "\n";
 }
@@ -79,12 +88,13 @@ bool are_as_written(const job::RunRequest& request, const Json& outputs) {
     // The report does not list the other files, whose bytes are not known.
     job::RunRequest others = request;
     others.outputs.clear();
-    const std::vector<fs::path> unhashed = job::written_files(others);
+    const std::vector<job::WrittenFile> unhashed = job::written_files(others);
     std::error_code code;
     return std::all_of(request.outputs.begin(), request.outputs.end(),
                        [&](const fs::path& file) { return found.contains(file); }) &&
-           std::all_of(unhashed.begin(), unhashed.end(),
-                       [&](const fs::path& file) { return fs::exists(file, code); });
+           std::all_of(unhashed.begin(), unhashed.end(), [&](const job::WrittenFile& file) {
+               return file.is_rectified || fs::exists(file.path, code);
+           });
 }
 
 }  // namespace
@@ -94,9 +104,7 @@ std::string unit_stamp(const job::RunRequest& request) {
         std::string("hexrelief ") + HEXRELIEF_VERSION + "\n" + config_text(request.config) + "\n";
     for (const fs::path& output : request.outputs) text += "output " + output.filename().string() + "\n";
     if (!request.stages_folder.empty()) text += "stages\n";
-    for (const job::InputFile& file : job::files_of(request.source))
-        text += digest_line(file.role, file.path);
-    text += digest_line("calibration", request.config.input.calibration.file);
+    for (const job::InputFile& file : job::input_files(request)) text += digest_line(file.role, file.path);
     return files::sha256_of(text.data(), text.size());
 }
 

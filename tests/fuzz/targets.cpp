@@ -145,19 +145,20 @@ std::string file_of(Bytes bytes, const std::string& extension) {
 }
 
 const std::vector<Target>& targets() {
-    static const std::vector<Target> all = {{"png", read_raster},      {"pnm", read_raster},
-                                            {"jpeg", read_raster},     {"tiff", read_raster},
-                                            {"webp", read_raster},     {"pfm", read_raster},
-                                            {"npy", read_raster},      {"npz", read_raster},
-                                            {"exr", read_raster},      {"heic", read_raster},
-                                            {"maps", read_raster},     {"stereo", read_stereo},
-                                            {"windows", read_windows}, {"calibration", read_calibrations},
-                                            {"config", read_config},   {"manifest", read_manifests},
-                                            {"glb", describe},         {"gltf", describe},
-                                            {"drc", describe},         {"obj", describe},
-                                            {"ply", describe},         {"stl", describe},
-                                            {"usdz", describe},        {"html", describe},
-                                            {"run", run_whole}};
+    static const std::vector<Target> all = [] {
+        std::vector<Target> list = {{"png", read_raster},      {"pnm", read_raster},
+                                    {"jpeg", read_raster},     {"tiff", read_raster},
+                                    {"webp", read_raster},     {"pfm", read_raster},
+                                    {"npy", read_raster},      {"npz", read_raster},
+                                    {"exr", read_raster},      {"heic", read_raster},
+                                    {"maps", read_raster},     {"stereo", read_stereo},
+                                    {"windows", read_windows}, {"calibration", read_calibrations},
+                                    {"config", read_config},   {"manifest", read_manifests},
+                                    {"run", run_whole}};
+        for (const exporters::MeshFormat* format : exporters::mesh_formats())
+            list.push_back({format->name(), describe});
+        return list;
+    }();
     return all;
 }
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "exporters/formats/gltf/gltf_parts.h"
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {

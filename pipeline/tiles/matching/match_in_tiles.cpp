@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "pipeline/checks/pair_statistics.h"
-#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/job/steps.h"

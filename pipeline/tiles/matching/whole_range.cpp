@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/tiles/shrunk_picture.h"

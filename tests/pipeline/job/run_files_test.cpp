@@ -92,6 +92,27 @@ TEST_F(RunFiles, FilesOfASource) {
     EXPECT_EQ(roles(PairArrays{}) + roles(DisparityArrays{}) + roles(DepthArrays{}), "");
 }
 
+TEST_F(RunFiles, KeysThatNameFilesAreInputs) {
+    request_.config.input.calibration.file = "c";
+    request_.config_file = "k";
+    const std::vector<InputFile> files = input_files(request_);
+    ASSERT_EQ(files.size(), 2u);
+    EXPECT_EQ(files[1].role + " " + files[1].path, "calibration c");
+    EXPECT_EQ(read_files(request_), (std::vector<fs::path>{test::sample("disparity.pfm"), "c", "k"}));
+}
+
+// A calibration file may make the run rectify its pair. A map has no other view.
+TEST_F(RunFiles, ARectifiedPairIsAmongTheFilesWritten) {
+    request_.stages_folder = folder_ / "s";
+    request_.report = folder_ / "s/calib.txt";
+    request_.config.input.calibration.file = test::sample("calib.txt");
+    EXPECT_EQ(refusal_of(request_), "");
+    request_.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
+    expect_one_file("the report", "the rectified pair");
+    request_.config.input.calibration.file.clear();
+    EXPECT_EQ(refusal_of(request_), "");
+}
+
 TEST_F(RunFiles, NoInputIsOverwritten) {
     request_.config_file = folder_ / "c.yaml";
     test::write_text(request_.config_file, "");

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
@@ -55,6 +56,17 @@ RunRequest pair_request(const test::TemporaryFolder& folder) {
     request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
     request.jobs = 1000;  // so many that auto takes a device
     return request;
+}
+
+TEST(Runner, TheReportNamesTheMatcher) {
+    const test::TemporaryFolder folder;
+    for (const char* const method : {"sgm", "sgbm"}) {
+        RunRequest request = pair_request(folder);
+        config::apply_setting(request.config, std::string("disparity.method=") + method);
+        request.config.run.backend = config::BackendChoice::cpu;
+        const auto json = nlohmann::json::parse(report_json(run_job(request)));
+        EXPECT_EQ(json["disparity"]["method"], method);
+    }
 }
 
 TEST(Runner, UnderAutoTheCpuGoesOnForADeviceThatFails) {

@@ -10,7 +10,7 @@
 #include <optional>
 #include <random>
 
-#include "pipeline/stages/other_view.h"
+#include "pipeline/stages/hidden_from_left.h"
 
 namespace hexrelief::stages {
 namespace {

@@ -168,5 +168,22 @@ TEST(Stamp, EveryFileOfTheStagesAndTheDepfileAreToBeThere) {
     EXPECT_EQ(stamp_request(request), UnitState::current);
 }
 
+TEST(Stamp, APairThatNeedsNoRectifyingHasNoRectifiedFiles) {
+    const TemporaryFolder folder;
+    job::RunRequest request = map_request(folder);
+    request.source = job::PairFiles{test::sample("left.png"), test::sample("right.png")};
+    request.config.input.calibration.file = test::sample("calib.txt");
+    request.stages_folder = folder / "stages";
+    run_stamped(request);
+    EXPECT_FALSE(fs::exists(folder / "stages/left_rectified.png"));
+    EXPECT_EQ(stamp_request(request), UnitState::current);
+    const std::string stamp = request.stamp;
+    fs::copy_file(test::sample("calib.txt"), folder / "calib.txt");
+    request.config.input.calibration.file = folder / "calib.txt";
+    EXPECT_EQ(unit_stamp(request), stamp) << "the file's bytes count, not its name";
+    test::write_text(folder / "calib.txt", test::read_text(folder / "calib.txt") + "\n");
+    EXPECT_NE(unit_stamp(request), stamp);
+}
+
 }  // namespace
 }  // namespace hexrelief::stamp

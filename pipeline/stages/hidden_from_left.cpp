@@ -1,4 +1,4 @@
-#include "pipeline/stages/other_view.h"
+#include "pipeline/stages/hidden_from_left.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 
 #include <gtest/gtest.h>
 
