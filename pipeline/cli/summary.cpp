@@ -68,6 +68,9 @@ std::string summary_text(const RunSummary& run, const FileRequest& request, doub
     if (run.is_filled)
         summary +=
             text("; %.1f %% was measured, %.1f %% filled between", 100 * run.measured, 100 * run.filled);
+    if (run.reduced_by > 1)
+        summary += text("; matched and meshed at %d x %d px, 1/%d of the picture's size", run.width,
+                        run.height, run.reduced_by);
     summary += "; " + run.backend;
     if (run.device_bytes > 0) summary += " (" + grouped(run.device_bytes >> 10) + " KiB)";
     return summary + text(", %.2f s\n", seconds);

@@ -107,11 +107,16 @@ std::vector<Field> disparity_fields() {
                "sgm: semi-global matching on census and colour, on the CPU and on CUDA; sgbm: OpenCV's "
                "StereoSGBM",
                MEMBER(disparity.method)),
+        number("disparity.working_px", "px", stages::DisparityConfig::kWorkingSize_px,
+               "longest side at which a pair is matched and meshed; a larger pair is reduced by the least "
+               "whole number that makes it so, its texture is not; 0 = never. Keys in px from here on are of "
+               "the reduced pair, unless they say that they are of the full one",
+               MEMBER(disparity.working_px)),
         number("disparity.min_disparity_px", "px", stages::DisparityConfig::kMinDisparity_px,
-               "least disparity searched", MEMBER(disparity.min_disparity_px)),
+               "least disparity searched, px of the full pair", MEMBER(disparity.min_disparity_px)),
         number("disparity.num_disparities_px", "px", stages::DisparityConfig::kNumDisparities_px,
-               "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = "
-               "the calibration's ndisp, else chosen from the pair",
+               "number of disparities searched, px of the full pair, rounded up to a multiple of 16, at most "
+               "the width; 0 = the calibration's ndisp, else chosen from the pair",
                MEMBER(disparity.num_disparities_px)),
         number("disparity.p1", "", stages::DisparityConfig::kPenalty,
                "penalty for a disparity step of 1; 0 = 45, sgbm: 16 * channels * block_size^2",
@@ -123,11 +128,11 @@ std::vector<Field> disparity_fields() {
                "largest area of a speckle to remove; 0 = off", MEMBER(disparity.speckle_window_px)),
         number("disparity.speckle_range_px", "px", stages::DisparityConfig::kSpeckleRange_px,
                "disparity step that ends a speckle", MEMBER(disparity.speckle_range_px)),
-        optional(
-            "disparity.farthest_px", "px", {-16384, 16384},
-            "matches of a smaller disparity are removed in speckles of four times the area; null = by the "
-            "match of the pair made small, which tells how far the scene goes; not with wls",
-            MEMBER(disparity.farthest_px)),
+        optional("disparity.farthest_px", "px", {-16384, 16384},
+                 "matches of a smaller disparity, px of the full pair, are removed in speckles of four times "
+                 "the area; null = by the match of the pair made small, which tells how far the scene goes; "
+                 "not with wls",
+                 MEMBER(disparity.farthest_px)),
         optional(
             "disparity.left_right_check_px", "px", {-1, 1000},
             "largest allowed difference between the two views' disparities; below 0 = off; null = 0.5625, "
@@ -179,7 +184,8 @@ std::vector<Field> density_fields() {
                "auto, fraction: below this share of the scale is background",
                MEMBER(density.background_fraction)),
         number("density.background.threshold_px", "px", stages::DensityConfig::kBackgroundThreshold_px,
-               "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
+               "threshold_px: below this disparity, px of the full pair, is background",
+               MEMBER(density.background_threshold_px)),
         number("density.floor", "", stages::DensityConfig::kFloor,
                "least density of a known pixel, share of the largest", MEMBER(density.floor)),
         number("density.detail", "", stages::DensityConfig::kDetail,

@@ -10,6 +10,7 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/mask_input.h"
+#include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/disparity_reader.h"
@@ -227,7 +228,8 @@ void InputReader::rectify_pair(RunInput& input) {
     }
     const auto file = readers::read_stereo_calibration(config.file, config.rectify);
     if (!file) return;
-    auto& [views, is_rectified] = std::get<InputPair>(input.views);
+    InputPair& pair = std::get<InputPair>(input.views);
+    StereoPair& views = pair.views;
     const StereoCalibration& cameras = file->calibration;
     const ViewSize size = size_of(views.left), made_for{cameras.width, cameras.height};
     if (made_for.width > 0 && made_for != size)
@@ -240,7 +242,7 @@ void InputReader::rectify_pair(RunInput& input) {
         rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads_).pair.left.pixels;
     views = std::move(rectified.pair);
     input.calibration = rectified.calibration;
-    is_rectified = true;
+    pair.is_rectified = true;
     if (std::count(rectified.seen.begin(), rectified.seen.end(), 0) > 0)
         input.mask = {size.width, size.height, std::move(rectified.seen)};
     log_.decide(std::string("rectified: by ") +
@@ -333,6 +335,25 @@ RunInput read_input(Source source, const config::InputConfig& config, const read
                     int threads, RunLog& log) {
     InputReader reader(config, limits, threads, log);
     return std::visit([&](auto& given) { return reader.read(given); }, source);
+}
+
+void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log) {
+    auto* const pair = std::get_if<InputPair>(&input.views);
+    const int by = pair ? reduction_of(pair->views, config.working_px) : 1;
+    if (by == 1) return;
+    stages::check_matchable(pair->views, config);
+    const ViewSize full = size_of(pair->views.left);
+    auto [views, picture] = reduced(std::move(pair->views), by, threads);
+    Calibration& camera = input.calibration;
+    camera.width = picture.width;
+    camera.height = picture.height;
+    camera = scaled_to(camera, size_of(views.left));
+    input.mask = reduced(input.mask, by);
+    log.decide("working size: the pair of " + size_text(full) + " px is matched and meshed at " +
+               size_text(size_of(views.left)) + " px (disparity.working_px); the texture keeps its size");
+    pair->views = std::move(views);
+    pair->picture = std::move(picture);
+    pair->reduced_by = by;
 }
 
 }  // namespace hexrelief::job

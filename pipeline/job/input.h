@@ -16,7 +16,9 @@ namespace hexrelief::job {
 
 // A rectified pair, ready to be matched.
 struct InputPair {
-    StereoPair views;
+    StereoPair views;    // at the working size (pairs/working_size.h)
+    Image picture = {};  // the left picture at its own size, if that differs from the views'; else empty
+    int reduced_by = 1;  // px of that picture along a side of the views' px
     bool is_rectified = false;  // true if the program rectified it by its calibration file
 };
 
@@ -43,7 +45,11 @@ struct RunInput {
     const InputMap* map() const { return std::get_if<InputMap>(&views); }
     // color(): the left picture at the view's size; texture(): the same at its original size. Empty = none.
     const Image& color() const { return pair() ? pair()->views.left : map()->color; }
-    const Image& texture() const { return map() && !map()->picture.empty() ? map()->picture : color(); }
+    const Image& texture() const {
+        const Image& picture = pair() ? pair()->picture : map()->picture;
+        return picture.empty() ? color() : picture;
+    }
+    int reduced_by() const { return pair() ? pair()->reduced_by : 1; }
 };
 
 // Returns the names of the files that save_rectified()
@@ -55,5 +61,9 @@ const std::vector<std::filesystem::path>& rectified_file_names();
 // if a file cannot be read or sizes differ.
 RunInput read_input(Source source, const config::InputConfig& config, const readers::ReaderLimits& limits,
                     int threads, RunLog& log);
+
+// Reduces a pair that is larger than config.working_px, its mask and its calibration; the left picture stays
+// as InputPair::picture. Does nothing to a map. Throws as stages::check_matchable().
+void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log);
 
 }  // namespace hexrelief::job

@@ -46,6 +46,7 @@ Json input_json(const RunReport& report) {
     json["paths"] = Json::object();
     json["width"] = disparity.map.width;
     json["height"] = disparity.map.height;
+    json["reduced_by"] = input.reduced_by();
     json["sha256"] = Json::object();
     for (const InputFile& file : input.files) {
         json["paths"][file.role] = file.path;
@@ -262,11 +263,13 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     Json& input = parameters["input"];
     input["calibration"].erase("file");
     if (input["disparity"]["key"] == "") input["disparity"].erase("key");
-    // Sections with default values are left out, so that files keep the bytes that they had
-    // before these sections existed.
-    const Json defaults = config::config_json({})["input"];
+    // Sections and keys with default values are left out, so that files keep the bytes that they had
+    // before these existed.
+    const Json defaults = config::config_json({});
     for (const char* const section : {"depth", "mask", "confidence"})
-        if (input[section] == defaults[section]) input.erase(section);
+        if (input[section] == defaults["input"][section]) input.erase(section);
+    Json& disparity = parameters["disparity"];
+    if (disparity["working_px"] == defaults["disparity"]["working_px"]) disparity.erase("working_px");
     Json json;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     json["hexrelief"]["config"] = std::move(parameters);

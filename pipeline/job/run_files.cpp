@@ -11,6 +11,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/page_content.h"
+#include "pipeline/job/pairs/working_size.h"
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/readers/describe_raster.h"
 
@@ -95,11 +96,23 @@ std::vector<InputFile> all_files(const DepthArrays&) {
 }
 
 constexpr std::uint64_t kBaseBytes = 40 << 20;
+constexpr std::uint64_t kReducedPictureBytes = 12;  // per pixel of a picture whose pair is reduced
 
 struct MainInput {
     fs::path path;
     std::uint64_t width = 0, height = 0;  // 0 = the header cannot be read
+    int reduced_by = 1;
 };
+
+// Returns the number by which the source's pair is reduced. The layout of a file with two views is not known
+// here: the estimate is the least of those that it may have.
+int reduction_of(const Source& source, int width, int height, int working_px) {
+    const auto [shorter, longer] = std::minmax(width, height);
+    if (std::holds_alternative<PairFiles>(source)) return reduction_to(working_px, longer);
+    if (std::holds_alternative<StereoFile>(source))
+        return reduction_to(working_px, std::max(shorter, longer / 2));
+    return 1;
+}
 
 MainInput main_input(const RunRequest& request) {
     const std::vector<InputFile> files = files_of(request.source);
@@ -108,7 +121,9 @@ MainInput main_input(const RunRequest& request) {
     try {
         if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
             return {path, static_cast<std::uint64_t>(raster->width),
-                    static_cast<std::uint64_t>(raster->height)};
+                    static_cast<std::uint64_t>(raster->height),
+                    reduction_of(request.source, raster->width, raster->height,
+                                 request.config.disparity.working_px)};
     } catch (const Error&) {  // the run will report it
     }
     return {path};
@@ -116,8 +131,10 @@ MainInput main_input(const RunRequest& request) {
 
 std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
     const double spacing = config.mesh.spacing_px, bytes_per_pixel = 100 + 1800 / (spacing * spacing);
-    return kBaseBytes +
-           static_cast<std::uint64_t>(static_cast<double>(input.width * input.height) * bytes_per_pixel);
+    const std::uint64_t pixels = input.width * input.height;
+    const std::uint64_t meshed = pixels / input.reduced_by / input.reduced_by;
+    return kBaseBytes + static_cast<std::uint64_t>(static_cast<double>(meshed) * bytes_per_pixel) +
+           (input.reduced_by > 1 ? kReducedPictureBytes * pixels : 0);
 }
 
 // Throws Error(input) if the estimate exceeds limits.max_memory.

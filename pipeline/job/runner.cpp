@@ -12,6 +12,7 @@
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/page_content.h"
+#include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/steps.h"
 
@@ -35,6 +36,7 @@ RunInput read_source(RunRequest& request, int threads, RunLog& log) {
     const files::UnchangedFiles sources(files);
     RunInput input = read_input(std::move(request.source), request.config.input,
                                 request.config.limits.reading, threads, log);
+    reduce_pair(input, request.config.disparity, threads, log);
     if (input.pair() && input.pair()->is_rectified && !request.stages_folder.empty())
         for (const std::filesystem::path& name : rectified_file_names())
             files::check_overwrites({request.stages_folder / name}, files);
@@ -94,7 +96,8 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     StereoPair as_matched;
     if (pair)
         log.stage("range", [&] {
-            range = stages::find_range(pair->views, input.calibration, config.disparity, threads);
+            range = stages::find_range(pair->views, input.calibration,
+                                       for_reduced(config.disparity, pair->reduced_by), threads);
             log.decide(range_text(range.config, range.origin));
             as_matched = stages::corrected(pair->views, range.correction, threads);
         });
@@ -123,7 +126,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Backend& backend = *relief.backend;
     count_from_infinity(relief.disparity, relief.input.calibration, log);
     relief.density = log.stage("density", [&] {
-        return density_of(relief.disparity.meshed(), config.density, backend.threads(), log);
+        return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),
+                          backend.threads(), log);
     });
     const LeftView view = relief.view();
     relief.surface = budget::has_budget(config.budget) ? meet_budget(view, config, outputs, backend, log)

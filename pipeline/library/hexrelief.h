@@ -145,8 +145,8 @@ Picture read_picture(const std::string& path);
 // Reads PFM, PNG, PGM, TIFF, NPY, NPZ, EXR, as the settings input.disparity say.
 Disparities read_disparities(const std::string& path, const Options& options = {});
 
-// Returns the disparities of the left picture of a rectified pair. camera's file may give the
-// range to search (ndisp).
+// Returns the disparities of the left picture of a rectified pair, at its size whatever
+// disparity.working_px is. camera's file may give the range to search (ndisp).
 Disparities compute_disparity(const ImageView& left, const ImageView& right, const Camera& camera = {},
                               const Options& options = {});
 

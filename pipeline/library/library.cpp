@@ -197,6 +197,7 @@ Disparities compute_disparity(const ImageView& left, const ImageView& right, con
     const std::lock_guard lock(library_mutex);
     job::RunRequest request;
     request.config = library::config_of(options, camera);
+    request.config.disparity.working_px = 0;  // the map is one of the given pictures
     request.source = job::PairArrays{{library::image_of(left, "left"), library::image_of(right, "right")}};
     job::RunLog log;
     tell_caller(options, log);

@@ -99,6 +99,7 @@ RunSummary summary_of(const job::RunReport& report) {
     for (const job::OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
     summary.width = relief.disparity.map.width;
     summary.height = relief.disparity.map.height;
+    summary.reduced_by = relief.input.reduced_by();
     summary.vertices = surface.mesh.positions.size();
     summary.triangles = surface.mesh.triangles.size();
     summary.percent_cost = surface.quality.percent_cost;

@@ -46,7 +46,8 @@ struct RunSummary {
         int solves = 0;
     };
     std::vector<File> outputs = {};
-    int width = 0, height = 0;  // size of the left view, px
+    int width = 0, height = 0;  // size of the left view as it was meshed, px
+    int reduced_by = 1;  // px of its picture along each side of these px, above 1 if a large pair was reduced
     std::size_t vertices = 0, triangles = 0;
     double percent_cost = 0;  // how unequal the lattice's cells are
     double nearest = 0, farthest = 0;

@@ -24,6 +24,7 @@ std::string size_of(const Image& image) {
 std::string wrong_disparity_config(const DisparityConfig& config) {
     using Config = DisparityConfig;
     const std::string outside = out_of_range({
+        {"disparity.working_px", config.working_px, Config::kWorkingSize_px},
         {"disparity.min_disparity_px", config.min_disparity_px, Config::kMinDisparity_px},
         {"disparity.num_disparities_px", config.num_disparities_px, Config::kNumDisparities_px},
         {"disparity.p1", config.p1, Config::kPenalty},
@@ -36,6 +37,9 @@ std::string wrong_disparity_config(const DisparityConfig& config) {
          Config::kUniquenessRatio_percent},
     });
     if (!outside.empty()) return outside;
+    if (config.working_px > 0 && config.working_px < Config::kLeastWorkingSize_px)
+        return "disparity.working_px must be 0, for the pictures' own size, or at least " +
+               std::to_string(Config::kLeastWorkingSize_px) + ", not " + std::to_string(config.working_px);
     if (config.block_size_px % 2 == 0)
         return "disparity.block_size_px must be odd, not " + std::to_string(config.block_size_px);
     if (config.p2 > 0 && config.p2 <= config.p1) return "disparity.p2 must be above disparity.p1";

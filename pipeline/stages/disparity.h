@@ -24,6 +24,11 @@ inline constexpr int kLargestRange_px = 1920;  // 16 bits hold 1/16 px, on plane
 
 struct DisparityConfig {
     DisparityMethod method = DisparityMethod::sgm;
+    // For the command `run`: the longest side at which a pair is matched and meshed, 0 or from
+    // kLeastWorkingSize_px on; 0 = that of its pictures.
+    static constexpr ValueRange kWorkingSize_px{0, kLargestPairSide_px};
+    static constexpr int kLeastWorkingSize_px = 320;
+    int working_px = 3000;
     static constexpr ValueRange kMinDisparity_px{1 - kLargestRange_px, kLargestRange_px - 1};
     int min_disparity_px = 0;  // within the image's width
     // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair (the command `run` takes

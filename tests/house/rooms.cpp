@@ -87,6 +87,7 @@ const std::vector<Room>& rooms() {
           "pipeline/files", "exporters", "mesher/mesher.h", "mesher/common/device_figures.h",
           "mesher/balance/balance.h", "cuda/cuda_mesher.h", "cuda/cuda_matcher.h"}},
         {"pipeline/job/maps", {data, "pipeline/readers", "pipeline/stages"}},
+        {"pipeline/job/pairs", {data, "pipeline/readers", "pipeline/stages"}},
         {"pipeline/windows",
          {data, "pipeline/readers", "exporters/core/file_transaction.h", "mesher/common/thread_pool.h"}},
         {"pipeline/gallery",

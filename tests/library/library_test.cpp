@@ -81,6 +81,17 @@ TEST_F(Library, MatchesAsTheCommandLineDoes) {
     EXPECT_EQ(bytes(file("found.glb")), bytes(file("pair.glb")));
 }
 
+TEST_F(Library, MatchesPicturesInMemoryAtTheirOwnSize) {
+    Picture wide{2 * left_.width, 2 * left_.height, 1, {}};
+    for (int y = 0; y < wide.height; ++y)
+        for (int x = 0; x < wide.width; ++x)
+            wide.pixels.push_back(
+                left_.pixels[static_cast<std::size_t>(y / 2 * left_.width + x / 2) * left_.channels]);
+    const Options options{
+        .settings = {{"disparity.working_px", "320"}, {"disparity.num_disparities_px", "16"}}};
+    EXPECT_EQ(compute_disparity(wide.view(), wide.view(), {}, options).width, wide.width);
+}
+
 TEST_F(Library, MeshesDepthsAndMasksAsTheCommandLineDoes) {
     const auto pixels = static_cast<std::size_t>(disparity_.width) * disparity_.height;
     std::vector<float> depth(pixels);

@@ -57,6 +57,22 @@ TEST_F(RunFiles, EstimatesOfMoreMemoryThanTheLimitAreRefused) {
     EXPECT_NE(refusal.find("53463039 (limits.max_memory)"), std::string::npos) << refusal;
 }
 
+// Only the headers are read: the files hold no sample.
+TEST_F(RunFiles, LargePairsAreEstimatedAtTheirWorkingSize) {
+    const std::uint64_t base = 40 << 20, per_meshed_pixel = 150, per_pixel = 12;
+    test::write_text(folder_ / "view.pgm", "P5\n4000 3000\n255\n");
+    test::write_text(folder_ / "both.pgm", "P5\n8000 3000\n255\n");
+    request_.source = PairFiles{folder_ / "view.pgm", folder_ / "view.pgm"};
+    EXPECT_EQ(estimated_memory(request_), base + 2000 * 1500 * per_meshed_pixel + 4000 * 3000 * per_pixel);
+    request_.source = StereoFile{folder_ / "both.pgm"};
+    EXPECT_EQ(estimated_memory(request_), base + 4000 * 1500 * per_meshed_pixel + 8000 * 3000 * per_pixel);
+    request_.config.disparity.working_px = 0;
+    EXPECT_EQ(estimated_memory(request_), base + 8000 * 3000 * per_meshed_pixel);
+    request_.source = DisparityFiles{folder_ / "view.pgm"};
+    request_.config.disparity.working_px = 3000;
+    EXPECT_EQ(estimated_memory(request_), base + 4000 * 3000 * per_meshed_pixel) << "maps are not reduced";
+}
+
 TEST_F(RunFiles, OutputsAreNoResultsOfStages) {
     request_.stages_folder = folder_ / "s";
     request_.outputs = {folder_ / "s/mesh2d.obj"};

@@ -1,0 +1,42 @@
+// Images at a whole fraction of their size.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/data/image.h"
+
+namespace hexrelief {
+
+// Returns the means over squares of by x by px, rounded; those at the right and lower edge cover what is left
+// of the image. The result has no alpha.
+inline Image shrunk(const Image& image, int by) {
+    const auto side = [by](int size) { return (size + by - 1) / by; };
+    Image out{side(image.width), side(image.height), image.channels, {}};
+    const auto channels = static_cast<std::size_t>(image.channels);
+    out.pixels.resize(static_cast<std::size_t>(out.width) * out.height * channels);
+    std::vector<std::uint32_t> sums(static_cast<std::size_t>(out.width) * channels);
+    for (int y = 0; y < out.height; ++y) {
+        std::fill(sums.begin(), sums.end(), 0);
+        const int rows = std::min(by, image.height - y * by);
+        for (int row = y * by; row < y * by + rows; ++row) {
+            const std::uint8_t* value = image.at(0, row);
+            for (int x = 0; x < image.width; x += by) {
+                std::uint32_t* const sum = &sums[static_cast<std::size_t>(x / by) * channels];
+                for (int i = std::min(by, image.width - x); i > 0; --i)
+                    for (std::size_t channel = 0; channel < channels; ++channel) sum[channel] += *value++;
+            }
+        }
+        std::uint8_t* mean = out.at(0, y);
+        for (int x = 0; x < out.width; ++x) {
+            const auto pixels = static_cast<std::uint32_t>(rows * std::min(by, image.width - x * by));
+            for (std::size_t channel = 0; channel < channels; ++channel)
+                *mean++ = static_cast<std::uint8_t>(
+                    (sums[static_cast<std::size_t>(x) * channels + channel] + pixels / 2) / pixels);
+        }
+    }
+    return out;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,33 @@
+// The working size: that at which a pair is matched and meshed.
+#pragma once
+
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/depth/mask_reader.h"
+#include "pipeline/stages/density.h"
+#include "pipeline/stages/disparity.h"
+
+namespace hexrelief::job {
+
+// Returns the least whole number that divides a pair's longest side into at most working_px; 1 if working_px
+// is 0.
+int reduction_to(int working_px, int longest_px);
+// Returns that number for a pair of these sides, or less, so that at least 16 px of each side remain.
+int reduction_of(const StereoPair& pair, int working_px);
+
+struct ReducedPair {
+    StereoPair views;
+    Image picture;  // the left picture that the left view is the reduction of
+};
+// Reduces a pair by reduction_of(). Up to by - 1 columns at the right and rows at the bottom are cut off, so
+// that all of it is exactly reduced.
+ReducedPair reduced(StereoPair pair, int by, int threads);
+
+// Returns the mask for the pair so reduced; it keeps the pixels that are kept whole. Empty stays empty.
+readers::PixelMask reduced(const readers::PixelMask& mask, int by);
+
+// Return the configuration for a pair reduced by this number: what is set in px of the full pair is
+// converted into px of the reduced one.
+stages::DisparityConfig for_reduced(stages::DisparityConfig config, int by);
+stages::DensityConfig for_reduced(stages::DensityConfig config, int by);
+
+}  // namespace hexrelief::job
