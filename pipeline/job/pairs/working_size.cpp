@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "pipeline/data/background.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/data/crop.h"
 #include "pipeline/data/shrink.h"
 
