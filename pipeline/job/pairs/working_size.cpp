@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "pipeline/data/start_work.h"
 #include "pipeline/data/crop.h"
 #include "pipeline/data/shrink.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::job {
 namespace {
