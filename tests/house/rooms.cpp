@@ -77,6 +77,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/checks", {data, "pipeline/stages/disparity_range.h"}},
         {"pipeline/evaluation", {data}},
         {"pipeline/rectify", {data}},
+        {"pipeline/alignment", {data, "mesher/common/thread_pool.h"}},
         {"pipeline/files", {data, "exporters/core"}},
         {"pipeline/config", {data, "pipeline/readers", "pipeline/stages", "exporters/core", "mesher/common"}},
         {"pipeline/budget", {data, "pipeline/config"}},
