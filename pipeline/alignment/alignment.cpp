@@ -77,9 +77,8 @@ std::string obstacle(const Estimate& estimate) {
     const std::string of_all = std::to_string(agreeing) + " of " + std::to_string(all);
     if (static_cast<double>(agreeing) < kLeastAgreeing * static_cast<double>(all) || agreeing < kLeastMatches)
         return "only " + of_all +
-               " points seen in both pictures agree on one movement of the camera: the scene has changed, "
-               "the "
-               "camera went forward, or the pictures are of two scenes or mirrored";
+               " points seen in both pictures agree on one movement of the camera: the scene changed, the "
+               "camera went forward, or one picture is mirrored or of another scene";
     if (const int parts = parts_seen(estimate); parts < kLeastParts)
         return "what both pictures show covers only " + std::to_string(parts) + " of " +
                std::to_string(kParts * kParts) + " parts of the picture";

@@ -30,6 +30,7 @@ struct Canvas {
 // The disparities of the pair, in px of the pair that the verdict leaves: as given, or aligned.
 struct DisparityBounds {
     double least_px = 0, largest_px = 0;  // of nearly all matches that their neighbours support
+    double median_px = 0;
     double infinity_px = 0;
     // False if the farthest point may be anywhere: it is then taken to be four times as far as the nearest.
     bool is_infinity_known = false;

@@ -70,6 +70,7 @@ DisparityBounds on_canvas(DisparityBounds bounds, const Canvas& canvas) {
     const int shift = canvas.left_x - canvas.right_x;
     bounds.least_px -= shift;
     bounds.largest_px -= shift;
+    bounds.median_px -= shift;
     bounds.infinity_px -= shift;
     return bounds;
 }

@@ -50,6 +50,7 @@ DisparityBounds bounds_by(const std::vector<double>& disparities, double unsure_
                                 : low - (high - low) / (kFarthest - 1);
     bounds.least_px = low / scale;
     bounds.largest_px = high / scale;
+    bounds.median_px = median(disparities) / scale;
     bounds.infinity_px = infinity / scale;
     return bounds;
 }
