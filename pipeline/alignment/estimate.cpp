@@ -15,7 +15,7 @@ constexpr double kKnownWidth_px = 3;  // of the weights, from a start that is ne
 constexpr double kFocalDeviation = 0.2, kRadialDeviation = 0.06;
 constexpr double kRadialGain = 0.92;       // of the cost of matches that were not fitted
 constexpr double kQuarterTurnCost = 0.02;  // added to the row cost of pictures that have to be turned
-constexpr std::size_t kMostInStarts = 400;
+constexpr std::size_t kMostInStarts = 400, kMostFitted = 1000;  // more matches cost time and tell little
 // Views whose matches lie behind infinity by more than this are exchanged.
 constexpr double kClearlyBehind_px = 3, kYawDeviations = 2;
 
@@ -35,6 +35,11 @@ std::vector<Match> every(const std::vector<Match>& matches, std::size_t first, s
     std::vector<Match> some;
     for (std::size_t i = first; i < matches.size(); i += step) some.push_back(matches[i]);
     return some;
+}
+
+// Returns so many of the matches, evenly.
+std::vector<Match> at_most(const std::vector<Match>& matches, std::size_t most) {
+    return every(matches, 0, std::max<std::size_t>(1, (matches.size() + most - 1) / most));
 }
 
 Point turned(const Point& p, const Camera& camera) {
@@ -64,7 +69,7 @@ void find_start(Estimate& estimate, const EstimateConfig& config) {
         const Camera camera =
             is_turned ? Camera{as_given.height, as_given.width, as_given.focal_px} : as_given;
         const std::vector<Match> all = is_turned ? turned(matches, as_given) : matches;
-        const std::vector<Match> some = every(all, 0, (all.size() + kMostInStarts - 1) / kMostInStarts);
+        const std::vector<Match> some = at_most(all, kMostInStarts);
         std::vector<Parameters> starts = starts_of(camera, some);
         if (config.is_rig) starts.resize(1);
         for (const Parameters& start : starts) {
@@ -133,7 +138,8 @@ Estimate with_matches(Estimate estimate, std::vector<Match> matches, const Estim
     estimate.matches = std::move(matches);
     estimate.is_exchanged = false;
     const std::vector<Match>& all = estimate.matches;
-    const std::vector<Match> fitted = every(all, 0, 2), held_out = every(all, 1, 2);
+    const std::vector<Match> some = at_most(all, kMostFitted);
+    const std::vector<Match> fitted = every(some, 0, 2), held_out = every(some, 1, 2);
     const auto fit_from_start = [&](const std::vector<Match>& to, const Prior& prior) {
         return fit_views(estimate.camera, to, prior, estimate.fit.parameters, kKnownWidth_px);
     };
@@ -151,10 +157,10 @@ Estimate with_matches(Estimate estimate, std::vector<Match> matches, const Estim
         for (const Match& match : all)
             if (std::fabs(views.row_offset(match)) < kAgreeing_px) estimate.agreeing.push_back(match);
     };
-    take(fit_from_start(all, prior));
+    take(fit_from_start(some, prior));
     estimate.is_exchanged = is_exchanged(estimate, config);
     prior.order = estimate.is_exchanged ? -1 : 1;
-    take(fit_from_start(all, prior));
+    take(fit_from_start(some, prior));
 
     const Views views = views_of(estimate.camera, estimate.fit.parameters);
     std::vector<double> before;
