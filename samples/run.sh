@@ -56,6 +56,8 @@ relief() {
 }
 relief out/pair "${pair[@]}"
 relief out/ground-truth "${truth[@]}"
+cmake --build build --target render_pair >/dev/null
+samples/photos/mesh_photos.sh build out/photos
 
 echo "Meshes to look at: out/pair/relief.glb, from the pair, and out/ground-truth/relief.glb, from known disparities"
 [[ -z $page ]] || echo "Turn them in a browser: out/pair/relief.html, out/ground-truth/relief.html"

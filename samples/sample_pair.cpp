@@ -12,6 +12,7 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 constexpr double kFocal_px = 320, kBaseline_m = 0.16;
 constexpr int kSamples = 4;  // rays a pixel each way: the texture is finer than a pixel in the distance
+constexpr int kPhotoSamples = 2;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Camera frame of the left view: x right, y down, z away, metres.
@@ -168,18 +169,20 @@ Vec ray_at(double u, double v) {
     return {(u - 0.5 * kWidth) / kFocal_px, (v - 0.5 * kHeight) / kFocal_px, 1};
 }
 
-Image render(const Vec& eye) {
-    Image image{kWidth, kHeight, 3, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight * 3)};
-    for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
+// ray(u, v): the direction that a camera at `eye` sees there.
+template <typename Ray>
+Image render(const Vec& eye, int width, int height, int samples, const Ray& ray_of) {
+    Image image{width, height, 3, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height * 3)};
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
             Vec sum;
-            for (int i = 0; i < kSamples * kSamples; ++i) {
-                const int column = i % kSamples, row = i / kSamples;
-                const Vec ray = ray_at(x + (column + 0.5) / kSamples, y + (row + 0.5) / kSamples);
+            for (int i = 0; i < samples * samples; ++i) {
+                const int column = i % samples, row = i / samples;
+                const Vec ray = ray_of(x + (column + 0.5) / samples, y + (row + 0.5) / samples);
                 sum = sum + shade(trace(eye, ray), eye, ray);
             }
-            const auto byte = [](double value) {
-                const double scaled = 255 * value / (kSamples * kSamples) + 0.5;
+            const auto byte = [&](double value) {
+                const double scaled = 255 * value / (samples * samples) + 0.5;
                 return static_cast<std::uint8_t>(std::clamp(scaled, 0.0, 255.0));
             };
             std::uint8_t* const pixel = image.at(x, y);
@@ -191,12 +194,53 @@ Image render(const Vec& eye) {
     return image;
 }
 
+// A photographer's camera. A turn by an angle a is given as tan(a / 2), about an axis of the camera.
+struct PhotoCamera {
+    Vec eye;
+    double pitch, yaw, roll;
+    double shift_px;  // the picture is cut out of the lens's so far to the right
+
+    static constexpr int kColumns = 640, kRows = 480;
+    static constexpr double kFocal = 620, kRadial = 0.02;  // at a corner
+
+    static void turn(double half_tangent, double& a, double& b) {
+        const double square = half_tangent * half_tangent;
+        const double cosine = (1 - square) / (1 + square), sine = 2 * half_tangent / (1 + square);
+        const double turned = cosine * a - sine * b;
+        b = sine * a + cosine * b;
+        a = turned;
+    }
+
+    Vec ray(double u, double v) const {
+        const double x = u - 0.5 * kColumns + shift_px, y = v - 0.5 * kRows;
+        const double corner2 = 0.25 * (kColumns * kColumns + kRows * kRows);
+        const double straighten = (1 + kRadial * (x * x + y * y) / corner2) / kFocal;
+        Vec ray{x * straighten, y * straighten, 1};
+        turn(roll, ray.x, ray.y);
+        turn(yaw, ray.z, ray.x);
+        turn(pitch, ray.y, ray.z);
+        return ray;
+    }
+
+    Image photograph() const {
+        return render(eye, kColumns, kRows, kPhotoSamples, [this](double u, double v) { return ray(u, v); });
+    }
+};
+
 }  // namespace
+
+StereoPair render_photographs() {
+    // Rays are not scaled to z = 1: all that is asked of them is a direction.
+    const PhotoCamera left{{0, 0, 0}, 0.004, 0.008, -0.007, 17.3},
+        right{{kBaseline_m, 0, 0}, -0.003, -0.004, 0.005, -17.3};
+    return {left.photograph(), right.photograph()};
+}
 
 SampleScene render_sample_scene() {
     const Vec left{0, 0, 0}, right{kBaseline_m, 0, 0};
     SampleScene scene;
-    scene.pair = {render(left), render(right)};
+    const auto rendered = [](const Vec& eye) { return render(eye, kWidth, kHeight, kSamples, ray_at); };
+    scene.pair = {rendered(left), rendered(right)};
     scene.disparity = {kWidth, kHeight, std::vector<float>(std::size_t{kWidth} * kHeight)};
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {

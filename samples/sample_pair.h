@@ -17,4 +17,8 @@ struct SampleScene {
 // doubles are IEEE.
 SampleScene render_sample_scene();
 
+// The same scene as two photographs by hand: 640x480, the cameras turned towards each other and out of line,
+// through lenses that bend, and cut so that what is 2 m away has a disparity of 0 (a stereo window).
+StereoPair render_photographs();
+
 }  // namespace hexrelief::samples

@@ -35,6 +35,11 @@ std::vector<SampleFile> sample_files() {
             {"calib.txt", {calibration.begin(), calibration.end()}}};
 }
 
+std::vector<SampleFile> photograph_files() {
+    const StereoPair pair = render_photographs();
+    return {{"left.png", exporters::encode_png(pair.left)}, {"right.png", exporters::encode_png(pair.right)}};
+}
+
 void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder) {
     exporters::FileTransaction transaction;
     for (const SampleFile& file : files) transaction.write(folder / file.name, file.bytes);

@@ -16,6 +16,9 @@ struct SampleFile {
 // left.png, right.png, disparity.pfm and calib.txt.
 std::vector<SampleFile> sample_files();
 
+// left.png and right.png of render_photographs().
+std::vector<SampleFile> photograph_files();
+
 // All or none of them, into a folder that exists. Throws Error(output).
 void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder);
 

@@ -34,9 +34,15 @@ struct CalibrationConfig {
     readers::Rectify rectify = readers::Rectify::automatic;  // applies to pairs
 };
 
+// Which pairs are rectified before they are matched: auto = by their calibration file if that says so, and
+// without one by their own points if their rows are off; always = by their points; never = none;
+// calibration = by the file alone.
+enum class PairRectification { automatic, always, never, calibration };
+
 enum class Densification { automatic, off };
 
 struct InputConfig {
+    PairRectification rectify = PairRectification::automatic;
     readers::DisparityFileConfig disparity;
     // Applies to supplied maps of disparities or depths (pipeline/densify).
     Densification densify = Densification::automatic;

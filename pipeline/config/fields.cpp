@@ -9,6 +9,12 @@ namespace {
 
 std::vector<Field> input_fields() {
     return {
+        choice(
+            "input.rectify", {"auto", "always", "never", "calibration"},
+            "a pair's rows made the same: auto = by its calibration file, or without one by the points that "
+            "both pictures show, if their rows are off; always = by the points, however little they are off; "
+            "never = the pair as it is; calibration = only by the file",
+            MEMBER(input.rectify), {"--rectify"}),
         number("input.disparity.scale", "1/px", readers::DisparityFileConfig::kScale,
                "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit "
                "maps, 1 for float maps, and an error for 8-bit maps",

@@ -10,6 +10,7 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/mask_input.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
@@ -102,7 +103,8 @@ class InputReader {
                                               size_text(other) + "; rectified images have one size");
         RunInput input{InputPair{{std::move(left.image), std::move(right.image)}}};
         input.files = {std::move(left.file), std::move(right.file)};
-        return complete_pair(std::move(input), source.mask, source.left);
+        return complete_pair(std::move(input), source.mask, source.left, false,
+                             source.left.string() + " and " + source.right.string());
     }
 
     RunInput read(const StereoFile& source) {
@@ -112,7 +114,8 @@ class InputReader {
         // The EXIF data of one picture that joins two views describe neither lens well.
         const readers::StereoLayout layout = config_.stereo.layout;
         const bool mpo = layout == readers::StereoLayout::automatic || layout == readers::StereoLayout::mpo;
-        return complete_pair(std::move(input), source.mask, mpo ? source.file : fs::path());
+        return complete_pair(std::move(input), source.mask, mpo ? source.file : fs::path(), true,
+                             source.file.string());
     }
 
     RunInput read(const DisparityFiles& source) { return read_map(source, "disparity"); }
@@ -173,11 +176,12 @@ class InputReader {
                             {{}, std::move(source.confidence)});
     }
 
-    RunInput complete_pair(RunInput input, const fs::path& mask, const fs::path& photograph) {
+    RunInput complete_pair(RunInput input, const fs::path& mask, const fs::path& photograph, bool is_rig,
+                           const std::string& name) {
         rectify_pair(input);
-        const ViewSize view = size_of(input.color());
-        const ResolvedCalibration camera = find_camera(input, view, photograph);
-        input.mask = read_masks(input, view, {mask}, {});
+        const ResolvedCalibration camera = find_camera(input, size_of(input.color()), photograph);
+        if (has_to_be_looked_at(config_)) align(input, camera, {config_, name, is_rig, !mask.empty()});
+        input.mask = read_masks(input, size_of(input.color()), {mask}, {});
         tell_camera(input);
         warn_of_scale(camera);
         return input;
@@ -204,6 +208,7 @@ class InputReader {
     }
 
     void rectify_pair(RunInput& input);
+    void align(RunInput& input, const ResolvedCalibration& camera, const PairToAlign& given);
     ResolvedCalibration find_camera(RunInput& input, ViewSize view, const fs::path& photograph);
     readers::PixelMask read_masks(RunInput& input, ViewSize view, MaskSource mask, MaskSource confidence);
     void take_depths_of(readers::DepthFile depth, const ResolvedCalibration& resolved, RunInput& input);
@@ -226,7 +231,11 @@ void InputReader::rectify_pair(RunInput& input) {
             throw Error(ErrorKind::usage, "input.calibration.rectify needs a calibration file (--calib)");
         return;
     }
-    const auto file = readers::read_stereo_calibration(config.file, config.rectify);
+    const bool never = config_.rectify == config::PairRectification::never;
+    if (never && config.rectify == readers::Rectify::always)
+        throw Error(ErrorKind::usage, "input.rectify never contradicts input.calibration.rectify always");
+    const auto file =
+        readers::read_stereo_calibration(config.file, never ? readers::Rectify::never : config.rectify);
     if (!file) return;
     InputPair& pair = std::get<InputPair>(input.views);
     StereoPair& views = pair.views;
@@ -247,6 +256,24 @@ void InputReader::rectify_pair(RunInput& input) {
         input.mask = {size.width, size.height, std::move(rectified.seen)};
     log_.decide(std::string("rectified: by ") +
                 (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
+}
+
+// Replaces an uncalibrated pair by its aligned views if its rows are off.
+void InputReader::align(RunInput& input, const ResolvedCalibration& camera, const PairToAlign& given) {
+    InputPair& pair = std::get<InputPair>(input.views);
+    PairAlignment done = align_pair(pair.views,
+                                    {camera.calibration, camera.is_focal_known, camera.is_baseline_known,
+                                     camera.focal_from, camera.baseline_from},
+                                    given, threads_);
+    input.calibration = done.camera.calibration;
+    input.focal_from = done.camera.focal_from;
+    input.baseline_from = done.camera.baseline_from;
+    pair.is_rectified |= is_aligned(done.found);
+    if (is_aligned(done.found))
+        input.mask = {pair.views.left.width, pair.views.left.height, std::move(done.seen)};
+    for (const std::string& warning : done.warnings) log_.warn(warning);
+    for (const std::string& decision : done.decisions) log_.decide(decision);
+    pair.alignment = std::move(done.found);
 }
 
 // Finds the calibration and adds its file to the input. photograph: the file whose EXIF data describe the

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "pipeline/alignment/alignment.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/job/request.h"
@@ -19,7 +21,9 @@ struct InputPair {
     StereoPair views;    // at the working size (pairs/working_size.h)
     Image picture = {};  // the left picture at its own size, if that differs from the views'; else empty
     int reduced_by = 1;  // px of that picture along a side of the views' px
-    bool is_rectified = false;  // true if the program rectified it by its calibration file
+    bool is_rectified = false;  // true if the program rectified it, by its calibration file or its points
+    // What its points showed, without the matches; none if they were not looked for.
+    std::optional<alignment::Alignment> alignment = {};
 };
 
 // A supplied disparity map, or a supplied depth map converted to disparities.
@@ -41,6 +45,10 @@ struct RunInput {
     std::string focal_from = {}, baseline_from = {};  // as in ResolvedCalibration, or "the nearest distance"
     std::vector<InputFile> files = {};
 
+    // True if a pair was aligned by its own points.
+    bool is_aligned() const {
+        return pair() && pair()->alignment && pair()->alignment->verdict == alignment::Verdict::aligned;
+    }
     const InputPair* pair() const { return std::get_if<InputPair>(&views); }
     const InputMap* map() const { return std::get_if<InputMap>(&views); }
     // color(): the left picture at the view's size; texture(): the same at its original size. Empty = none.

@@ -39,6 +39,43 @@ Json filling_json(const DisparityResult& disparity) {
     return json;
 }
 
+// Offsets of the rows of points that both pictures show, px of pictures of 1280 px.
+Json rows_json(const alignment::RowFigures& rows) {
+    Json json;
+    json["median_px"] = rows.median_px;
+    json["p90_px"] = rows.percentile90_px;
+    json["beyond_1px_share"] = rows.beyond_share;
+    return json;
+}
+
+Json alignment_json(const RunInput& input) {
+    if (!input.pair() || !input.pair()->alignment) return nullptr;
+    const alignment::Alignment& found = *input.pair()->alignment;
+    const alignment::Estimate& estimate = found.estimate;
+    Json json;
+    json["aligned"] = found.verdict == alignment::Verdict::aligned;
+    json["points"] = found.matches;
+    json["agreeing"] = estimate.agreeing.size();
+    if (found.verdict == alignment::Verdict::unclear) return json;
+    json["rows_before"] = rows_json(estimate.before);
+    json["rows_after"] = rows_json(estimate.after);
+    json["rows_held_out"] = rows_json(estimate.held_out);
+    if (found.verdict != alignment::Verdict::aligned) return json;
+    const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);
+    json["angles_deg"] = {{"pitch", angles.pitch},
+                          {"yaw", angles.yaw},
+                          {"roll", angles.roll},
+                          {"common_yaw", angles.common_yaw},
+                          {"common_roll", angles.common_roll}};
+    json["focal_ratio"] = alignment::factor_of(estimate.fit.parameters[alignment::kFocalRatio]);
+    json["radial"] = estimate.fit.parameters[alignment::kRadial];
+    json["focal_determined"] = found.is_focal_determined();
+    json["infinity_known"] = found.disparities.is_infinity_known;
+    json["exchanged"] = estimate.is_exchanged;
+    json["quarter_turned"] = estimate.is_quarter_turned;
+    return json;
+}
+
 Json input_json(const RunReport& report) {
     const RunInput& input = report.relief->input;
     const DisparityResult& disparity = report.relief->disparity;
@@ -57,6 +94,7 @@ Json input_json(const RunReport& report) {
     json["believed"]["baseline"] = input.baseline_from;
     const bool is_depth = input.map() && input.map()->is_depth();
     json["believed"]["depth"] = is_depth ? Json(input.map()->depth_read_as) : Json(nullptr);
+    json["alignment"] = alignment_json(input);
     json["known_share"] = report.shares.known();
     json["densified"] = filling_json(disparity);
     json["quantum_px"] = disparity.quantum_px > 0 ? Json(disparity.quantum_px) : Json(nullptr);
@@ -223,7 +261,7 @@ void take_figures(const RunLog& log, RunReport& report) {
 }
 
 std::string report_json(const RunReport& report) {
-    const auto& [input, backend, backend_reason, disparity, density, surface] = *report.relief;
+    const auto& [input, backend, backend_reason, disparity, pair_camera, density, surface] = *report.relief;
     Json json;
     json["schema"] = 1;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
@@ -266,7 +304,7 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     // Sections and keys with default values are left out, so that files keep the bytes that they had
     // before these existed.
     const Json defaults = config::config_json({});
-    for (const char* const section : {"depth", "mask", "confidence"})
+    for (const char* const section : {"rectify", "depth", "mask", "confidence"})
         if (input[section] == defaults["input"][section]) input.erase(section);
     Json& disparity = parameters["disparity"];
     if (disparity["working_px"] == defaults["disparity"]["working_px"]) disparity.erase("working_px");

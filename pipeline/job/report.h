@@ -22,6 +22,7 @@ struct Relief {
     std::shared_ptr<Backend> backend;
     std::string backend_reason;  // why this backend was chosen
     DisparityResult disparity;
+    Calibration pair_camera;  // the input's before its disparities were counted from infinity
     DensityMap density;
     SurfaceResult surface;
 

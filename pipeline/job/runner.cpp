@@ -12,6 +12,7 @@
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/page_content.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/steps.h"
@@ -96,8 +97,14 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     StereoPair as_matched;
     if (pair)
         log.stage("range", [&] {
+            const stages::DisparityConfig searched =
+                pair->alignment
+                    ? with_range_of(*pair->alignment, pair->views.left.width * pair->reduced_by, config)
+                    : config.disparity;
             range = stages::find_range(pair->views, input.calibration,
-                                       for_reduced(config.disparity, pair->reduced_by), threads);
+                                       for_reduced(searched, pair->reduced_by), threads);
+            if (config.disparity.num_disparities_px == 0 && range.origin == stages::RangeOrigin::given)
+                range.origin = stages::RangeOrigin::chosen;
             log.decide(range_text(range.config, range.origin));
             as_matched = stages::corrected(pair->views, range.correction, threads);
         });
@@ -124,7 +131,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     const std::vector<std::filesystem::path> outputs = request.outputs;
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
-    count_from_infinity(relief.disparity, relief.input.calibration, log);
+    relief.pair_camera = relief.input.calibration;
+    count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),
                           backend.threads(), log);
@@ -163,7 +171,7 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
         log.stage("pictures", [&] {
             save_stages(view, surface, request.stages_folder, files, threads, log);
             if (const InputPair* const pair = relief.input.pair(); pair && pair->is_rectified)
-                save_rectified(pair->views, view.calibration, request.stages_folder, files);
+                save_rectified(pair->views, relief.pair_camera, request.stages_folder, files);
         });
     report.shares = shares.get();
     take_figures(log, report);

@@ -75,9 +75,10 @@ DisparityMap densify_map(DisparityMap map, const Image& left, const readers::Pix
                          RunLog& log);
 
 // Adds doffs to all disparities and sets the calibration's doffs to 0, if doffs is above 0 and some
-// disparities are 0 or less. The points stay the same. Without this, disparities from -doffs to 0, which have
-// a depth, would be left out.
-void count_from_infinity(DisparityResult& disparity, Calibration& calibration, const RunLog& log);
+// disparities are 0 or less, or if `always`. The points stay the same. Without this, disparities from -doffs
+// to 0, which have a depth, would be left out.
+void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
+                         const RunLog& log);
 
 // Removes the quantisation steps from a supplied map, unless max_error_px is above 0 and less than a step.
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log);

@@ -5,6 +5,7 @@
 
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/library/conversions.h"
 
@@ -106,6 +107,10 @@ RunSummary summary_of(const job::RunReport& report) {
     summary.nearest = surface.nearest();
     summary.farthest = surface.farthest();
     summary.is_metric = surface.mesh.metric;
+    const job::RunInput& input = relief.input;
+    if (input.is_aligned())
+        summary.alignment =
+            job::alignment_text(*input.pair()->alignment, input.calibration.focal_px, input.focal_from);
     summary.meshed = report.shares.meshed;
     summary.background = report.shares.background;
     summary.unknown = report.shares.unknown;

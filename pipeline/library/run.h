@@ -53,7 +53,8 @@ struct RunSummary {
     double nearest = 0, farthest = 0;
     bool is_metric = false;
     double meshed = 0, background = 0, unknown = 0, occluded = 0;
-    bool is_filled = false;  // true if a sparse map was filled between its measurements
+    std::string alignment = {};  // what was done to a pair whose rows were off; empty = nothing
+    bool is_filled = false;      // true if a sparse map was filled between its measurements
     double measured = 0, filled = 0;
     bool lacks_color = false;  // true if an output could hold a texture, but there is no picture
     Budget budget = {};

@@ -1,0 +1,173 @@
+#include "pipeline/alignment/alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "pipeline/alignment/canvas.h"
+#include "pipeline/alignment/disparity_bounds.h"
+#include "pipeline/alignment/grey_picture.h"
+#include "pipeline/alignment/median.h"
+#include "pipeline/alignment/second_look.h"
+
+namespace hexrelief::alignment {
+namespace {
+
+constexpr int kWorkingSide_px = 1280;
+constexpr double kGuessedFocal = 0.9;  // of the longer side: an angle of view of 58 degrees
+constexpr double kDeterminedFocal = 0.03;
+
+// What is rectified: rows off by less in the median, and by more than 1 px for fewer of the matches.
+constexpr double kRectifiedMedian_px = 0.35, kRectifiedShare = 0.06;
+// Matches that are off by no more rows tell whether a pair is rectified; of all, so many must be.
+constexpr double kNearRow_px = 8, kLeastNear = 0.25;
+constexpr double kGainOverNoise = 1.3;  // of the share that is off after the fit
+
+constexpr int kLeastMatches = 40;
+constexpr double kLeastAgreeing = 0.5;
+constexpr int kParts = 8, kLeastParts = 8;  // a side of the picture has kParts parts
+constexpr double kLargestRatio = 1.08;      // of the focal lengths; pictures of one camera have 1
+constexpr double kLargestTurn_degrees = 32, kLargestRowMedian_px = 0.75, kLeastParallax_px = 3;
+
+std::string number(double value, const char* format) {
+    char text[32];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
+bool are_rows_aligned(const std::vector<Match>& matches) {
+    std::vector<double> near;
+    for (const Match& match : matches)
+        if (const double row = match.right.y - match.left.y; std::fabs(row) <= kNearRow_px)
+            near.push_back(row);
+    if (static_cast<double>(near.size()) < kLeastNear * static_cast<double>(matches.size())) return false;
+    const RowFigures rows = row_figures(std::move(near));
+    return rows.median_px < kRectifiedMedian_px && rows.beyond_share < kRectifiedShare;
+}
+
+// True if aligning the rows would change little against what is left anyway.
+bool is_insignificant(const Estimate& estimate) {
+    return !estimate.is_quarter_turned && !estimate.is_exchanged &&
+           estimate.before.median_px < kRectifiedMedian_px &&
+           estimate.before.beyond_share <
+               std::max(kRectifiedShare, kGainOverNoise * estimate.after.beyond_share);
+}
+
+int parts_seen(const Estimate& estimate) {
+    std::vector<bool> seen(std::size_t{kParts} * kParts);
+    for (const Match& match : estimate.agreeing) {
+        const int column = static_cast<int>(match.left.x * kParts / estimate.camera.width),
+                  row = static_cast<int>(match.left.y * kParts / estimate.camera.height);
+        seen[static_cast<std::size_t>(std::clamp(row, 0, kParts - 1)) * kParts +
+             static_cast<std::size_t>(std::clamp(column, 0, kParts - 1))] = true;
+    }
+    return static_cast<int>(std::count(seen.begin(), seen.end(), true));
+}
+
+// The larger of both cameras' angles out of the picture's plane. Uses the library's arc cosine only for the
+// sentence; the limit is compared as a cosine in full.
+double turn_degrees(const Estimate& estimate) {
+    const Views views = estimate.views();
+    return std::acos(std::min(views.left.axis_cosine(), views.right.axis_cosine())) * 180 / std::acos(-1.0);
+}
+
+// Returns why the pair cannot be aligned; empty = it can.
+std::string obstacle(const Estimate& estimate) {
+    const std::size_t agreeing = estimate.agreeing.size(), all = estimate.matches.size();
+    const std::string of_all = std::to_string(agreeing) + " of " + std::to_string(all);
+    if (static_cast<double>(agreeing) < kLeastAgreeing * static_cast<double>(all) || agreeing < kLeastMatches)
+        return "only " + of_all +
+               " points seen in both pictures agree on one movement of the camera: the scene changed, the "
+               "camera went forward, or one picture is mirrored or of another scene";
+    if (const int parts = parts_seen(estimate); parts < kLeastParts)
+        return "what both pictures show covers only " + std::to_string(parts) + " of " +
+               std::to_string(kParts * kParts) + " parts of the picture";
+    if (const double turn = turn_degrees(estimate); turn > kLargestTurn_degrees)
+        return "the camera went forward rather than sideways, by the points seen in both pictures (" +
+               number(turn, "%.0f") + " degrees off)";
+    const double ratio = factor_of(estimate.fit.parameters[kFocalRatio]);
+    if (const double larger = std::max(ratio, 1 / ratio); larger > kLargestRatio)
+        return "the camera went forward rather than sideways: one picture shows the scene " +
+               number(100 * (larger - 1), "%.0f") + " % larger than the other";
+    if (estimate.after.median_px > kLargestRowMedian_px)
+        return "the rows of both pictures cannot be aligned: " + number(estimate.after.median_px, "%.2f") +
+               " px remain, of " + std::to_string(kWorkingSide_px);
+    const std::vector<double> disparities = estimate.disparities();
+    const double parallax = quantile(disparities, 0.98) - quantile(disparities, 0.02);
+    if (parallax < kLeastParallax_px)
+        return "the camera was turned, not moved: points shift against each other by " +
+               number(parallax, "%.1f") + " px at most, of " + std::to_string(kWorkingSide_px);
+    return {};
+}
+
+// Brings matches of the reduced pictures to one scale along both sides: rounding made one a little larger.
+void rescale(std::vector<Match>& matches, const GreyPicture& reduced, const Camera& camera) {
+    const double x = camera.width / reduced.width, y = camera.height / reduced.height;
+    for (Match& match : matches)
+        for (Point* p : {&match.left, &match.right}) *p = {(p->x + 0.5) * x - 0.5, (p->y + 0.5) * y - 0.5};
+}
+
+}  // namespace
+
+bool Alignment::is_focal_determined() const {
+    return focal_deviation < kDeterminedFocal;
+}
+
+Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, int threads) {
+    ThreadPool pool(threads);
+    const GreyPicture left = reduced_grey(pair.left, kWorkingSide_px, pool),
+                      right = reduced_grey(pair.right, kWorkingSide_px, pool);
+    const double longer = std::max(pair.left.width, pair.left.height);
+    const double scale = std::min(1.0, kWorkingSide_px / longer);
+    const bool is_focal_known = config.focal_px > 0;
+    const Camera camera{scale * pair.left.width, scale * pair.left.height,
+                        scale * (is_focal_known ? config.focal_px : kGuessedFocal * longer)};
+    std::vector<Match> matches = find_matches(left, right, pool);
+    rescale(matches, left, camera);
+
+    Alignment out;
+    out.matches = static_cast<int>(matches.size());
+    if (matches.size() < kLeastMatches) {
+        out.reason = "only " + std::to_string(matches.size()) + " points are found in both pictures";
+        return out;
+    }
+    if (!config.always && are_rows_aligned(matches)) {
+        out.verdict = Verdict::rectified;
+        out.estimate = as_given(camera, std::move(matches));
+        out.disparities = bounds_as_given(out.estimate, scale);
+        return out;
+    }
+    const EstimateConfig estimating{is_focal_known, config.is_rig};
+    Estimate& estimate = out.estimate = estimate_views(camera, matches, estimating);
+    out.reason = obstacle(estimate);
+    if (out.reason.empty()) {
+        std::vector<Match> again = look_again(estimate, left, right, pool);
+        if (again.size() >= kLeastMatches) {
+            Estimate second = with_matches(estimate, std::move(again), estimating);
+            if (second.held_out.median_px < estimate.held_out.median_px && obstacle(second).empty())
+                estimate = std::move(second);
+        }
+    }
+    out.matches = static_cast<int>(estimate.matches.size());
+    if (!config.always && is_insignificant(estimate)) {
+        out.verdict = Verdict::rectified;
+        out.reason.clear();
+        out.disparities = bounds_as_given(estimate, scale);
+        return out;
+    }
+    out.verdict = out.reason.empty() ? Verdict::aligned : Verdict::refused;
+    if (out.verdict == Verdict::refused) return out;
+    out.focal_px = estimate.views(1 / scale).focal_px;
+    out.focal_deviation = estimate.fit.deviations[kFocal];
+    const DisparityBounds found = bounds_of(estimate, is_focal_known, scale);
+    out.canvas = canvas_of(estimate, found, scale);
+    if (out.canvas.width <= 0) {
+        out.verdict = Verdict::refused;
+        out.reason = "the pictures share too little of the scene once they are turned side by side";
+        return out;
+    }
+    out.disparities = on_canvas(found, out.canvas);
+    return out;
+}
+
+}  // namespace hexrelief::alignment

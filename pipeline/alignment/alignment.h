@@ -1,0 +1,57 @@
+// Decides whether a pair has to be aligned, and how: the room's interface, with resample.h.
+#pragma once
+
+#include <string>
+
+#include "pipeline/alignment/estimate.h"
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::alignment {
+
+struct AlignmentConfig {
+    double focal_px = 0;  // of both pictures, as a file or the user gives it; 0 = not known
+    bool is_rig = false;  // as in EstimateConfig
+    bool always = false;  // aligns pairs whose rows are hardly off, too
+};
+
+enum class Verdict {
+    rectified,  // rows are the same already, or so nearly that a correction would not be significant
+    aligned,
+    unclear,  // too few points are found to tell
+    refused,  // no movement of a camera explains the points, or not one that shows depth
+};
+
+// The part of the rectified views that becomes the pair, in px of the pictures as given, from the principal
+// point. Both views have one size and the same rows.
+struct Canvas {
+    int left_x = 0, right_x = 0, y = 0, width = 0, height = 0;
+};
+
+// The disparities of the pair, in px of the pair that the verdict leaves: as given, or aligned.
+struct DisparityBounds {
+    double least_px = 0, largest_px = 0;  // of nearly all matches that their neighbours support
+    double median_px = 0;
+    double infinity_px = 0;
+    // False if the farthest point may be anywhere: it is then taken to be four times as far as the nearest.
+    bool is_infinity_known = false;
+};
+
+struct Alignment {
+    Verdict verdict = Verdict::unclear;
+    std::string reason;          // what was seen, as one sentence; if refused or unclear
+    int matches = 0;             // points found in both pictures
+    Estimate estimate;           // if aligned, refused or fitted; the figures of all verdicts but unclear
+    double focal_px = 0;         // of the aligned views
+    double focal_deviation = 0;  // share of focal_px, one standard deviation; 0 = given
+    DisparityBounds disparities = {};  // if rectified or aligned
+    Canvas canvas = {};                // if aligned
+
+    // True if the focal length was given, or the matches determine it.
+    bool is_focal_determined() const;
+};
+
+// Looks for points in both pictures and decides. The pictures have one size. The same bits for any number of
+// threads.
+Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, int threads);
+
+}  // namespace hexrelief::alignment

@@ -1,0 +1,163 @@
+#include "pipeline/alignment/corners.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hexrelief::alignment {
+namespace {
+
+constexpr int kCells = 12;      // a side of the picture has so many parts
+constexpr int kBorder_px = 20;  // px: a descriptor reaches 15 px
+constexpr int kApart = 3;       // px between corners
+constexpr std::int64_t kLeastStrength =
+    9600;  // 16 times the sum of 25 squared gradients of some 5 grey levels
+
+// A raster of whole numbers.
+struct Sums {
+    int width = 0, height = 0;
+    std::vector<std::int32_t> values;
+
+    Sums(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * h) {}
+    const std::int32_t* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
+    std::int32_t* row(int y) { return values.data() + static_cast<std::size_t>(y) * width; }
+};
+
+// Calls body(y) for each row.
+template <typename Body>
+void for_rows(int height, ThreadPool& pool, const Body& body) {
+    pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t first, std::size_t last) {
+        for (std::size_t y = first; y < last; ++y) body(static_cast<int>(y));
+    });
+}
+
+// Returns sums over 5 x 5 px of value(x, y); those within 2 px of the border are 0.
+template <typename Value>
+Sums box_sums(int width, int height, ThreadPool& pool, const Value& value) {
+    Sums across(width, height), out(width, height);
+    for_rows(height, pool, [&](int y) {
+        std::int32_t* const to = across.row(y);
+        for (int x = 2; x < width - 2; ++x)
+            to[x] = value(x - 2, y) + value(x - 1, y) + value(x, y) + value(x + 1, y) + value(x + 2, y);
+    });
+    for_rows(height, pool, [&](int y) {
+        if (y < 2 || y >= height - 2) return;
+        std::int32_t* const to = out.row(y);
+        const std::int32_t *const a = across.row(y - 2), *const b = across.row(y - 1),
+                                  *const c = across.row(y), *const d = across.row(y + 1),
+                                  *const e = across.row(y + 2);
+        for (int x = 2; x < width - 2; ++x) to[x] = a[x] + b[x] + c[x] + d[x] + e[x];
+    });
+    return out;
+}
+
+// The structure tensor's harmonic mean of eigenvalues, times 16; 0 within kBorder_px of the border.
+std::vector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& pool) {
+    const int width = picture.width, height = picture.height;
+    Sums gx(width, height), gy(width, height);
+    for_rows(height, pool, [&](int y) {
+        if (y == 0 || y == height - 1) return;
+        const std::uint8_t *const above = picture.row(y - 1), *const at = picture.row(y),
+                                  *const below = picture.row(y + 1);
+        for (int x = 1; x < width - 1; ++x) {
+            gx.row(y)[x] = at[x + 1] - at[x - 1];
+            gy.row(y)[x] = below[x] - above[x];
+        }
+    });
+    const auto product = [&](const Sums& a, const Sums& b) {
+        return box_sums(width, height, pool, [&](int x, int y) { return a.row(y)[x] * b.row(y)[x]; });
+    };
+    const Sums xx = product(gx, gx), yy = product(gy, gy), xy = product(gx, gy);
+    std::vector<std::int64_t> strengths(picture.values.size());
+    for_rows(height, pool, [&](int y) {
+        if (y < kBorder_px || y >= height - kBorder_px) return;
+        for (int x = kBorder_px; x < width - kBorder_px; ++x) {
+            const std::int64_t a = xx.row(y)[x], b = yy.row(y)[x], c = xy.row(y)[x];
+            strengths[static_cast<std::size_t>(y) * width + x] =
+                16 * (a * b - c * c) / std::max<std::int64_t>(1, a + b);
+        }
+    });
+    return strengths;
+}
+
+struct Peak {
+    std::int64_t strength = 0;
+    int x = 0, y = 0;
+};
+
+// True if no pixel within kApart is stronger, nor an equal one before it.
+bool is_peak(const std::vector<std::int64_t>& strengths, int width, int x, int y) {
+    const std::int64_t own = strengths[static_cast<std::size_t>(y) * width + x];
+    if (own <= kLeastStrength) return false;
+    for (int j = -kApart; j <= kApart; ++j)
+        for (int i = -kApart; i <= kApart; ++i) {
+            const std::int64_t other = strengths[static_cast<std::size_t>(y + j) * width + x + i];
+            if (other > own || (other == own && (j < 0 || (j == 0 && i < 0)))) return false;
+        }
+    return true;
+}
+
+struct BoxPair {
+    int ax = 0, ay = 0, bx = 0, by = 0;
+};
+
+// Returns 256 pairs of box centres, dense in the middle, by a linear congruential generator.
+constexpr std::array<BoxPair, 256> box_pairs() {
+    std::uint32_t state = 12345;
+    const auto number = [&] {
+        int sum = 0;
+        for (int i = 0; i < 3; ++i) {
+            state = (state * 1103515245u + 12345u) & 0x7fffffffu;
+            sum += static_cast<int>((state >> 16) % 11) - 5;
+        }
+        return std::clamp(sum, -13, 13);
+    };
+    std::array<BoxPair, 256> pairs{};
+    for (BoxPair& pair : pairs) {
+        pair.ax = number();
+        pair.ay = number();
+        pair.bx = number();
+        pair.by = number();
+    }
+    return pairs;
+}
+
+Descriptor describe(const Sums& boxes, int x, int y) {
+    static constexpr std::array<BoxPair, 256> pairs = box_pairs();
+    Descriptor bits{};
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const BoxPair& p = pairs[i];
+        const bool is_lighter = boxes.row(y + p.ay)[x + p.ax] > boxes.row(y + p.by)[x + p.bx];
+        bits[i / 64] |= static_cast<std::uint64_t>(is_lighter) << (i % 64);
+    }
+    return bits;
+}
+
+}  // namespace
+
+std::vector<Corner> find_corners(const GreyPicture& picture, int count, ThreadPool& pool) {
+    const int width = picture.width, height = picture.height;
+    if (std::min(width, height) <= 2 * kBorder_px) return {};
+    const std::vector<std::int64_t> strengths = strengths_of(picture, pool);
+    std::vector<std::vector<Peak>> cells(std::size_t{kCells} * kCells);
+    for (int y = kBorder_px; y < height - kBorder_px; ++y)
+        for (int x = kBorder_px; x < width - kBorder_px; ++x)
+            if (is_peak(strengths, width, x, y))
+                cells[static_cast<std::size_t>(y * kCells / height) * kCells + x * kCells / width].push_back(
+                    {strengths[static_cast<std::size_t>(y) * width + x], x, y});
+    const std::size_t most = static_cast<std::size_t>(count) / cells.size() + 1;
+    std::vector<Corner> corners;
+    for (std::vector<Peak>& cell : cells) {
+        std::stable_sort(cell.begin(), cell.end(),
+                         [](const Peak& a, const Peak& b) { return a.strength > b.strength; });
+        if (cell.size() > most) cell.resize(most);
+        for (const Peak& c : cell) corners.push_back({c.x, c.y});
+    }
+    const Sums boxes = box_sums(width, height, pool, [&](int x, int y) { return picture.row(y)[x]; });
+    pool.parallel_for(corners.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            corners[i].descriptor = describe(boxes, corners[i].x, corners[i].y);
+    });
+    return corners;
+}
+
+}  // namespace hexrelief::alignment

@@ -1,0 +1,88 @@
+#include "pipeline/alignment/disparity_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/alignment/median.h"
+
+namespace hexrelief::alignment {
+namespace {
+
+// A toe-in that rows and matches tell may be wrong by so much, whatever the fit says.
+constexpr double kLeastYawDeviation = 0.15 * kDegree, kLeastYawDeviationGuessed = 0.3 * kDegree;
+// Farthest over nearest distance: if infinity is not known, and at most.
+constexpr double kFarthest = 4, kFarthestKnown = 40;
+constexpr std::size_t kNeighbours = 8, kSupporting = 3;
+constexpr double kSupport_px = 2, kSupportSlope = 0.1;
+constexpr std::size_t kLeastForSupport = 30, kLeastSupported = 20;
+
+// Returns the disparities that at least three of a match's eight nearest have nearly as well: a repeated
+// pattern slides along rows unnoticed.
+std::vector<double> supported(const std::vector<Match>& matches, const std::vector<double>& disparities) {
+    if (matches.size() < kLeastForSupport) return disparities;
+    std::vector<double> out;
+    std::vector<std::pair<double, std::size_t>> near(matches.size());
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+        for (std::size_t j = 0; j < matches.size(); ++j) {
+            const double x = matches[j].left.x - matches[i].left.x, y = matches[j].left.y - matches[i].left.y;
+            near[j] = {x * x + y * y, j};
+        }
+        std::swap(near[0], near[i]);  // itself
+        const auto first = near.begin() + 1, last = first + kNeighbours;
+        std::nth_element(first, last - 1, near.end());
+        const auto agrees = [&](const std::pair<double, std::size_t>& other) {
+            return std::fabs(disparities[other.second] - disparities[i]) <
+                   kSupport_px + kSupportSlope * std::sqrt(other.first);
+        };
+        if (static_cast<std::size_t>(std::count_if(first, last, agrees)) >= kSupporting)
+            out.push_back(disparities[i]);
+    }
+    return out.size() >= kLeastSupported ? out : disparities;
+}
+
+// unsure_px: how far the disparity of infinity, 0, may be off.
+DisparityBounds bounds_by(const std::vector<double>& disparities, double unsure_px, double scale) {
+    const double low = quantile(disparities, 0.005), high = quantile(disparities, 0.995);
+    DisparityBounds bounds;
+    bounds.is_infinity_known = low >= unsure_px;
+    const double infinity = bounds.is_infinity_known
+                                ? std::min(0.0, low - (high - low) / (kFarthestKnown - 1))
+                                : low - (high - low) / (kFarthest - 1);
+    bounds.least_px = low / scale;
+    bounds.largest_px = high / scale;
+    bounds.median_px = median(disparities) / scale;
+    bounds.infinity_px = infinity / scale;
+    return bounds;
+}
+
+}  // namespace
+
+DisparityBounds bounds_of(const Estimate& estimate, bool is_focal_known, double scale) {
+    const double least = is_focal_known ? kLeastYawDeviation : kLeastYawDeviationGuessed;
+    const double unsure_px = 2 * estimate.views().focal_px * std::max(least, estimate.fit.deviations[kYaw]);
+    return bounds_by(supported(estimate.agreeing, estimate.disparities()), unsure_px, scale);
+}
+
+DisparityBounds bounds_as_given(const Estimate& estimate, double scale) {
+    std::vector<double> disparities;
+    for (const Match& match : estimate.agreeing) disparities.push_back(match.left.x - match.right.x);
+    const double unsure_px = 0;  // a rectified pair has its infinity at 0, unless some of it lies behind
+    return bounds_by(supported(estimate.agreeing, disparities), unsure_px, scale);
+}
+
+Estimate as_given(const Camera& camera, std::vector<Match> matches) {
+    Estimate estimate;
+    estimate.camera = camera;
+    std::vector<double> rows;
+    for (const Match& match : matches) {
+        const double row = match.right.y - match.left.y;
+        if (std::fabs(row) >= kAgreeing_px) continue;
+        estimate.agreeing.push_back(match);
+        rows.push_back(row);
+    }
+    estimate.matches = std::move(matches);
+    estimate.before = estimate.after = estimate.held_out = row_figures(std::move(rows));
+    return estimate;
+}
+
+}  // namespace hexrelief::alignment

@@ -1,0 +1,178 @@
+#include "pipeline/alignment/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "pipeline/alignment/median.h"
+#include "pipeline/alignment/starts.h"
+
+namespace hexrelief::alignment {
+namespace {
+
+constexpr double kKnownWidth_px = 3;  // of the weights, from a start that is near
+constexpr double kFocalDeviation = 0.2, kRadialDeviation = 0.06;
+constexpr double kRadialGain = 0.92;       // of the cost of matches that were not fitted
+constexpr double kQuarterTurnCost = 0.02;  // added to the row cost of pictures that have to be turned
+constexpr std::size_t kMostInStarts = 400, kMostFitted = 1000;  // more matches cost time and tell little
+// Views whose matches lie behind infinity by more than this are exchanged.
+constexpr double kClearlyBehind_px = 3, kYawDeviations = 2;
+
+Prior prior_of(const EstimateConfig& config, bool has_radial) {
+    Prior prior;
+    Parameters& d = prior.deviations;
+    d[kPitch] = d[kYaw] = (config.is_rig ? 3 : 15) * kDegree;
+    d[kRoll] = d[kCommonYaw] = d[kCommonRoll] = (config.is_rig ? 2 : 10) * kDegree;
+    d[kFocalRatio] = config.is_rig ? 0.01 : 0.02;
+    d[kFocal] = config.is_focal_known ? 0 : kFocalDeviation;
+    d[kRadial] = has_radial ? kRadialDeviation : 0;
+    return prior;
+}
+
+// Returns every `step`-th match from `first` on.
+std::vector<Match> every(const std::vector<Match>& matches, std::size_t first, std::size_t step) {
+    std::vector<Match> some;
+    for (std::size_t i = first; i < matches.size(); i += step) some.push_back(matches[i]);
+    return some;
+}
+
+// Returns so many of the matches, evenly.
+std::vector<Match> at_most(const std::vector<Match>& matches, std::size_t most) {
+    return every(matches, 0, std::max<std::size_t>(1, (matches.size() + most - 1) / most));
+}
+
+Point turned(const Point& p, const Camera& camera) {
+    return {p.y, camera.width - 1 - p.x};
+}
+
+std::vector<Match> turned(std::vector<Match> matches, const Camera& camera) {
+    for (Match& match : matches) match = {turned(match.left, camera), turned(match.right, camera)};
+    return matches;
+}
+
+std::vector<double> offsets_of(const Views& views, const std::vector<Match>& matches) {
+    std::vector<double> offsets;
+    for (const Match& match : matches) offsets.push_back(views.row_offset(match));
+    return offsets;
+}
+
+// Finds orientation and parameters by the start with the least cost.
+void find_start(Estimate& estimate, const EstimateConfig& config) {
+    const Camera as_given = estimate.camera;
+    const std::vector<Match> matches = estimate.matches;
+    // The focal length is held: far from the solution it would only be bent to what turns explain.
+    const Prior prior = prior_of({true, config.is_rig}, false);
+    double least = std::numeric_limits<double>::infinity();
+    for (const bool is_turned : {false, true}) {
+        if (is_turned && config.is_rig) continue;
+        const Camera camera =
+            is_turned ? Camera{as_given.height, as_given.width, as_given.focal_px} : as_given;
+        const std::vector<Match> all = is_turned ? turned(matches, as_given) : matches;
+        const std::vector<Match> some = at_most(all, kMostInStarts);
+        std::vector<Parameters> starts = starts_of(camera, some);
+        if (config.is_rig) starts.resize(1);
+        for (const Parameters& start : starts) {
+            const Fit fit = fit_views(camera, some, prior, start);
+            const double cost =
+                row_cost(views_of(camera, fit.parameters), all) + (is_turned ? kQuarterTurnCost : 0);
+            if (!(cost < least)) continue;
+            least = cost;
+            estimate.is_quarter_turned = is_turned;
+            estimate.camera = camera;
+            estimate.matches = all;
+            estimate.fit = fit;
+        }
+    }
+}
+
+// True if the pictures' matches lie behind infinity by more than the fit may be wrong.
+bool is_exchanged(const Estimate& estimate, const EstimateConfig& config) {
+    if (config.is_rig) return false;
+    const std::vector<double> disparities = estimate.disparities();
+    const double low = quantile(disparities, 0.005), high = quantile(disparities, 0.995);
+    const double unsure = kYawDeviations * estimate.camera.focal_px * estimate.fit.deviations[kYaw];
+    if (high < 0) return true;
+    return low < 0 && -low > std::max({3 * high, unsure, kClearlyBehind_px});
+}
+
+}  // namespace
+
+RowFigures row_figures(std::vector<double> offsets) {
+    RowFigures figures;
+    if (offsets.empty()) return figures;
+    std::size_t beyond = 0;
+    for (double& offset : offsets) {
+        offset = std::fabs(offset);
+        beyond += offset > 1;
+    }
+    figures.median_px = median(offsets);
+    figures.percentile90_px = quantile(offsets, 0.9);
+    figures.beyond_share = static_cast<double>(beyond) / static_cast<double>(offsets.size());
+    return figures;
+}
+
+Views Estimate::views(double scale) const {
+    const Views views = views_of(camera.scaled(scale), fit.parameters);
+    return is_exchanged ? Views{views.right, views.left, views.focal_px} : views;
+}
+
+std::vector<double> Estimate::disparities() const {
+    const Views ordered = views();
+    std::vector<double> out;
+    for (const Match& match : agreeing)
+        out.push_back(ordered.disparity(is_exchanged ? Match{match.right, match.left} : match));
+    return out;
+}
+
+Estimate estimate_views(const Camera& camera, const std::vector<Match>& matches,
+                        const EstimateConfig& config) {
+    Estimate estimate;
+    estimate.camera = camera;
+    estimate.matches = matches;
+    find_start(estimate, config);
+    return with_matches(estimate, estimate.matches, config);
+}
+
+Estimate with_matches(Estimate estimate, std::vector<Match> matches, const EstimateConfig& config) {
+    estimate.matches = std::move(matches);
+    estimate.is_exchanged = false;
+    const std::vector<Match>& all = estimate.matches;
+    const std::vector<Match> some = at_most(all, kMostFitted);
+    const std::vector<Match> fitted = every(some, 0, 2), held_out = every(some, 1, 2);
+    const auto fit_from_start = [&](const std::vector<Match>& to, const Prior& prior) {
+        return fit_views(estimate.camera, to, prior, estimate.fit.parameters, kKnownWidth_px);
+    };
+    const auto cost_held_out = [&](const Prior& prior) {
+        return row_cost(views_of(estimate.camera, fit_from_start(fitted, prior).parameters), held_out);
+    };
+    const bool has_radial =
+        cost_held_out(prior_of(config, true)) < kRadialGain * cost_held_out(prior_of(config, false));
+    Prior prior = prior_of(config, has_radial);
+
+    const auto take = [&](const Fit& fit) {
+        estimate.fit = fit;
+        estimate.agreeing.clear();
+        const Views views = views_of(estimate.camera, fit.parameters);
+        for (const Match& match : all)
+            if (std::fabs(views.row_offset(match)) < kAgreeing_px) estimate.agreeing.push_back(match);
+    };
+    take(fit_from_start(some, prior));
+    estimate.is_exchanged = is_exchanged(estimate, config);
+    prior.order = estimate.is_exchanged ? -1 : 1;
+    take(fit_from_start(some, prior));
+
+    const Views views = views_of(estimate.camera, estimate.fit.parameters);
+    std::vector<double> before;
+    for (const Match& match : estimate.agreeing) before.push_back(match.right.y - match.left.y);
+    estimate.before = row_figures(std::move(before));
+    estimate.after = row_figures(offsets_of(views, estimate.agreeing));
+    std::vector<Match> agreeing_held_out;
+    for (const Match& match : held_out)
+        if (std::fabs(views.row_offset(match)) < kAgreeing_px) agreeing_held_out.push_back(match);
+    estimate.held_out = row_figures(
+        offsets_of(views_of(estimate.camera, fit_from_start(fitted, prior).parameters), agreeing_held_out));
+    return estimate;
+}
+
+}  // namespace hexrelief::alignment

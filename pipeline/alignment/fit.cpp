@@ -1,0 +1,220 @@
+#include "pipeline/alignment/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "pipeline/alignment/median.h"
+
+namespace hexrelief::alignment {
+namespace {
+
+constexpr double kNoise_px = 0.5;         // one standard deviation of a match's row
+constexpr double kMostIndependent = 300;  // matches lie in clusters: more do not count as independent
+constexpr double kFirstWidth_px = 4, kLastWidth_px = 1, kNarrowing = 1.5;
+constexpr int kSteps = 12, kLastSteps = 30, kTries = 8;
+constexpr double kConverged = 1e-7;
+constexpr double kBehindCost = 16, kBehindWidth_px = 4;
+constexpr double kMostFocal = 0.5, kMostRadial = 0.25;  // more is not believed
+constexpr double kLargestTurnStep = 0.2, kLargestOtherStep = 0.3;
+constexpr double kDifference = 1e-6;     // of a parameter, for derivatives
+constexpr double kResolution = 1 << 20;  // of a fit's result
+
+using Matrix = std::array<Parameters, kParameters>;
+
+// Returns the lower factor of a positive definite matrix by Cholesky; only the first `count` rows.
+std::optional<Matrix> factored(const Matrix& a, std::size_t count) {
+    Matrix l{};
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = a[i][j];
+            for (std::size_t k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
+            if (i == j && !(sum > 0)) return std::nullopt;
+            l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
+        }
+    return l;
+}
+
+Parameters solved(const Matrix& l, Parameters b, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t k = 0; k < i; ++k) b[i] -= l[i][k] * b[k];
+        b[i] /= l[i][i];
+    }
+    for (std::size_t i = count; i-- > 0;) {
+        for (std::size_t k = i + 1; k < count; ++k) b[i] -= l[k][i] * b[k];
+        b[i] /= l[i][i];
+    }
+    return b;
+}
+
+// The rows' offset of a match and how far it lies behind infinity, both in px.
+struct Residual {
+    double row = 0, behind = 0;
+};
+
+class Fitter {
+  public:
+    Fitter(const Camera& camera, const std::vector<Match>& matches, const Prior& prior)
+        : camera_(camera), matches_(matches), prior_(prior) {
+        const double count = static_cast<double>(matches.size());
+        row_weight_ = std::min(1.0, kMostIndependent / count) / (kNoise_px * kNoise_px);
+        behind_weight_ = kBehindCost / (count * kBehindWidth_px * kBehindWidth_px);
+        for (std::size_t k = 0; k < kParameters; ++k)
+            if (prior.deviations[k] > 0) free_.push_back(k);
+    }
+
+    Fit run(Parameters at, double width) {
+        if (width <= 0) width = first_width(at);
+        for (;; width = std::max(kLastWidth_px, width / kNarrowing)) {
+            const bool is_last = width <= kLastWidth_px;
+            double damping = 1e-3;
+            for (int i = 0; i < (is_last ? kLastSteps : kSteps); ++i)
+                if (step(at, width, damping) < kConverged) break;
+            if (is_last) break;
+        }
+        return result(at, width);
+    }
+
+  private:
+    double first_width(const Parameters& at) const {
+        std::vector<double> rows;
+        for (const Residual& r : residuals(at)) rows.push_back(r.row);
+        const double middle = median(rows);
+        for (double& row : rows) row = std::fabs(row - middle);
+        return std::max(kFirstWidth_px, 3 * median(rows) + std::fabs(middle));
+    }
+
+    std::vector<Residual> residuals(const Parameters& at) const {
+        const Views views = views_of(camera_, at);
+        std::vector<Residual> out;
+        out.reserve(matches_.size());
+        for (const Match& match : matches_) {
+            const Point left = views.left.rectified(match.left), right = views.right.rectified(match.right);
+            out.push_back({right.y - left.y, std::max(0.0, prior_.order * (right.x - left.x))});
+        }
+        return out;
+    }
+
+    double cost(const std::vector<Residual>& residuals, const Parameters& at, double width) const {
+        double rows = 0, behind = 0, prior = 0;
+        const auto robust = [](double r, double w) { return w * w * r * r / (w * w + r * r); };
+        for (const Residual& r : residuals) {
+            rows += robust(r.row, width);
+            behind += robust(r.behind, kBehindWidth_px);
+        }
+        for (const std::size_t k : free_)
+            prior += at[k] * at[k] / (prior_.deviations[k] * prior_.deviations[k]);
+        return row_weight_ * rows + behind_weight_ * behind + prior;
+    }
+
+    // The normal equations at a point; its gradient is that of half the cost.
+    struct Normal {
+        Matrix matrix{};
+        Parameters gradient{};
+    };
+
+    Normal normal(const std::vector<Residual>& residuals_at, const Parameters& at, double width) const {
+        std::vector<std::vector<Residual>> moved;
+        for (const std::size_t k : free_) {
+            Parameters next = at;
+            next[k] += kDifference;
+            moved.push_back(residuals(next));
+        }
+        const auto weight = [](double r, double w) {
+            const double share = w * w / (w * w + r * r);
+            return share * share;
+        };
+        Normal out;
+        for (std::size_t m = 0; m < matches_.size(); ++m) {
+            const Residual& r = residuals_at[m];
+            const double row = row_weight_ * weight(r.row, width);
+            const double behind = behind_weight_ * weight(r.behind, kBehindWidth_px);
+            std::array<Residual, kParameters> slope;
+            for (std::size_t i = 0; i < free_.size(); ++i)
+                slope[i] = {(moved[i][m].row - r.row) / kDifference,
+                            (moved[i][m].behind - r.behind) / kDifference};
+            for (std::size_t i = 0; i < free_.size(); ++i) {
+                for (std::size_t j = 0; j <= i; ++j)
+                    out.matrix[i][j] +=
+                        row * slope[i].row * slope[j].row + behind * slope[i].behind * slope[j].behind;
+                out.gradient[i] += row * slope[i].row * r.row + behind * slope[i].behind * r.behind;
+            }
+        }
+        for (std::size_t i = 0; i < free_.size(); ++i) {
+            const double deviation = prior_.deviations[free_[i]];
+            out.matrix[i][i] += 1 / (deviation * deviation);
+            out.gradient[i] += at[free_[i]] / (deviation * deviation);
+        }
+        return out;
+    }
+
+    static double limited(std::size_t k, double value) {
+        if (k == kFocal) return std::clamp(value, -kMostFocal, kMostFocal);
+        if (k == kRadial) return std::clamp(value, -kMostRadial, kMostRadial);
+        return value;
+    }
+
+    // Moves to a point of less cost. Returns the largest change of a parameter; 0 = there is no such point.
+    double step(Parameters& at, double width, double& damping) const {
+        const std::vector<Residual> here = residuals(at);
+        const Normal normal_at = normal(here, at, width);
+        const double before = cost(here, at, width);
+        for (int attempt = 0; attempt < kTries; ++attempt, damping *= 5) {
+            Matrix damped = normal_at.matrix;
+            for (std::size_t i = 0; i < free_.size(); ++i) damped[i][i] *= 1 + damping;
+            const auto factor = factored(damped, free_.size());
+            if (!factor) continue;
+            const Parameters change = solved(*factor, normal_at.gradient, free_.size());
+            Parameters next = at;
+            double largest = 0;
+            for (std::size_t i = 0; i < free_.size(); ++i) {
+                const std::size_t k = free_[i];
+                const double most = k <= kCommonRoll ? kLargestTurnStep : kLargestOtherStep;
+                next[k] = limited(k, at[k] - std::clamp(change[i], -most, most));
+                largest = std::max(largest, std::fabs(next[k] - at[k]));
+            }
+            if (!(cost(residuals(next), next, width) <= before)) continue;
+            damping = std::max(damping / 4, 1e-9);
+            at = next;
+            return largest;
+        }
+        return 0;
+    }
+
+    Fit result(const Parameters& at, double width) const {
+        Fit fit;
+        for (const std::size_t k : free_)
+            fit.parameters[k] = std::floor(at[k] * kResolution + 0.5) / kResolution;
+        const auto factor = factored(normal(residuals(at), at, width).matrix, free_.size());
+        for (std::size_t i = 0; factor && i < free_.size(); ++i) {
+            Parameters unit{};
+            unit[i] = 1;
+            fit.deviations[free_[i]] = std::sqrt(solved(*factor, unit, free_.size())[i]);
+        }
+        return fit;
+    }
+
+    const Camera& camera_;
+    const std::vector<Match>& matches_;
+    const Prior& prior_;
+    double row_weight_ = 0, behind_weight_ = 0;
+    std::vector<std::size_t> free_;
+};
+
+}  // namespace
+
+Fit fit_views(const Camera& camera, const std::vector<Match>& matches, const Prior& prior,
+              const Parameters& start, double width_px) {
+    return Fitter(camera, matches, prior).run(start, width_px);
+}
+
+double row_cost(const Views& views, const std::vector<Match>& matches) {
+    double sum = 0;
+    for (const Match& match : matches) {
+        const double r = views.row_offset(match);
+        sum += r * r / (1 + r * r);
+    }
+    return sum / static_cast<double>(matches.size());
+}
+
+}  // namespace hexrelief::alignment

@@ -1,0 +1,166 @@
+#include "pipeline/alignment/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "mesher/common/thread_pool.h"
+
+namespace hexrelief::alignment {
+namespace {
+
+constexpr int kBand = 32;       // rows resampled at a time
+constexpr int kExactEvery = 8;  // columns: positions between are linear, which errs by some 1/500 px
+constexpr int kBorder = 2;      // px at the border of what is seen, whose colours come from outside, too
+
+// Positions in the picture as given of all pixels of a view; the centre of the first pixel is at (0, 0).
+class Positions {
+  public:
+    Positions(const View& view, const Alignment& alignment, int view_x, double scale)
+        : view_(view),
+          canvas_(alignment.canvas),
+          view_x_(view_x),
+          is_turned_(alignment.estimate.is_quarter_turned),
+          turned_height_(scale * alignment.estimate.camera.height) {}
+
+    void fill_row(int y, float* x_out, float* y_out) const {
+        Point from = at(0, y);
+        for (int first = 0; first < canvas_.width; first += kExactEvery) {
+            const Point to = at(first + kExactEvery, y);
+            const double step_x = (to.x - from.x) / kExactEvery, step_y = (to.y - from.y) / kExactEvery;
+            const int count = std::min(kExactEvery, canvas_.width - first);
+            for (int i = 0; i < count; ++i) {
+                x_out[first + i] = static_cast<float>(from.x + step_x * i);
+                y_out[first + i] = static_cast<float>(from.y + step_y * i);
+            }
+            from = to;
+        }
+    }
+
+  private:
+    Point at(int x, int y) const {
+        const Point p = view_.in_picture({view_x_ + x + 0.5, canvas_.y + y + 0.5});
+        return is_turned_ ? Point{turned_height_ - 1 - p.y, p.x} : p;
+    }
+
+    const View& view_;
+    const Canvas& canvas_;
+    int view_x_;
+    bool is_turned_;
+    double turned_height_;
+};
+
+struct Resampled {
+    Image image;
+    std::vector<std::uint8_t> known;  // 1 = inside the picture as given
+};
+
+cv::Mat matrix_of(const Image& image) {
+    return {image.height, image.width, CV_8UC(image.channels),
+            const_cast<std::uint8_t*>(image.pixels.data())};
+}
+
+Resampled resampled(const Image& image, const Positions& positions, const Canvas& canvas, int interpolation,
+                    ThreadPool& pool) {
+    const std::size_t area = static_cast<std::size_t>(canvas.width) * canvas.height;
+    Resampled out{{canvas.width, canvas.height, image.channels, {}}, std::vector<std::uint8_t>(area)};
+    out.image.pixels.resize(area * image.channels);
+    const cv::Mat from = matrix_of(image), to = matrix_of(out.image);
+    const float most_x = static_cast<float>(image.width - 1), most_y = static_cast<float>(image.height - 1);
+    const int bands = (canvas.height + kBand - 1) / kBand;
+    pool.parallel_for(static_cast<std::size_t>(bands), [&](std::size_t first_band, std::size_t last_band) {
+        cv::Mat x(kBand, canvas.width, CV_32FC1), y(kBand, canvas.width, CV_32FC1);
+        for (int band = static_cast<int>(first_band); band < static_cast<int>(last_band); ++band) {
+            const int first = band * kBand, rows = std::min(kBand, canvas.height - first);
+            for (int i = 0; i < rows; ++i) {
+                float *const row_x = x.ptr<float>(i), *const row_y = y.ptr<float>(i);
+                positions.fill_row(first + i, row_x, row_y);
+                std::uint8_t* const known = &out.known[static_cast<std::size_t>(first + i) * canvas.width];
+                for (int c = 0; c < canvas.width; ++c)
+                    known[c] = row_x[c] >= 0 && row_y[c] >= 0 && row_x[c] <= most_x && row_y[c] <= most_y;
+            }
+            cv::Mat part = to.rowRange(first, first + rows);
+            cv::remap(from, part, x.rowRange(0, rows), y.rowRange(0, rows), interpolation,
+                      cv::BORDER_REPLICATE);
+        }
+    });
+    return out;
+}
+
+// Returns noise between 0 and 255, by a hash of the place.
+std::uint8_t noise_at(int x, int y) {
+    std::uint32_t v =
+        static_cast<std::uint32_t>(x) * 2654435761u + static_cast<std::uint32_t>(y) * 2246822519u;
+    v ^= v >> 15;
+    v *= 2654435761u;
+    v ^= v >> 13;
+    return static_cast<std::uint8_t>(v);
+}
+
+void fill_unknown(Resampled& view) {
+    Image& image = view.image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            if (!view.known[static_cast<std::size_t>(y) * image.width + x])
+                std::fill_n(image.at(x, y), image.channels, noise_at(x, y));
+}
+
+// Sets to 0 the left pixels that the right view cannot show at disparities from 0 to `largest`.
+void drop_unseen(std::vector<std::uint8_t>& left, const std::vector<std::uint8_t>& right, int width,
+                 int largest) {
+    std::vector<int> before(static_cast<std::size_t>(width) + 1);  // right pixels known left of a column
+    for (std::size_t row = 0; row < left.size(); row += static_cast<std::size_t>(width)) {
+        for (int x = 0; x < width; ++x) before[x + 1] = before[x] + right[row + x];
+        for (int x = 0; x < width; ++x)
+            if (before[x + 1] == before[std::max(0, x - largest)]) left[row + x] = 0;
+    }
+}
+
+// Sets to 0 what lies within kBorder of a 0, along both sides.
+void erode(std::vector<std::uint8_t>& seen, int width, int height) {
+    cv::Mat mask(height, width, CV_8UC1, seen.data());
+    const cv::Mat box = cv::Mat::ones(2 * kBorder + 1, 2 * kBorder + 1, CV_8UC1);
+    cv::erode(mask, mask, box, cv::Point(-1, -1), 1, cv::BORDER_CONSTANT, cv::Scalar(1));
+}
+
+}  // namespace
+
+AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads) {
+    ThreadPool pool(threads);
+    const Estimate& estimate = alignment.estimate;
+    const Canvas& canvas = alignment.canvas;
+    const double scale =
+        std::max(pair.left.width, pair.left.height) / std::max(estimate.camera.width, estimate.camera.height);
+    const Views views = estimate.views(scale);
+    const Image& first = estimate.is_exchanged ? pair.right : pair.left;
+    const Image& second = estimate.is_exchanged ? pair.left : pair.right;
+    const Positions in_left(views.left, alignment, canvas.left_x, scale),
+        in_right(views.right, alignment, canvas.right_x, scale);
+    Resampled left = resampled(first, in_left, canvas, cv::INTER_CUBIC, pool);
+    Resampled right = resampled(second, in_right, canvas, cv::INTER_CUBIC, pool);
+    if (!first.alpha.empty()) {
+        const Image alpha{first.width, first.height, 1, first.alpha};
+        left.image.alpha = resampled(alpha, in_left, canvas, cv::INTER_NEAREST, pool).image.pixels;
+    }
+    fill_unknown(right);
+    const double spread = alignment.disparities.largest_px - alignment.disparities.least_px;
+    drop_unseen(left.known, right.known, canvas.width,
+                static_cast<int>(alignment.disparities.largest_px + 0.1 * spread) + kBorder);
+    erode(left.known, canvas.width, canvas.height);
+    return {{std::move(left.image), std::move(right.image)}, std::move(left.known)};
+}
+
+Calibration camera_of(const Alignment& alignment) {
+    Calibration camera;
+    camera.focal_px = alignment.focal_px;
+    camera.cx = -alignment.canvas.left_x;
+    camera.cy = -alignment.canvas.y;
+    camera.doffs_px = -alignment.disparities.infinity_px;
+    camera.width = alignment.canvas.width;
+    camera.height = alignment.canvas.height;
+    return camera;
+}
+
+}  // namespace hexrelief::alignment

@@ -1,0 +1,28 @@
+// The aligned pair.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/alignment/alignment.h"
+#include "pipeline/data/calibration.h"
+
+namespace hexrelief::alignment {
+
+struct AlignedPair {
+    StereoPair pair;
+    // For each pixel of the left view, row-major, top row first: 1 = inside the picture as taken, and the
+    // right view shows what lies there at one of the pair's disparities.
+    std::vector<std::uint8_t> seen;
+};
+
+// Resamples both pictures, by cubic interpolation at positions in 1/32 px. Pixels outside the left picture
+// repeat its border; pixels outside the right one are noise that matches nothing, for a plain border would
+// match others. alignment: one with the verdict `aligned`, of this pair. The same bytes for any number of
+// threads.
+AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads);
+
+// Returns the camera of the aligned pair; its baseline is 0, not known.
+Calibration camera_of(const Alignment& alignment);
+
+}  // namespace hexrelief::alignment

@@ -1,0 +1,153 @@
+#include "pipeline/job/pairs/align_pair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "pipeline/alignment/resample.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief::job {
+namespace {
+
+using alignment::Alignment;
+using alignment::DisparityBounds;
+using alignment::Verdict;
+
+// Added to the range of the matches, which lie between the nearest and the farthest surface: shares of it.
+constexpr double kFarMargin = 0.08, kNearMargin = 0.2;
+constexpr double kFarMargin_px = 2, kNearMargin_px = 4;
+constexpr double kBehind_px = 1;   // disparities below -1 px are negative for sure
+constexpr double kMostBehind = 3;  // of a pair in two files: farther behind infinity than before it
+
+std::string digits(double value, int places) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.*f", places, value);
+    return text;
+}
+
+bool is_partly_negative(const Alignment& found) {
+    return found.verdict == Verdict::rectified && found.disparities.least_px < -kBehind_px;
+}
+
+void tell_infinity(PairAlignment& pair) {
+    if (!pair.found.disparities.is_infinity_known)
+        pair.warnings.emplace_back(
+            "where infinity lies is not known: the farthest point is taken to be four times as far as the "
+            "nearest");
+}
+
+void tell_aligned(PairAlignment& pair) {
+    if (pair.found.estimate.is_exchanged)
+        pair.warnings.emplace_back(
+            "the views were exchanged: what both pictures show lies behind the cameras as given");
+    if (pair.found.estimate.is_quarter_turned)
+        pair.warnings.emplace_back(
+            "the cameras stood one above the other: both pictures are turned by a quarter");
+    if (!pair.camera.is_focal_known && !pair.found.is_focal_determined())
+        pair.warnings.push_back("the focal length is not known: " + digits(pair.found.focal_px, 0) +
+                                " px are taken, so depths may be stretched; give --fov-x DEG or "
+                                "input.calibration.focal_px");
+    tell_infinity(pair);
+}
+
+// Scales a relative camera so that the median depth of the matches is 1.
+void set_unit(PairCamera& camera, const DisparityBounds& bounds) {
+    if (camera.is_baseline_known) return;
+    camera.calibration.baseline_m = (bounds.median_px - bounds.infinity_px) / camera.calibration.focal_px;
+    camera.baseline_from = "not known, the median depth is 1";
+}
+
+void take_aligned(StereoPair& views, PairAlignment& pair, int threads) {
+    alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads);
+    views = std::move(aligned.pair);
+    pair.seen = std::move(aligned.seen);
+    PairCamera& camera = pair.camera;
+    Calibration calibration = alignment::camera_of(pair.found);
+    calibration.baseline_m = camera.calibration.baseline_m;
+    calibration.metric = camera.calibration.metric;
+    camera.calibration = calibration;
+    if (!camera.is_focal_known)
+        camera.focal_from = pair.found.is_focal_determined()
+                                ? "by the points that both pictures show"
+                                : "not known, a guess that the points hardly tell from others";
+    set_unit(camera, pair.found.disparities);
+    tell_aligned(pair);
+    pair.decisions.push_back(alignment_text(pair.found, calibration.focal_px, camera.focal_from));
+}
+
+void leave_rectified(PairAlignment& pair, bool is_rig) {
+    DisparityBounds& bounds = pair.found.disparities;
+    pair.decisions.push_back("alignment: none, rows are off by " +
+                             digits(pair.found.estimate.before.median_px, 2) + " px in the median of " +
+                             std::to_string(pair.found.matches) + " points");
+    // Two files whose points nearly all lie behind infinity are exchanged, which the checks tell.
+    if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) bounds = {};
+    if (!is_partly_negative(pair.found)) return;
+    pair.camera.calibration.doffs_px = -bounds.infinity_px;
+    set_unit(pair.camera, bounds);
+    tell_infinity(pair);
+}
+
+}  // namespace
+
+bool has_to_be_looked_at(const config::InputConfig& config) {
+    if (config.rectify == config::PairRectification::always) return true;
+    const config::CalibrationConfig& camera = config.calibration;
+    return config.rectify == config::PairRectification::automatic && camera.file.empty() &&
+           std::isnan(camera.cx) && std::isnan(camera.cy) && std::isnan(camera.doffs_px);
+}
+
+PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign& given, int threads) {
+    const bool always = given.config.rectify == config::PairRectification::always;
+    const double focal_px = camera.is_focal_known ? camera.calibration.focal_px : 0;
+    PairAlignment pair{alignment::find_alignment(views, {focal_px, given.is_rig, always}, threads),
+                       std::move(camera)};
+    const Alignment& found = pair.found;
+    if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
+        throw Error(ErrorKind::input, given.name + ": the pair cannot be aligned: " + found.reason +
+                                          "; give --calib, or --rectify never if it is rectified");
+    if (found.verdict == Verdict::unclear)
+        pair.decisions.push_back("alignment: " + found.reason + ", so the pair is taken as it is");
+    if (found.verdict == Verdict::rectified) leave_rectified(pair, given.is_rig);
+    if (found.verdict == Verdict::aligned) {
+        if (given.has_mask)
+            throw Error(ErrorKind::input,
+                        given.name +
+                            ": the mask is for the left picture as it is, but the pair has to be "
+                            "aligned; give the mask as the picture's alpha, or --rectify never");
+        take_aligned(views, pair, threads);
+    }
+    pair.found.estimate.matches.clear();
+    return pair;
+}
+
+std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {
+    const alignment::Estimate& estimate = found.estimate;
+    const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);
+    return "aligned: rows were off by " + digits(estimate.before.median_px, 2) +
+           " px in the median and are by " + digits(estimate.held_out.median_px, 2) + " px; pitch " +
+           digits(angles.pitch, 2) + ", yaw " + digits(angles.yaw, 2) + ", roll " + digits(angles.roll, 2) +
+           " degrees; focal length of " + digits(focal_px, 0) + " px: " + focal_from;
+}
+
+stages::DisparityConfig with_range_of(const Alignment& found, int width, const config::Config& config) {
+    stages::DisparityConfig searched = config.disparity;
+    if (!is_aligned(found) && !is_partly_negative(found)) return searched;
+    const DisparityBounds& bounds = found.disparities;
+    const double spread = bounds.largest_px - bounds.least_px;
+    const double least = std::max(bounds.least_px - kFarMargin * spread - kFarMargin_px, bounds.infinity_px),
+                 most = bounds.largest_px + kNearMargin * spread + kNearMargin_px;
+    const int columns = std::min(width, stages::kLargestRange_px);
+    if (!config.given.contains("disparity.min_disparity_px"))
+        searched.min_disparity_px = std::clamp(static_cast<int>(std::floor(least)), 1 - columns, columns - 1);
+    if (!config.given.contains("disparity.num_disparities_px"))
+        searched.num_disparities_px = std::clamp(
+            static_cast<int>(std::ceil(most)) - searched.min_disparity_px + 1, 16,
+            std::max(16,
+                     std::min(columns, stages::kLargestRange_px - std::max(0, searched.min_disparity_px))));
+    return searched;
+}
+
+}  // namespace hexrelief::job

@@ -1,0 +1,58 @@
+// Aligns an uncalibrated pair by its own points (pipeline/alignment), as input.rectify says.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/alignment/alignment.h"
+#include "pipeline/config/config.h"
+#include "pipeline/data/calibration.h"
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::job {
+
+// A pair's left camera, and where its numbers come from.
+struct PairCamera {
+    Calibration calibration;
+    bool is_focal_known = false, is_baseline_known = false;
+    std::string focal_from, baseline_from;
+};
+
+// How a pair was given.
+struct PairToAlign {
+    const config::InputConfig& config;
+    std::string name;       // for messages
+    bool is_rig = false;    // one file holds both views
+    bool has_mask = false;  // a mask was given for the left view as it is
+};
+
+struct PairAlignment {
+    alignment::Alignment found;           // without the matches
+    PairCamera camera;                    // of the pair that is left
+    std::vector<std::uint8_t> seen = {};  // of an aligned pair, as in AlignedPair
+    std::vector<std::string> warnings = {}, decisions = {};
+};
+
+// True if the configuration asks for a look at the pair's points: always, or under auto if no calibration
+// says that the pair is rectified.
+bool has_to_be_looked_at(const config::InputConfig& config);
+
+// Replaces the pair by its aligned views if its rows have to be aligned. Sets the camera's doffs if some of a
+// rectified pair lies behind infinity. camera: of the pair as it is. Throws Error(input) if the pair cannot
+// be aligned.
+PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign& given, int threads);
+
+inline bool is_aligned(const alignment::Alignment& found) {
+    return found.verdict == alignment::Verdict::aligned;
+}
+
+// Returns what was done to an aligned pair as one line. camera: of the aligned pair.
+std::string alignment_text(const alignment::Alignment& found, double focal_px, const std::string& focal_from);
+
+// Returns the configuration with the range that the matches of an aligned pair of this width support, or of a
+// pair whose disparities are partly negative; as far as the keys of the range are not given.
+stages::DisparityConfig with_range_of(const alignment::Alignment& found, int width,
+                                      const config::Config& config);
+
+}  // namespace hexrelief::job

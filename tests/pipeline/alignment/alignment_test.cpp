@@ -1,0 +1,180 @@
+#include "pipeline/alignment/alignment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "pipeline/alignment/resample.h"
+#include "turned_pair.h"
+
+namespace hexrelief::alignment {
+namespace {
+
+constexpr int kThreads = 2;
+
+Alignment aligned_by(const TurnedCameras& cameras, double focal_px) {
+    return find_alignment(render_pair(cameras), {focal_px}, kThreads);
+}
+
+// What matches tell of the angles that both cameras share is less than of those between them: a common turn
+// moves rows by a share of the disparity only.
+void expect_angles(const Alignment& alignment, const TurnedCameras& cameras) {
+    constexpr double kRelative = 0.03, kCommon = 0.35;
+    const Angles found = angles_of(alignment.estimate.fit.parameters);
+    EXPECT_NEAR(found.pitch, cameras.pitch, kRelative);
+    EXPECT_NEAR(found.yaw, cameras.yaw, kRelative);
+    EXPECT_NEAR(found.roll, cameras.roll, kRelative);
+    EXPECT_NEAR(found.common_yaw, cameras.common_yaw, kCommon);
+    EXPECT_NEAR(found.common_roll, cameras.common_roll, kCommon);
+}
+
+// The same cameras with the pictures at which points are looked for.
+TurnedCameras enlarged(TurnedCameras cameras) {
+    cameras.focal_px *= 2;
+    cameras.width *= 2;
+    cameras.height *= 2;
+    return cameras;
+}
+
+struct Case {
+    const char* name;
+    TurnedCameras cameras;
+};
+
+class Turned : public testing::TestWithParam<Case> {};
+
+TEST_P(Turned, AnglesComeBackIfTheFocalLengthIsKnown) {
+    const TurnedCameras cameras = enlarged(GetParam().cameras);
+    const Alignment alignment = aligned_by(cameras, cameras.focal_px);
+    ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+    EXPECT_LT(alignment.estimate.held_out.median_px, 0.15);
+    EXPECT_TRUE(alignment.is_focal_determined());
+    expect_angles(alignment, cameras);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Alignment, Turned,
+    testing::Values(Case{"pitch", {.pitch = 1.5, .right_focal = 1.01}}, Case{"yaw", {.yaw = 5}},
+                    Case{"all", {.pitch = -5, .yaw = 4, .roll = 5, .common_yaw = 3, .common_roll = -4}},
+                    Case{"radial", {.pitch = 1, .yaw = 3, .roll = 1, .radial = 0.05}},
+                    Case{"barrel", {.pitch = -2, .yaw = 2, .roll = 1, .radial = -0.05}}),
+    [](const testing::TestParamInfo<Case>& tested) { return std::string(tested.param.name); });
+
+TEST(Alignment, FocalLengthComesBackOrIsToldToBeUnknown) {
+    int determined = 0;
+    for (const double focal_px : {480.0, 576.0, 691.0}) {
+        const TurnedCameras cameras{
+            .pitch = 5, .yaw = 5, .roll = -4, .common_yaw = 5, .common_roll = 3, .focal_px = focal_px};
+        const Alignment alignment = aligned_by(cameras, 0);
+        ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+        if (!alignment.is_focal_determined()) continue;
+        ++determined;
+        EXPECT_NEAR(alignment.focal_px, focal_px, 0.03 * focal_px);
+    }
+    EXPECT_GT(determined, 0);
+    // The rows of cameras that are only rolled say nothing of their focal length.
+    EXPECT_FALSE(aligned_by({.roll = 2}, 0).is_focal_determined());
+}
+
+TEST(Alignment, DisparitiesAreThoseOfTheScene) {
+    const TurnedCameras cameras{.pitch = 2, .yaw = 3, .roll = 1};
+    const Alignment alignment = aligned_by(cameras, cameras.focal_px);
+    ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+    const DisparityBounds& found = alignment.disparities;
+    const double strength = cameras.focal_px * cameras.baseline;  // 6 to 2 m away
+    EXPECT_TRUE(found.is_infinity_known);
+    EXPECT_NEAR(found.least_px - found.infinity_px, strength / 6, 1.5);
+    EXPECT_NEAR(found.largest_px - found.infinity_px, strength / 2, 1.5);
+    EXPECT_GT(found.least_px, 0);
+}
+
+TEST(Alignment, TheAlignedPairIsRectified) {
+    const StereoPair pair =
+        render_pair({.pitch = 3, .yaw = 3, .roll = 2, .common_yaw = -2, .common_roll = 2, .radial = 0.03});
+    const Alignment alignment = find_alignment(pair, {576}, kThreads);
+    ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+    const AlignedPair aligned = aligned_pair(pair, alignment, kThreads);
+    const Calibration camera = camera_of(alignment);
+    EXPECT_EQ(aligned.pair.left.width, camera.width);
+    EXPECT_EQ(aligned.seen.size(), aligned.pair.left.pixels.size());
+    EXPECT_NE(std::count(aligned.seen.begin(), aligned.seen.end(), 0), 0);
+    const Alignment again = find_alignment(aligned.pair, {camera.focal_px}, kThreads);
+    EXPECT_EQ(again.verdict, Verdict::rectified);
+    EXPECT_LT(again.estimate.before.median_px, 0.15);
+    EXPECT_NEAR(again.disparities.least_px, alignment.disparities.least_px, 1.5);
+    EXPECT_NEAR(again.disparities.largest_px, alignment.disparities.largest_px, 1.5);
+}
+
+TEST(Alignment, RectifiedPairsStayAsTheyAre) {
+    EXPECT_EQ(aligned_by({}, 0).verdict, Verdict::rectified);
+    EXPECT_EQ(aligned_by({.pitch = 0.02}, 0).verdict, Verdict::rectified);
+    const StereoPair pair = render_pair({});
+    EXPECT_EQ(find_alignment(pair, {.always = true}, kThreads).verdict, Verdict::aligned);
+}
+
+TEST(Alignment, ExchangedViewsAreNoticed) {
+    StereoPair pair = render_pair({.pitch = 1, .roll = 1});
+    std::swap(pair.left, pair.right);
+    const Alignment alignment = find_alignment(pair, {576}, kThreads);
+    ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+    EXPECT_TRUE(alignment.estimate.is_exchanged);
+    EXPECT_GT(alignment.disparities.least_px - alignment.disparities.infinity_px, 10);
+}
+
+TEST(Alignment, CamerasAboveEachOtherAreTurned) {
+    const Alignment alignment = aligned_by({.yaw = 1, .common_roll = 88}, 576);
+    ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+    EXPECT_LT(alignment.estimate.held_out.median_px, 0.15);
+    EXPECT_GT(alignment.disparities.least_px - alignment.disparities.infinity_px, 10);
+}
+
+TEST(Alignment, SaysWhyItRefuses) {
+    const auto refusal = [](const TurnedCameras& cameras) {
+        const Alignment alignment = aligned_by(cameras, cameras.focal_px);
+        EXPECT_EQ(alignment.verdict, Verdict::refused);
+        return alignment.reason;
+    };
+    EXPECT_NE(refusal({.pitch = 2, .yaw = 3, .baseline = 0}).find("turned, not moved"), std::string::npos);
+    EXPECT_NE(refusal({.pitch = 1, .baseline = 0, .forward = 0.6}).find("forward"), std::string::npos);
+}
+
+TEST(Alignment, RefusesMirroredAndUnrelatedPictures) {
+    StereoPair pair = render_pair({});
+    for (int y = 0; y < pair.right.height; ++y)
+        std::reverse(pair.right.at(0, y), pair.right.at(0, y) + pair.right.width);
+    EXPECT_NE(find_alignment(pair, {}, kThreads).verdict, Verdict::aligned);
+    pair.right = render_pair({.seed = 1000}).right;
+    EXPECT_NE(find_alignment(pair, {}, kThreads).verdict, Verdict::aligned);
+}
+
+TEST(Alignment, TellsIfTooFewPointsAreFound) {
+    const Image plain{320, 240, 1, std::vector<std::uint8_t>(std::size_t{320} * 240, 128)};
+    const Alignment alignment = find_alignment({plain, plain}, {}, kThreads);
+    EXPECT_EQ(alignment.verdict, Verdict::unclear);
+    EXPECT_NE(alignment.reason.find("only 0 points are found"), std::string::npos) << alignment.reason;
+    EXPECT_EQ(find_alignment({Image{8, 8, 1, std::vector<std::uint8_t>(64)},
+                              Image{8, 8, 1, std::vector<std::uint8_t>(64)}},
+                             {}, kThreads)
+                  .verdict,
+              Verdict::unclear);
+}
+
+TEST(Alignment, IsTheSameForAnyNumberOfThreads) {
+    const StereoPair pair = render_pair({.pitch = 3, .yaw = 2, .roll = 2, .radial = 0.03});
+    const Alignment one = find_alignment(pair, {}, 1);
+    const AlignedPair by_one = aligned_pair(pair, one, 1);
+    for (const int threads : {2, 5}) {
+        const Alignment many = find_alignment(pair, {}, threads);
+        EXPECT_EQ(many.estimate.fit.parameters, one.estimate.fit.parameters);
+        EXPECT_EQ(many.matches, one.matches);
+        const AlignedPair by_many = aligned_pair(pair, many, threads);
+        EXPECT_EQ(by_many.pair.left.pixels, by_one.pair.left.pixels);
+        EXPECT_EQ(by_many.pair.right.pixels, by_one.pair.right.pixels);
+        EXPECT_EQ(by_many.seen, by_one.seen);
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::alignment

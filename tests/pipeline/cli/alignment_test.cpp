@@ -1,0 +1,122 @@
+// Pairs of made-up cameras that were never rectified, through the command line.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/alignment/turned_pair.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::cli {
+namespace {
+
+using namespace test;
+using alignment::render_pair;
+using alignment::TurnedCameras;
+
+void write_picture(const std::string& path, const Image& image) {
+    write_text(path, "P5\n" + std::to_string(image.width) + " " + std::to_string(image.height) + "\n255\n" +
+                         std::string(image.pixels.begin(), image.pixels.end()));
+}
+
+// Runs on the pair of these cameras with more options. Returns the run; its report is in the folder.
+ProcessResult run_on(const StereoPair& pair, const TemporaryFolder& folder,
+                     const std::vector<std::string>& options) {
+    write_picture(folder / "left.pgm", pair.left);
+    write_picture(folder / "right.pgm", pair.right);
+    std::vector<std::string> arguments = {
+        "run", "--left",         folder / "left.pgm", "--right",        folder / "right.pgm",
+        "-o",  folder / "o.glb", "--report",          folder / "r.json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return run_program(arguments);
+}
+
+nlohmann::json report_in(const TemporaryFolder& folder) {
+    return nlohmann::json::parse(read_text(folder / "r.json"));
+}
+
+const TurnedCameras kTurned{.pitch = 3, .yaw = 2, .roll = 2, .common_yaw = 1};
+const double kFovX_deg = 2 * std::atan(320 / kTurned.focal_px) * 180 / std::acos(-1.0);
+
+TEST(Alignment, AnUnrectifiedPairIsMeshedInMetres) {
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        run_on(render_pair(kTurned), folder,
+               {"--fov-x", std::to_string(kFovX_deg), "--set", "input.calibration.baseline_m=0.15",
+                "--save-stages", folder / "stages", "--strict"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE((result.out + result.err).find("aligned: rows were off by"), std::string::npos)
+        << result.out << result.err;
+    const nlohmann::json report = report_in(folder);
+    const nlohmann::json& alignment = report["input"]["alignment"];
+    EXPECT_TRUE(alignment["aligned"].get<bool>());
+    EXPECT_LT(alignment["rows_held_out"]["median_px"].get<double>(), 0.15);
+    EXPECT_NEAR(alignment["angles_deg"]["pitch"].get<double>(), kTurned.pitch, 0.1);
+    EXPECT_TRUE(report["surface"]["metric"].get<bool>());
+    // Boards from 2 m on before a wall at 6 m; the mesh ends where both pictures do.
+    EXPECT_NEAR(report["depth_range"][0].get<double>(), 2, 0.2);
+    EXPECT_NEAR(report["depth_range"][1].get<double>(), 6, 1);
+    EXPECT_GT(report["picture"]["meshed_share"].get<double>(), 0.8);
+    EXPECT_TRUE(std::filesystem::exists(folder / "stages/left_rectified.png"));
+}
+
+TEST(Alignment, WithoutACameraTheMedianDepthIsOne) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_on(render_pair(kTurned), folder, {});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json report = report_in(folder);
+    EXPECT_FALSE(report["surface"]["metric"].get<bool>());
+    EXPECT_GT(report["depth_range"][0].get<double>(), 0.3);
+    EXPECT_LT(report["depth_range"][0].get<double>(), 1);
+    EXPECT_GT(report["depth_range"][1].get<double>(), 1);
+}
+
+TEST(Alignment, NeverLeavesThePairAsItIs) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_on(render_pair(kTurned), folder, {"--rectify", "never"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.err.find("rows differ"), std::string::npos) << result.err;
+    EXPECT_TRUE(report_in(folder)["input"]["alignment"].is_null());
+}
+
+TEST(Alignment, ARectifiedPairHasTheSameBytesAsWithNever) {
+    const StereoPair pair = render_pair({});
+    const TemporaryFolder automatic, never;
+    ASSERT_EQ(run_on(pair, automatic, {}).exit_code, 0);
+    ASSERT_EQ(run_on(pair, never, {"--set", "input.rectify=never"}).exit_code, 0);
+    EXPECT_FALSE(report_in(automatic)["input"]["alignment"]["aligned"].get<bool>());
+    // Only the key itself is in the file.
+    EXPECT_EQ(report_in(automatic)["surface"], report_in(never)["surface"]);
+}
+
+TEST(Alignment, NegativeDisparitiesAreSearched) {
+    // A stereo window: both pictures are cut so that things at 3 m have a disparity of 0.
+    StereoPair pair = render_pair({});
+    const int shift = 29;
+    for (Image* image : {&pair.left, &pair.right}) {
+        Image cut{image->width - shift, image->height, 1, {}};
+        const int from = image == &pair.left ? shift : 0;
+        for (int y = 0; y < cut.height; ++y)
+            cut.pixels.insert(cut.pixels.end(), image->at(from, y), image->at(from, y) + cut.width);
+        *image = std::move(cut);
+    }
+    const TemporaryFolder folder;
+    const ProcessResult result = run_on(pair, folder, {});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("lie below the range"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("where infinity lies is not known"), std::string::npos) << result.err;
+    const nlohmann::json report = report_in(folder);
+    EXPECT_LT(report["disparity"]["min_disparity_px"].get<int>(), -14);
+    EXPECT_GT(report["picture"]["meshed_share"].get<double>(), 0.8);
+}
+
+TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {
+    const TemporaryFolder folder;
+    write_picture(folder / "l.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).left);
+    write_picture(folder / "r.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).right);
+    expect_failure({"run", "--left", folder / "l.pgm", "--right", folder / "r.pgm", "-o", folder / "o.glb"},
+                   3, "the camera was turned, not moved");
+    EXPECT_FALSE(std::filesystem::exists(folder / "o.glb"));
+}
+
+}  // namespace
+}  // namespace hexrelief::cli
