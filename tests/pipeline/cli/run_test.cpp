@@ -179,7 +179,7 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["config"]["mesh"]["spacing_px"], 8);
     EXPECT_EQ(report["config"]["mesh"]["seed"], 7);
     expect_keys(report["input"], {"paths", "width", "height", "sha256", "calibration", "known_share",
-                                  "densified", "believed", "quantum_px", "alignment"});
+                                  "densified", "believed", "quantum_px", "reduced_by", "alignment"});
     expect_keys(report["input"]["calibration"], {"focal_px", "cx", "cy", "baseline_m", "doffs_px", "metric"});
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     const Json& picture = report["picture"];
