@@ -173,7 +173,7 @@ std::vector<Field> density_fields() {
         choice(
             "density.background.method", {"auto", "none", "fraction", "threshold_px", "otsu"},
             "how the background is told apart; auto = as by fraction, but only where depth discontinuities "
-            "part it from the rest, else none",
+            "part it from the rest and this is a tenth of the map, else none",
             MEMBER(density.background_method)),
         number("density.background.fraction", "", stages::DensityConfig::kBackgroundFraction,
                "auto, fraction: below this share of the scale is background",
