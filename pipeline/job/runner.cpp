@@ -110,6 +110,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             DisparityResult matched =
                 disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
             hide(matched.map, input.mask);
+            judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
             return matched;
         });
     }
@@ -121,7 +122,10 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     const std::vector<std::filesystem::path> outputs = request.outputs;
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
+    end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, log);
+    if (config.disparity.dequantize == stages::Dequantization::automatic)
+        smooth_noise(relief.disparity, backend.threads(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), config.density, backend.threads(), log);
     });

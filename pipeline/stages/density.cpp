@@ -107,8 +107,8 @@ double otsu_threshold(const MapInStrips& map, float largest) {
 // a column. Unknown pixels between two known ones are skipped: a hole neither connects nor separates.
 struct Border {
     float threshold;
-    long long length = 0;             // pairs of neighbours on the border
-    long long discontinuous = 0;      // pairs at a depth discontinuity
+    long long length = 0;           // pairs of neighbours on the border
+    long long discontinuous = 0;    // pairs at a depth discontinuity
     long long known = 0, kept = 0;  // known pixels, and those not below the threshold
 
     void add(float a, float b, int distance_px) {
