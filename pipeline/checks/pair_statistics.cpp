@@ -1,6 +1,7 @@
 #include "pipeline/checks/pair_statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -8,7 +9,6 @@ namespace hexrelief::checks {
 namespace {
 
 constexpr int kPoints = 240;
-constexpr int kBlock = 8;
 // Grey levels between a block's darkest and lightest pixels, ignoring the extreme tenths.
 constexpr int kLeastSpread = 10;
 
@@ -46,17 +46,22 @@ bool is_blank(const Image& image) {
     return std::equal(samples.begin() + channels, samples.end(), samples.begin());
 }
 
+bool is_textured(const GreyImage& grey, int left, int top) {
+    std::array<std::uint8_t, std::size_t{kBlock_px} * kBlock_px> block;
+    for (int y = 0; y < kBlock_px; ++y)
+        for (int x = 0; x < kBlock_px; ++x)
+            block[static_cast<std::size_t>(y * kBlock_px + x)] = grey.at(left + x, top + y);
+    std::sort(block.begin(), block.end());
+    return block[block.size() * 9 / 10] - block[block.size() / 10] >= kLeastSpread;
+}
+
 double textured_share(const Image& reduced) {
     const GreyImage grey = grey_of(reduced);
     int blocks = 0, textured = 0;
-    std::vector<std::uint8_t> block(std::size_t{kBlock} * kBlock);
-    for (int top = 0; top + kBlock <= grey.height; top += kBlock)
-        for (int left = 0; left + kBlock <= grey.width; left += kBlock) {
-            for (int y = 0; y < kBlock; ++y)
-                for (int x = 0; x < kBlock; ++x) block[y * kBlock + x] = grey.at(left + x, top + y);
-            std::sort(block.begin(), block.end());
+    for (int top = 0; top + kBlock_px <= grey.height; top += kBlock_px)
+        for (int left = 0; left + kBlock_px <= grey.width; left += kBlock_px) {
             ++blocks;
-            textured += block[block.size() * 9 / 10] - block[block.size() / 10] >= kLeastSpread;
+            textured += is_textured(grey, left, top);
         }
     return blocks == 0 ? 1 : textured / static_cast<double>(blocks);
 }

@@ -22,6 +22,11 @@ double median_disparity_px(const stages::SmallMatch& match);
 // True if all pixels have the same colour.
 bool is_blank(const Image& image);
 
+inline constexpr int kBlock_px = 8;
+
+// True if the block at (left, top), wholly inside the image, shows more than noise.
+bool is_textured(const GreyImage& grey, int left, int top);
+
 // Returns the share of the reduced picture's blocks of 8 x 8 px that show more than noise.
 double textured_share(const Image& reduced);
 

@@ -28,6 +28,8 @@ constexpr double kMostAtLowEnd = 0.05;
 constexpr double kMostBeyond = 0.003;
 constexpr double kWidestRange = 3;  // largest range, as a multiple of the scene's need
 constexpr int kFreeRange_px = 32;   // a range may always be wider than needed by this
+// Share of the textured pixels on which both views agree (pair_support.h).
+constexpr double kGoodSupport = 0.7, kLeastSupport = 0.4;
 
 // Thresholds for maps.
 constexpr int kLeastValues = 200;

@@ -45,6 +45,9 @@ std::string shares_text(const RunSummary& run) {
     add("background", run.background);
     add("unknown", run.unknown);
     add("occluded", run.occluded);
+    if (run.on_backdrop >= 0.0005)
+        line += text("; %.1f %% seemed beyond the matches' %.3g%s and lies there", 100 * run.on_backdrop,
+                     run.backdrop, run.is_metric ? " m" : "");
     return line;
 }
 
@@ -66,6 +69,7 @@ std::string summary_text(const RunSummary& run, const FileRequest& request, doub
     summary +=
         text(", depth %.3g to %.3g%s; ", run.nearest, run.farthest, run.is_metric ? " m" : " (relative)");
     summary += shares_text(run);
+    if (!run.support.empty()) summary += "; support by the pair: " + run.support;
     if (run.is_filled)
         summary +=
             text("; %.1f %% was measured, %.1f %% filled between", 100 * run.measured, 100 * run.filled);

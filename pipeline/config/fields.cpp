@@ -149,8 +149,8 @@ std::vector<Field> disparity_fields() {
                MEMBER(disparity.fill)),
         choice("disparity.dequantize", {"auto", "none"},
                "a supplied map of whole pixels or other steps of 0.1 to 1 px: auto = the smoothest surface "
-               "within half a step is meshed, unless budget.max_error_px asks for less than a step; none = "
-               "the steps",
+               "within half a step is meshed, unless budget.max_error_px asks for less than a step; a pair's "
+               "noisy matches: auto = the smoothest surface within the noise; none = as they are",
                MEMBER(disparity.dequantize)),
         flag("disparity.color",
              "sgbm: match all channels of colour pairs; grey is faster and, measured, better",
@@ -184,7 +184,7 @@ std::vector<Field> density_fields() {
         choice(
             "density.background.method", {"auto", "none", "fraction", "threshold_px", "otsu"},
             "how the background is told apart; auto = as by fraction, but only where depth discontinuities "
-            "part it from the rest, else none",
+            "part it from the rest and this is a tenth of the map, else none",
             MEMBER(density.background_method)),
         number("density.background.fraction", "", stages::DensityConfig::kBackgroundFraction,
                "auto, fraction: below this share of the scale is background",
@@ -305,6 +305,10 @@ std::vector<Field> surface_fields() {
                MEMBER(surface.silhouette_rounds)),
         number("surface.min_component", "", {0, 1e9},
                "components of fewer triangles are dropped; 0 = keep all", MEMBER(surface.min_component)),
+        number("surface.farthest", "", {0, 1e6},
+               "a pair's mesh ends at so many times the depth that its matches support, what seems farther "
+               "lies on a backdrop there; 0 = anywhere",
+               MEMBER(surface.farthest)),
     };
 }
 

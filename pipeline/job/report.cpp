@@ -7,8 +7,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/checks/pair_support.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/fields.h"
+#include "pipeline/stages/surface.h"
 
 namespace hexrelief::job {
 namespace {
@@ -111,7 +113,17 @@ Json picture_json(const PictureShares& shares) {
     return json;
 }
 
-Json matching_json(const DisparityResult& disparity) {
+Json backdrop_json(const Relief& relief) {
+    const std::optional<stages::Backdrop>& backdrop = relief.disparity.backdrop;
+    if (!backdrop) return nullptr;
+    Json json;
+    json["depth"] = relief.depth_of_backdrop();
+    json["moved_share"] = backdrop->moved_share;
+    return json;
+}
+
+Json matching_json(const Relief& relief) {
+    const DisparityResult& disparity = relief.disparity;
     const std::optional<OriginShares> shares = origin_shares(disparity.map);
     if (!disparity.matched || !shares) return nullptr;
     Json json;
@@ -121,6 +133,10 @@ Json matching_json(const DisparityResult& disparity) {
     json["num_disparities_px"] = disparity.matched->num_disparities_px;
     json["matched_share"] = shares->measured;
     json["filled_share"] = shares->filled;
+    json["support"] = disparity.support;
+    json["support_word"] = relief.support();
+    json["noise_px"] = disparity.noise_px > 0 ? Json(disparity.noise_px) : Json(nullptr);
+    json["backdrop"] = backdrop_json(relief);
     return json;
 }
 
@@ -230,7 +246,23 @@ std::size_t peak_bytes() {
 }  // namespace
 
 LeftView Relief::view() const {
-    return {disparity.map, disparity.meshed(), density, input.color(), input.texture(), input.calibration};
+    return {disparity.map,
+            disparity.meshed(),
+            density,
+            input.color(),
+            input.texture(),
+            input.calibration,
+            disparity.backdrop ? disparity.backdrop->disparity_px : 0};
+}
+
+double Relief::depth_of_backdrop() const {
+    if (!disparity.backdrop) return 0;
+    const Calibration& camera = input.calibration;
+    return -stages::position_in_space(0, 0, disparity.backdrop->disparity_px, camera)[2];
+}
+
+std::string Relief::support() const {
+    return disparity.matched ? checks::support_word(disparity.support) : "";
 }
 
 std::optional<OriginShares> origin_shares(const DisparityMap& map) {
@@ -276,7 +308,7 @@ std::string report_json(const RunReport& report) {
     json["foreground_share"] = report.shares.foreground;
     json["picture"] = picture_json(report.shares);
     json["depth_range"] = {surface.nearest(), surface.farthest()};
-    json["disparity"] = matching_json(disparity);
+    json["disparity"] = matching_json(*report.relief);
     json["stages"] = Json::array();
     for (const auto& [name, seconds] : report.stage_seconds)
         json["stages"].push_back({{"name", name}, {"seconds", seconds}});

@@ -28,6 +28,8 @@ struct Relief {
 
     // Returns a view that refers to this relief.
     LeftView view() const;
+    double depth_of_backdrop() const;  // 0 = there is none
+    std::string support() const;       // of the map by its pair, in a word; empty = it was supplied
 };
 
 // A relief and the results of writing it.

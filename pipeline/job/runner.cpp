@@ -120,6 +120,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             DisparityResult matched =
                 disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
             hide(matched.map, input.mask);
+            judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
             return matched;
         });
     }
@@ -132,7 +133,10 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
     relief.pair_camera = relief.input.calibration;
+    end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
+    if (config.disparity.dequantize == stages::Dequantization::automatic)
+        smooth_noise(relief.disparity, backend.threads(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),
                           backend.threads(), log);

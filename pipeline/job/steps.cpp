@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
+#include "pipeline/checks/pair_support.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/densify/densify.h"
 #include "pipeline/densify/sparsity.h"
 #include "pipeline/dequantize/dequantize.h"
+#include "pipeline/dequantize/noise.h"
 #include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/tolerance.h"
@@ -47,6 +50,8 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
         log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +
                    memory_text(device));
     stages::adjust_silhouettes(cut, view.disparity, background_px, config.silhouette_rounds);
+    // Planes are fitted beyond their pixels.
+    for (float& d : cut.disparities) d = std::max(d, view.least_px);
     return cut;
 }
 
@@ -107,6 +112,30 @@ DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& co
     return result;
 }
 
+void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,
+                   RunLog& log) {
+    disparity.support = checks::measure_support(left, disparity.map, mask.kept);
+    const std::string agreed = checks::percent(disparity.support);
+    log.decide("disparity: both views agree on " + agreed + " of what has texture: support is " +
+               checks::support_word(disparity.support));
+    if (!checks::is_hardly_supported(disparity.support)) return;
+    const std::string text = "the pair hardly supports the mesh: both views agree on only " + agreed +
+                             " of what has texture; check that nothing moved between the pictures and that "
+                             "their rows are aligned";
+    if (strict) throw Error(ErrorKind::input, text);
+    log.warn(text);
+}
+
+void end_scene(DisparityResult& disparity, const Calibration& calibration, const SurfaceConfig& config,
+               const RunLog& log) {
+    if (!disparity.matched || config.farthest == 0) return;
+    disparity.backdrop = stages::put_backdrop(disparity.map, disparity.matched->min_disparity_px,
+                                              calibration.doffs_px, config.farthest);
+    if (disparity.backdrop)
+        log.decide("disparity: the backdrop is at " + fixed(disparity.backdrop->disparity_px, 2) + " px; " +
+                   fixed(100 * disparity.backdrop->moved_share, 1) + " % seemed farther");
+}
+
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
                          const RunLog& log) {
     const auto is_far = [](float d) { return DisparityMap::known(d) && d <= 0; };
@@ -115,6 +144,7 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
     for (DisparityMap* map : {&disparity.map, &disparity.smooth})
         for (float& d : map->values)
             if (DisparityMap::known(d)) d += static_cast<float>(calibration.doffs_px);
+    if (disparity.backdrop) disparity.backdrop->disparity_px += static_cast<float>(calibration.doffs_px);
     log.decide(std::string("disparity: ") + (always ? "" : "some are 0 or less; ") +
                "the calibration's doffs of " + fixed(calibration.doffs_px, 2) + " px is added to all");
     calibration.doffs_px = 0;
@@ -145,6 +175,16 @@ DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, c
     result.smooth = dequantize::dequantize(result.map, quantum_px, threads);
     log.decide("disparity: smoothed within its steps of " + fixed(quantum_px, 3) + " px");
     return result;
+}
+
+void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
+    if (!disparity.matched) return;
+    const double noise_px = dequantize::find_noise_px(disparity.map);
+    if (noise_px < dequantize::kLeastNoise_px) return;
+    disparity.noise_px = noise_px;
+    disparity.map =
+        dequantize::dequantize(disparity.map, dequantize::smoothing_quantum_px(noise_px), threads);
+    log.decide("disparity: smoothed within its noise of " + fixed(noise_px, 3) + " px");
 }
 
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,

@@ -16,6 +16,7 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/job/run_log.h"
 #include "pipeline/readers/depth/mask_reader.h"
+#include "pipeline/stages/backdrop.h"
 #include "pipeline/stages/disparity.h"
 #include "pipeline/stages/surface_quality.h"
 #include "pipeline/stages/surface_topology.h"
@@ -28,6 +29,9 @@ struct DisparityResult {
     std::optional<stages::DisparityConfig> matched;  // with the range searched; none = the map was supplied
     double quantum_px = 0;                           // quantisation step that was smoothed; 0 = none
     DisparityMap smooth = {};                        // the map without these steps; empty = no steps
+    double support = 0;                              // of a matched map by its pair (checks/pair_support.h)
+    double noise_px = 0;                             // of a matched map, which was smoothed; 0 = it was not
+    std::optional<stages::Backdrop> backdrop = {};   // of a matched map; none = it has no end
 
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
@@ -40,6 +44,7 @@ struct LeftView {
     const Image& color;    // empty = none
     const Image& texture;  // the same picture at its original size; empty = none
     const Calibration& calibration;
+    float least_px = 0;  // no vertex has a smaller disparity
 };
 
 // A surface with the lattice and the configuration that it was made from.
@@ -74,11 +79,22 @@ DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& co
 DisparityMap densify_map(DisparityMap map, const Image& left, const readers::PixelMask& mask, int threads,
                          RunLog& log);
 
+// Tells how well the pair supports its map, and warns if hardly; then throws Error(input) if `strict`.
+void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,
+                   RunLog& log);
+
+// Puts a backdrop behind a matched map, if configured.
+void end_scene(DisparityResult& disparity, const Calibration& calibration, const SurfaceConfig& config,
+               const RunLog& log);
+
 // Adds doffs to all disparities and sets the calibration's doffs to 0, if doffs is above 0 and some
 // disparities are 0 or less, or if `always`. The points stay the same. Without this, disparities from -doffs
 // to 0, which have a depth, would be left out.
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
                          const RunLog& log);
+
+// Smooths a matched map within its noise (dequantize/noise.h), if there is much.
+void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log);
 
 // Removes the quantisation steps from a supplied map, unless max_error_px is above 0 and less than a step.
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log);

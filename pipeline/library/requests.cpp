@@ -115,6 +115,9 @@ RunSummary summary_of(const job::RunReport& report) {
     summary.background = report.shares.background;
     summary.unknown = report.shares.unknown;
     summary.occluded = report.shares.occluded;
+    summary.support = relief.support();
+    if (relief.disparity.backdrop) summary.on_backdrop = relief.disparity.backdrop->moved_share;
+    summary.backdrop = relief.depth_of_backdrop();
     if (const auto shares = job::origin_shares(relief.disparity.map); shares && !relief.disparity.matched) {
         summary.is_filled = true;
         summary.measured = shares->measured;

@@ -54,7 +54,12 @@ struct RunSummary {
     bool is_metric = false;
     double meshed = 0, background = 0, unknown = 0, occluded = 0;
     std::string alignment = {};  // what was done to a pair whose rows were off; empty = nothing
-    bool is_filled = false;      // true if a sparse map was filled between its measurements
+    // Share of the known pixels that seemed farther than a matched scene's end, and were moved to that depth.
+    double on_backdrop = 0, backdrop = 0;
+    // Share of a pair's texture on which both views agree, in words: "good", "partly", "hardly"; empty
+    // without a pair.
+    std::string support = {};
+    bool is_filled = false;  // true if a sparse map was filled between its measurements
     double measured = 0, filled = 0;
     bool lacks_color = false;  // true if an output could hold a texture, but there is no picture
     Budget budget = {};

@@ -107,8 +107,9 @@ double otsu_threshold(const MapInStrips& map, float largest) {
 // a column. Unknown pixels between two known ones are skipped: a hole neither connects nor separates.
 struct Border {
     float threshold;
-    long long length = 0;         // pairs of neighbours on the border
-    long long discontinuous = 0;  // pairs at a depth discontinuity
+    long long length = 0;           // pairs of neighbours on the border
+    long long discontinuous = 0;    // pairs at a depth discontinuity
+    long long known = 0, kept = 0;  // known pixels, and those not below the threshold
 
     void add(float a, float b, int distance_px) {
         if ((a < threshold) == (b < threshold)) return;
@@ -152,6 +153,8 @@ Border border_at(const MapInStrips& map, float threshold) {
             for (int x = 0; x < window.width; ++x) {
                 const float d = row[x];
                 if (!DisparityMap::known(d)) continue;
+                ++border.known;
+                border.kept += d >= border.threshold;
                 left.pass(border, window.x + x, d);
                 strip.above[static_cast<std::size_t>(x)].pass(border, window.y + y, d);
                 if (first.at < 0) first = left;
@@ -164,6 +167,8 @@ Border border_at(const MapInStrips& map, float threshold) {
     for (const Strip& strip : strips) {
         whole.length += strip.border.length;
         whole.discontinuous += strip.border.discontinuous;
+        whole.known += strip.border.known;
+        whole.kept += strip.border.kept;
     }
     for (std::size_t y = 0; y < strips[0].ends.size(); ++y) {
         Seen left;
@@ -177,10 +182,13 @@ Border border_at(const MapInStrips& map, float threshold) {
     return whole;
 }
 
-// Returns `candidate` if the disparities below it are separated from the rest, else 0.
+// Returns `candidate` if the disparities below it are separated from the rest, else 0; 0 as well if they are
+// nearly all, because then the picture is of them, and what is nearer is some wrong patch or a thing in the
+// way.
 float separating_threshold(const MapInStrips& map, float candidate) {
-    constexpr double kLeastDiscontinuousShare = 0.8;
+    constexpr double kLeastDiscontinuousShare = 0.8, kLeastKeptShare = 0.1;
     const Border border = border_at(map, candidate);
+    if (border.kept < kLeastKeptShare * border.known) return 0;
     return border.discontinuous >= kLeastDiscontinuousShare * border.length ? candidate : 0;
 }
 

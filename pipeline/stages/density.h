@@ -43,7 +43,8 @@ struct DensityConfig {
 //
 // BackgroundMethod::automatic removes disparities below `background_fraction` of the scale, but only if they
 // are separated from the rest: along at least 80 % of the border between the two, disparities at least halve
-// from one pixel to the next. Otherwise nothing is removed, because a threshold would cut through surfaces.
+// from one pixel to the next, and if the rest is at least a tenth of the known pixels. Otherwise nothing is
+// removed, because a threshold would cut through surfaces, or leave next to nothing of the picture.
 //
 // Throws Error(usage) if a parameter is out of range.
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads = 1);

@@ -182,6 +182,12 @@ TEST(Run, ReportFollowsTheSchema) {
                                   "densified", "believed", "quantum_px", "reduced_by", "alignment"});
     expect_keys(report["input"]["calibration"], {"focal_px", "cx", "cy", "baseline_m", "doffs_px", "metric"});
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
+    expect_keys(report["disparity"], {"method", "min_disparity_px", "num_disparities_px", "matched_share",
+                                      "filled_share", "support", "support_word", "noise_px", "backdrop"});
+    EXPECT_EQ(report["disparity"]["support_word"], "good");
+    expect_keys(report["disparity"]["backdrop"], {"depth", "moved_share"});
+    EXPECT_LE(report["depth_range"][1].get<double>(),
+              report["disparity"]["backdrop"]["depth"].get<double>() + 1e-3);
     const Json& picture = report["picture"];
     expect_keys(picture, {"meshed_share", "background_share", "unknown_share", "occluded_share"});
     EXPECT_NEAR(picture["background_share"].get<double>() + report["foreground_share"].get<double>(),

@@ -113,6 +113,17 @@ TEST(Density, AutomaticKeepsWhatIsNotFarBehind) {
     EXPECT_EQ(compute_density(map, {}).background_px, 0);
 }
 
+// A scrap in front of everything, such as a wrong patch, does not make the rest background.
+TEST(Density, AutomaticNeverLeavesNextToNothing) {
+    const auto scrap = [](double radius) {
+        return scene(1, [=](double x, double y) {
+            return std::hypot(x - 80, y - 60) < radius ? 50.0 : far_wall(x, y);
+        });
+    };
+    EXPECT_EQ(compute_density(scrap(20), {}).background_px, 0);  // 7 % of the picture
+    EXPECT_GT(compute_density(scrap(30), {}).background_px, 8);  // 15 %
+}
+
 // Unknown pixels by themselves form no border, neither in a floor full of holes nor across a whole floor.
 TEST(Density, AutomaticLooksAcrossUnknownPixels) {
     std::mt19937 random(5);
@@ -175,6 +186,7 @@ TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
     }
     DensityConfig largest;
     largest.scale_percentile = 100;
+    largest.background_method = BackgroundMethod::fraction;
     EXPECT_EQ(compute_density(wrong, largest).background_px, 125);
 }
 
