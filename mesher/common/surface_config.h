@@ -29,7 +29,7 @@ struct SurfaceConfig {
     // Smaller connected components, in triangles, are dropped from the surface in space; 0 = keep all.
     int min_component = 0;
     // Depth of the backdrop that ends a matched pair's scene, as a multiple of the depth that its matches
-    // support (pipeline/stages/backdrop.h); 0 = the scene has no end.
+    // support (pipeline/stages/disparity_range.h); 0 = the scene has no end.
     double farthest = 1.1;
 };
 

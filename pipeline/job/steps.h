@@ -16,8 +16,8 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/job/run_log.h"
 #include "pipeline/readers/depth/mask_reader.h"
-#include "pipeline/stages/backdrop.h"
 #include "pipeline/stages/disparity.h"
+#include "pipeline/stages/disparity_range.h"
 #include "pipeline/stages/surface_quality.h"
 #include "pipeline/stages/surface_topology.h"
 

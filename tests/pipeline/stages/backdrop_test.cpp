@@ -1,10 +1,10 @@
-#include "pipeline/stages/backdrop.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <vector>
+
+#include "pipeline/stages/disparity_range.h"
 
 namespace hexrelief::stages {
 namespace {

@@ -1,0 +1,58 @@
+// What a run makes of a matched pair's map before it is meshed.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+
+#include "pipeline/data/error.h"
+#include "pipeline/job/steps.h"
+
+namespace hexrelief::job {
+namespace {
+
+// A textured picture, and a map of it that only has filled pixels, at a disparity of 4 px, or at 1 px in its
+// first rows.
+struct FilledPair {
+    Image left{64, 64, 1, {}};
+    DisparityResult disparity{DisparityMap{64, 64, {}, {}}, stages::DisparityConfig{}};
+    FilledPair() {
+        for (unsigned i = 0; i < 64 * 64; ++i) {
+            left.pixels.push_back(static_cast<std::uint8_t>(i * 2654435761u >> 24));
+            disparity.map.values.push_back(i < 1024 ? 1.0f : 4.0f);
+            disparity.map.origins.push_back(PixelOrigin::filled);
+        }
+    }
+};
+
+TEST(PairSteps, APairThatHardlySupportsItsMapIsToldAndStrictlyRefused) {
+    FilledPair pair;
+    RunLog log;
+    judge_support(pair.disparity, pair.left, {}, false, log);
+    ASSERT_EQ(log.warnings().size(), 1u);
+    EXPECT_NE(log.warnings()[0].find("hardly supports"), std::string::npos);
+    EXPECT_THROW(judge_support(pair.disparity, pair.left, {}, true, log), Error);
+    pair.disparity.map.origins.assign(64 * 64, PixelOrigin::matched);
+    judge_support(pair.disparity, pair.left, {}, true, log);
+    EXPECT_EQ(pair.disparity.support, 1);
+    EXPECT_EQ(log.warnings().size(), 1u);
+}
+
+TEST(PairSteps, ABackdropEndsAPairAndIsCountedFromInfinity) {
+    FilledPair pair;
+    for (std::size_t i = 1024; i < 64 * 64; ++i) pair.disparity.map.origins[i] = PixelOrigin::matched;
+    const RunLog log;
+    Calibration camera{.focal_px = 100, .baseline_m = 1, .doffs_px = 2};
+    DisparityResult endless = pair.disparity;
+    end_scene(endless, camera, {.farthest = 0}, log);
+    EXPECT_FALSE(endless.backdrop);
+    EXPECT_EQ(endless.map.values, pair.disparity.map.values);
+    end_scene(pair.disparity, camera, {.farthest = 1.2}, log);
+    ASSERT_TRUE(pair.disparity.backdrop);
+    EXPECT_FLOAT_EQ(pair.disparity.map.values[0], 3);  // (4 + 2) / 1.2 - 2
+    pair.disparity.map.values[5] = 0;
+    count_from_infinity(pair.disparity, camera, log);
+    EXPECT_FLOAT_EQ(pair.disparity.backdrop->disparity_px, 5);
+}
+
+}  // namespace
+}  // namespace hexrelief::job
