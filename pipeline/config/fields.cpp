@@ -100,7 +100,8 @@ std::vector<Field> input_fields() {
             MEMBER(input.calibration.rectify)),
         choice("input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
                "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
-               "squeezed to half of that side; auto = mpo where the file is one",
+               "squeezed to half of that side; auto = mpo if the file holds two JPEG pictures, and sbs for "
+               "crossed eyes for .jps",
                MEMBER(input.stereo.layout), {"--layout"}),
         flag("input.stereo.right_first", "the right view is on the left, or above, as for crossed eyes",
              MEMBER(input.stereo.right_first)),

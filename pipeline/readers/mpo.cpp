@@ -38,9 +38,13 @@ class Index {
     bool little_endian_ = false;
 };
 
+bool is_jpeg_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
+    return at + 4 <= bytes.size() && bytes[at] == 0xff && bytes[at + 1] == 0xd8 && bytes[at + 2] == 0xff;
+}
+
 std::optional<Index> find_index(const SourceFile& source) {
     const std::vector<std::uint8_t>& bytes = source.bytes;
-    if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) return std::nullopt;
+    if (!is_jpeg_at(bytes, 0)) return std::nullopt;
     std::size_t at = 2;
     while (at + 4 <= bytes.size() && bytes[at] == 0xff) {
         const std::uint8_t marker = bytes[at + 1];
@@ -58,11 +62,34 @@ std::optional<Index> find_index(const SourceFile& source) {
     return std::nullopt;
 }
 
+// Returns the first byte after the JPEG file that begins the bytes; nullopt if it does not end. Segments have
+// a length; in compressed data 0xff is followed by 0 or a restart marker.
+std::optional<std::size_t> end_of_first(const std::vector<std::uint8_t>& bytes) {
+    if (!is_jpeg_at(bytes, 0)) return std::nullopt;
+    std::size_t at = 2;
+    while (at + 2 <= bytes.size()) {
+        const std::uint8_t marker = bytes[at + 1];
+        const bool is_data = bytes[at] != 0xff || marker == 0 || (marker >= 0xd0 && marker <= 0xd7);
+        if (is_data || marker == 0xff) {
+            ++at;
+            continue;
+        }
+        if (marker == 0xd9) return at + 2;
+        if (at + 4 > bytes.size()) return std::nullopt;
+        at += 2 + bytes[at + 2] * 256u + bytes[at + 3];
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const SourceFile& source) {
     const auto index = find_index(source);
-    if (!index) return std::nullopt;
+    if (!index) {
+        const std::optional<std::size_t> second = end_of_first(source.bytes);
+        if (!second || !is_jpeg_at(source.bytes, *second)) return std::nullopt;
+        return std::pair{*second, source.bytes.size() - *second};
+    }
     constexpr std::uint32_t entries_tag = 0xb002, entry_bytes = 16;
     const std::uint64_t directory = index->number(4, 4);
     const std::uint32_t tags = index->number(directory, 2);

@@ -41,15 +41,22 @@ StereoPair halved(const std::filesystem::path& path, StereoLayout layout, const 
     const bool half = layout == StereoLayout::half_side_by_side || layout == StereoLayout::half_top_bottom;
     const bool in_x = layout == StereoLayout::side_by_side || layout == StereoLayout::half_side_by_side;
     const Image image = read_image(path, limits);
-    if ((in_x ? image.width : image.height) % 2 != 0)
-        codec::refuse(path, "its size is " + size_text(image.width, image.height) +
-                                ", which has no two halves; crop it to an even " +
-                                (in_x ? "width" : "height"));
+    if ((in_x ? image.width : image.height) < 2)
+        codec::refuse(path,
+                      "its size is " + size_text(image.width, image.height) + ", which has no two halves");
     const int width = in_x ? image.width / 2 : image.width, height = in_x ? image.height : image.height / 2;
     StereoPair pair{cropped(image, {0, 0, width, height}),
                     cropped(image, {image.width - width, image.height - height, width, height})};
     if (half) pair = {stretched(pair.left, in_x), stretched(pair.right, in_x)};
     return pair;
+}
+
+// True if the name is that of a side-by-side picture for crossed eyes.
+bool is_cross_eyed_name(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+    return extension == ".jps" || extension == ".pns";
 }
 
 Image jpeg_image(const codec::SourceFile& source) {
@@ -63,11 +70,16 @@ Image jpeg_image(const codec::SourceFile& source) {
 StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                             const ReaderLimits& limits) {
     StereoPair pair;
+    if (config.layout == StereoLayout::automatic && is_cross_eyed_name(path)) {
+        pair = halved(path, StereoLayout::side_by_side, limits);
+        std::swap(pair.left, pair.right);
+        return pair;
+    }
     if (config.layout == StereoLayout::automatic || config.layout == StereoLayout::mpo) {
         codec::SourceFile source = codec::load_raster_file(path, limits);
         const auto second = codec::find_second_picture(source);
         if (!second && config.layout == StereoLayout::mpo)
-            codec::refuse(path, "it is no multi-picture JPEG file (MPO); give --layout sbs or tb");
+            codec::refuse(path, "it holds no second JPEG picture, as MPO files do; give --layout sbs or tb");
         if (!second)
             codec::refuse(
                 path,

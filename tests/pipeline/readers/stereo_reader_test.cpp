@@ -54,12 +54,31 @@ TEST(ReadStereoFile, ViewsKeepTheirPixelsAlpha) {
     EXPECT_EQ(views(StereoLayout::half_top_bottom).right.alpha, (Bytes{4, 5, 6, 7, 4, 5, 6, 7}));
 }
 
+TEST(ReadStereoFile, TheMiddleOfAnOddSideBelongsToNoHalf) {
+    const Bytes odd = make_pgm(3, 3, 255, {0, 1, 2, 10, 11, 12, 20, 21, 22});
+    const StereoPair side = read(odd, {.layout = StereoLayout::side_by_side});
+    EXPECT_EQ(side.left.pixels, (Bytes{0, 10, 20}));
+    EXPECT_EQ(side.right.pixels, (Bytes{2, 12, 22}));
+    const StereoPair top = read(odd, {.layout = StereoLayout::top_bottom});
+    EXPECT_EQ(top.left.pixels, (Bytes{0, 1, 2}));
+    EXPECT_EQ(top.right.pixels, (Bytes{20, 21, 22}));
+}
+
+TEST(ReadStereoFile, JpsAndPnsHaveTheRightViewFirst) {
+    const Folder folder;
+    for (const char* const name : {"a.jps", "b.PNS"}) {
+        const StereoPair pair = read_stereo_file(folder.write(name, make_pgm(4, 4, 255, kSamples)), {});
+        EXPECT_EQ(pair.left.pixels, (Bytes{20, 30, 60, 70, 100, 110, 140, 150})) << name;
+        EXPECT_EQ(pair.right.pixels, (Bytes{0, 10, 40, 50, 80, 90, 120, 130})) << name;
+    }
+}
+
 TEST(ReadStereoFile, RefusesWhatCannotBeHalved) {
-    const Bytes odd = make_pgm(3, 3, 255, Bytes(9, 1));
-    EXPECT_CONTAINS(error_for(odd, {.layout = StereoLayout::side_by_side}), "even width");
-    EXPECT_CONTAINS(error_for(odd, {.layout = StereoLayout::half_top_bottom}), "even height");
-    EXPECT_CONTAINS(error_for(odd), "--layout");
-    EXPECT_CONTAINS(error_for(odd, {.layout = StereoLayout::mpo}), "MPO");
+    const Bytes thin = make_pgm(1, 1, 255, Bytes(1, 1));
+    EXPECT_CONTAINS(error_for(thin, {.layout = StereoLayout::side_by_side}), "no two halves");
+    EXPECT_CONTAINS(error_for(thin, {.layout = StereoLayout::half_top_bottom}), "no two halves");
+    EXPECT_CONTAINS(error_for(thin), "--layout");
+    EXPECT_CONTAINS(error_for(thin, {.layout = StereoLayout::mpo}), "MPO");
     EXPECT_CONTAINS(error_for({}, {.layout = StereoLayout::side_by_side}), "empty");
 }
 
@@ -104,6 +123,16 @@ TEST(ReadStereoFile, MpoByItsIndex) {
     EXPECT_NEAR(pair.right.at(3, 3)[0], 200, 1);
     EXPECT_NEAR(read(make_mpo(grey_jpeg(40), grey_jpeg(200)), {.right_first = true}).left.at(3, 3)[0], 200,
                 1);
+}
+
+TEST(ReadStereoFile, ASecondJpegBehindTheFirst) {
+    const Bytes first = grey_jpeg(40), second = grey_jpeg(200);
+    const StereoPair pair = read(first + second);
+    EXPECT_NEAR(pair.left.at(3, 3)[0], 40, 1);
+    EXPECT_NEAR(pair.right.at(3, 3)[0], 200, 1);
+    EXPECT_CONTAINS(error_for(first + Bytes(64, 0)), "--layout");
+    EXPECT_CONTAINS(error_for(first + grey_jpeg(200, 16)), "8x8 and 16x8");
+    EXPECT_CONTAINS(error_for(Bytes(first.begin(), first.end() - 2) + second), "--layout");
 }
 
 TEST(ReadStereoFile, MalformedMpoIsRefused) {
