@@ -98,11 +98,12 @@ std::vector<Field> input_fields() {
             "rectify the pair by the file's K1, D1, K2, D2, R and T; auto = unless the file has Q, or P1 and "
             "P2, which say that it is rectified",
             MEMBER(input.calibration.rectify)),
-        choice("input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
-               "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
-               "squeezed to half of that side; auto = mpo if the file holds two JPEG pictures, and sbs for "
-               "crossed eyes for .jps",
-               MEMBER(input.stereo.layout), {"--layout"}),
+        choice(
+            "input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
+            "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
+            "squeezed to half of that side; auto = by the file: spatial HEIC, two JPEG pictures as in MPO, "
+            ".jps",
+            MEMBER(input.stereo.layout), {"--layout"}),
         flag("input.stereo.right_first", "the right view is on the left, or above, as for crossed eyes",
              MEMBER(input.stereo.right_first)),
     };

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/describe_raster.h"
@@ -37,6 +39,9 @@ Raster decode_exr(const SourceFile& source);
 // HEIC: the picture of a photograph, or its depths if SourceFile::is_map.
 FileDescription describe_heic(const SourceFile& source);
 Raster decode_heic(const SourceFile& source);
+// Returns the left and the right picture of a spatial photograph; nullopt if the file has no stereo pair
+// group. The file is HEIC.
+std::optional<std::pair<Raster, Raster>> decode_heic_pair(const SourceFile& source);
 
 enum class Format { png, jpeg, tiff, webp, pnm, heic, pfm, npy, npz, exr };
 

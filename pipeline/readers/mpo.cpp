@@ -86,9 +86,12 @@ std::optional<std::size_t> end_of_first(const std::vector<std::uint8_t>& bytes) 
 std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const SourceFile& source) {
     const auto index = find_index(source);
     if (!index) {
-        const std::optional<std::size_t> second = end_of_first(source.bytes);
-        if (!second || !is_jpeg_at(source.bytes, *second)) return std::nullopt;
-        return std::pair{*second, source.bytes.size() - *second};
+        constexpr std::size_t longest_gap = 4096;  // LIF has 36 bytes of its own between the pictures
+        const std::optional<std::size_t> end = end_of_first(source.bytes);
+        for (std::size_t gap = 0; end && gap <= longest_gap; ++gap)
+            if (is_jpeg_at(source.bytes, *end + gap))
+                return std::pair{*end + gap, source.bytes.size() - *end - gap};
+        return std::nullopt;
     }
     constexpr std::uint32_t entries_tag = 0xb002, entry_bytes = 16;
     const std::uint64_t directory = index->number(4, 4);

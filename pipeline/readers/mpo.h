@@ -12,8 +12,8 @@
 namespace hexrelief::readers::codec {
 
 // Returns the first byte and the number of bytes of a file's second picture, by its index (CIPA DC-007), or
-// without one where the first picture ends; both lie inside the file. Returns nullopt if the file is not a
-// JPEG or holds one picture. Throws Error(input) if the index is malformed or lists no second picture.
+// without one behind the end of the first picture; both lie inside the file. Returns nullopt if the file is
+// not a JPEG or holds one picture. Throws Error(input) if the index is malformed or lists no second picture.
 std::optional<std::pair<std::size_t, std::size_t>> find_second_picture(const SourceFile& source);
 
 }  // namespace hexrelief::readers::codec

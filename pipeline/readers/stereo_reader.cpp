@@ -59,10 +59,40 @@ bool is_cross_eyed_name(const std::filesystem::path& path) {
     return extension == ".jps" || extension == ".pns";
 }
 
-Image jpeg_image(const codec::SourceFile& source) {
-    codec::Raster raster = codec::decode_jpeg(source);
+Image image_of(codec::Raster raster) {
     return {raster.width, raster.height, raster.channels,
             std::get<std::vector<std::uint8_t>>(std::move(raster.samples))};
+}
+
+// Returns the pictures of a file that holds two.
+StereoPair two_pictures(const std::filesystem::path& path, StereoLayout layout, const ReaderLimits& limits) {
+    const codec::SourceFile source = codec::load_raster_file(path, limits);
+    StereoPair pair;
+    const codec::Codec* const format = codec::find_codec(path);
+    if (format && format->format == codec::Format::heic) {
+        auto pictures = codec::decode_heic_pair(source);
+        if (!pictures)
+            codec::refuse(
+                path, "it is a HEIC file with one picture; give a spatial photograph, or --left and --right");
+        pair = {image_of(std::move(pictures->first)), image_of(std::move(pictures->second))};
+    } else if (const auto second = codec::find_second_picture(source)) {
+        const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(second->first);
+        pair = {
+            image_of(codec::decode_jpeg(source)),
+            image_of(codec::decode_jpeg(
+                {path, {first, first + static_cast<std::ptrdiff_t>(second->second)}, {}, false, limits}))};
+    } else if (layout == StereoLayout::mpo) {
+        codec::refuse(path, "it holds no second JPEG picture, as MPO files do; give --layout sbs or tb");
+    } else {
+        codec::refuse(path,
+                      "how it holds the two views cannot be told from it; give --layout sbs, sbs-half, tb "
+                      "or tb-half");
+    }
+    if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
+        codec::refuse(path, "its pictures have " + size_text(pair.left.width, pair.left.height) + " and " +
+                                size_text(pair.right.width, pair.right.height) +
+                                " px; the views of a pair have one size");
+    return pair;
 }
 
 }  // namespace
@@ -75,27 +105,10 @@ StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileC
         std::swap(pair.left, pair.right);
         return pair;
     }
-    if (config.layout == StereoLayout::automatic || config.layout == StereoLayout::mpo) {
-        codec::SourceFile source = codec::load_raster_file(path, limits);
-        const auto second = codec::find_second_picture(source);
-        if (!second && config.layout == StereoLayout::mpo)
-            codec::refuse(path, "it holds no second JPEG picture, as MPO files do; give --layout sbs or tb");
-        if (!second)
-            codec::refuse(
-                path,
-                "how it holds the two views cannot be told from it; give --layout sbs, sbs-half, tb "
-                "or tb-half");
-        pair.left = jpeg_image(source);
-        const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(second->first);
-        pair.right = jpeg_image(
-            {path, {first, first + static_cast<std::ptrdiff_t>(second->second)}, {}, false, limits});
-        if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
-            codec::refuse(path, "its pictures have " + size_text(pair.left.width, pair.left.height) +
-                                    " and " + size_text(pair.right.width, pair.right.height) +
-                                    " px; the views of a pair have one size");
-    } else {
+    if (config.layout == StereoLayout::automatic || config.layout == StereoLayout::mpo)
+        pair = two_pictures(path, config.layout, limits);
+    else
         pair = halved(path, config.layout, limits);
-    }
     if (config.right_first) std::swap(pair.left, pair.right);
     return pair;
 }

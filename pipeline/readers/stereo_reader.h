@@ -13,15 +13,15 @@ namespace hexrelief::readers {
 enum class StereoLayout { automatic, side_by_side, half_side_by_side, top_bottom, half_top_bottom, mpo };
 
 struct StereoFileConfig {
-    // automatic: mpo if the file holds two JPEG pictures; side_by_side with the right view first, as these
-    // formats have it, if the file's name ends in .jps or .pns.
+    // automatic: both pictures of a spatial HEIC photograph; mpo if the file holds two JPEG pictures;
+    // side_by_side with the right view first, as these formats have it, if the name ends in .jps or .pns.
     StereoLayout layout = StereoLayout::automatic;
     bool right_first = false;  // the right view is on the left, or above: cross-eyed
 };
 
 // Reads a pair. In MPO files the left view comes first. The middle column or row of a picture with an odd
 // side belongs to no half. Throws Error(input) as read_image() does, and if the layout is automatic and
-// nothing tells it, if the file cannot be halved, or if two JPEG pictures differ in size.
+// nothing tells it, if the file cannot be halved, or if its two pictures differ in size.
 StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                             const ReaderLimits& limits = {});
 

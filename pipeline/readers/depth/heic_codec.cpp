@@ -2,11 +2,13 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "pipeline/data/module.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/depth/heic_module.h"
+#include "pipeline/readers/depth/iso_boxes.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
@@ -18,7 +20,8 @@ struct Heic {
     std::string xmp;
 };
 
-Heic read_heic(const SourceFile& source, bool header_only) {
+// item: number of the picture; 0 = the primary one.
+Heic read_heic(const SourceFile& source, bool header_only, std::uint32_t item = 0) {
     static const ModuleFunction module = open_module(kHeicLibraryName, kHeicFunctionName);
     if (module.function == nullptr)
         refuse(source.path, "it is a HEIC file, and " + module.failure +
@@ -32,6 +35,7 @@ Heic read_heic(const SourceFile& source, bool header_only) {
     HeicRequest& request = heic.request;
     request.bytes = source.bytes.data();
     request.byte_count = source.bytes.size();
+    request.item = item;
     request.of_depth = source.is_map;
     request.header_only = header_only;
     request.most_pixels = source.limits.max_pixels;
@@ -118,7 +122,42 @@ Raster decode_depths(const SourceFile& source) {
     return raster;
 }
 
+// The numbers of a pair's pictures, left and right.
+using PairItems = std::pair<std::uint32_t, std::uint32_t>;
+
+// Returns the first stereo pair group of the file (ISO/IEC 23008-12, 6.8.5).
+std::optional<PairItems> find_pair_items(Bytes file) {
+    std::optional<PairItems> found;
+    const auto look_at = [&](std::string_view type, Bytes group) {
+        if (type != "ster" || found) return;
+        take(group, 8);  // version, flags, number of the group
+        if (take(group, 4) != 2) return;
+        const auto left = static_cast<std::uint32_t>(take(group, 4));
+        const auto right = static_cast<std::uint32_t>(take(group, 4));
+        if (left != 0 && right != 0) found = PairItems{left, right};
+    };
+    each_box(file, [&](std::string_view type, Bytes meta) {
+        if (type != "meta") return;
+        take(meta, 4);  // version and flags
+        each_box(meta, [&](std::string_view child, Bytes groups) {
+            if (child == "grpl") each_box(groups, look_at);
+        });
+    });
+    return found;
+}
+
+Raster picture_of(const SourceFile& source, std::uint32_t item) {
+    Heic heic = read_heic(source, false, item);
+    return {heic.request.width, heic.request.height, 3, 255, kNoData, std::move(heic.bytes)};
+}
+
 }  // namespace
+
+std::optional<std::pair<Raster, Raster>> decode_heic_pair(const SourceFile& source) {
+    const std::optional<PairItems> items = find_pair_items(source.bytes);
+    if (!items) return std::nullopt;
+    return std::pair{picture_of(source, items->first), picture_of(source, items->second)};
+}
 
 FileDescription describe_heic(const SourceFile& source) {
     const HeicRequest request = read_heic(source, true).request;
@@ -127,8 +166,7 @@ FileDescription describe_heic(const SourceFile& source) {
 
 Raster decode_heic(const SourceFile& source) {
     if (source.is_map) return decode_depths(source);
-    Heic heic = read_heic(source, false);
-    return {heic.request.width, heic.request.height, 3, 255, kNoData, std::move(heic.bytes)};
+    return picture_of(source, 0);
 }
 
 }  // namespace hexrelief::readers::codec

@@ -107,7 +107,8 @@ void read(HeicRequest& request) {
     check(heif_context_read_from_memory_without_copy(context.get(), request.bytes, request.byte_count,
                                                      nullptr));
     heif_image_handle* found = nullptr;
-    check(heif_context_get_primary_image_handle(context.get(), &found));
+    check(request.item == 0 ? heif_context_get_primary_image_handle(context.get(), &found)
+                            : heif_context_get_image_handle(context.get(), request.item, &found));
     const Handle picture(found);
     heif_item_id id = 0;
     const Handle depth = depth_of(picture.get(), id);

@@ -11,8 +11,9 @@ namespace hexrelief::readers::codec {
 struct HeicRequest {
     const std::uint8_t* bytes;
     std::size_t byte_count;
-    int of_depth;     // 0 = the picture, interleaved red green blue; 1 = its auxiliary depths, one channel
-    int header_only;  // 1 = no samples
+    std::uint32_t item;  // the picture's number in the file; 0 = the primary one
+    int of_depth;        // 0 = the picture, interleaved red green blue; 1 = its auxiliary depths, one channel
+    int header_only;     // 1 = no samples
     long long most_pixels;
     // Called once with the size of all samples, which are stored row after row; samples of more than 8 bits
     // have 16 bits in the machine's byte order. The returned memory remains the caller's.

@@ -130,6 +130,7 @@ TEST(ReadStereoFile, ASecondJpegBehindTheFirst) {
     const StereoPair pair = read(first + second);
     EXPECT_NEAR(pair.left.at(3, 3)[0], 40, 1);
     EXPECT_NEAR(pair.right.at(3, 3)[0], 200, 1);
+    EXPECT_NEAR(read(first + Bytes(36, 0) + second).right.at(3, 3)[0], 200, 1);  // as in LIF
     EXPECT_CONTAINS(error_for(first + Bytes(64, 0)), "--layout");
     EXPECT_CONTAINS(error_for(first + grey_jpeg(200, 16)), "8x8 and 16x8");
     EXPECT_CONTAINS(error_for(Bytes(first.begin(), first.end() - 2) + second), "--layout");

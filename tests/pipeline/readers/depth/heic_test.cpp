@@ -8,6 +8,7 @@
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/stereo_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
 namespace hexrelief::readers {
@@ -52,6 +53,29 @@ TEST_F(Heic, ThePictureAndItsDepthsAreRead) {
     EXPECT_EQ(describe_raster(path)->format, "heic");
     EXPECT_EQ(describe_raster(path)->width, kWidth);
     EXPECT_CONTAINS(error_of([&] { read_disparity_map(path, {}); }), "--depth");
+}
+
+TEST_F(Heic, BothPicturesOfASpatialPhotographAreRead) {
+    const Folder folder;
+    const Bytes file = make_heic_pair({200, 100, 50}, {50, 100, 200});
+    const StereoPair pair = read_stereo_file(folder.write("a.heic", file), {});
+    ASSERT_EQ(pair.left.width, kWidth);
+    EXPECT_NEAR(pair.left.at(30, 30)[0], 50, 3);  // the group names the second picture first
+    EXPECT_NEAR(pair.right.at(30, 30)[0], 200, 3);
+    const StereoPair swapped = read_stereo_file(folder.write("b.heic", file), {.right_first = true});
+    EXPECT_NEAR(swapped.left.at(30, 30)[0], 200, 3);
+    const auto one = folder.write("c.heic", sample(""));
+    EXPECT_CONTAINS(error_of([&] { read_stereo_file(one, {}); }), "with one picture");
+    std::mt19937 random(7);
+    for (int i = 0; i < 100; ++i) {
+        Bytes damaged = file;
+        damaged[random() % 600] = static_cast<std::uint8_t>(random());
+        try {
+            read_stereo_file(folder.write("d.heic", damaged), {});
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::input);
+        }
+    }
 }
 
 TEST_F(Heic, WhatTheDepthsAreIsSaidByTheFile) {

@@ -45,6 +45,45 @@ void add_to_number(Bytes::iterator at, std::size_t more) {
 
 }  // namespace
 
+Bytes make_heic_pair(std::array<std::uint8_t, 3> left, std::array<std::uint8_t, 3> right) {
+    constexpr int kSide = 64;
+    Bytes file;
+    heif_context* const context = heif_context_alloc();
+    heif_encoder* encoder = nullptr;
+    if (heif_context_get_encoder_for_format(context, heif_compression_HEVC, &encoder).code == heif_error_Ok) {
+        for (const auto& colour : {left, right}) {
+            heif_image* image = nullptr;
+            heif_image_create(kSide, kSide, heif_colorspace_RGB, heif_chroma_interleaved_RGB, &image);
+            heif_image_add_plane(image, heif_channel_interleaved, kSide, kSide, 8);
+            int stride = 0;
+            std::uint8_t* const plane = heif_image_get_plane(image, heif_channel_interleaved, &stride);
+            for (int y = 0; y < kSide; ++y)
+                for (int x = 0; x < kSide; ++x)
+                    std::copy(colour.begin(), colour.end(),
+                              plane + static_cast<std::ptrdiff_t>(y) * stride + 3LL * x);
+            heif_context_encode_image(context, image, encoder, nullptr, nullptr);
+            heif_image_release(image);
+        }
+        heif_writer writer{1, take};
+        heif_context_write(context, &writer, &file);
+        heif_encoder_release(encoder);
+    }
+    heif_context_free(context);
+    if (file.empty()) return file;
+    // A list of groups with one stereo pair, number 9: the second picture is the left one.
+    const Bytes group = {0, 0, 0, 36, 'g', 'r', 'p', 'l', 0, 0, 0, 28, 's', 't', 'e', 'r', 0, 0,
+                         0, 0, 0, 0,  0,   9,   0,   0,   0, 2, 0, 0,  0,   2,   0,   0,   0, 1};
+    const auto meta = find_text(file, "meta") - 4;
+    std::size_t size = 0;
+    for (int i = 0; i < 4; ++i) size = size << 8 | meta[i];
+    const auto end = meta - file.begin() + static_cast<std::ptrdiff_t>(size);
+    add_to_number(meta, group.size());
+    const auto items = find_text(file, "iloc") + 10;
+    for (int i = 0; i < items[1]; ++i) add_to_number(items + 2 + 18 * i + 10, group.size());
+    file.insert(file.begin() + end, group.begin(), group.end());
+    return file;
+}
+
 Bytes with_representation(Bytes file) {
     // The lengths of all units and of the only one, then H.265's SEI message 177: near and far are
     // given as 1 / Z, 2^-1 and 2^2, each as sign, exponent + 31, length of the mantissa - 1 and mantissa.
