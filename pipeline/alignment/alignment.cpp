@@ -27,7 +27,9 @@ constexpr int kLeastMatches = 40;
 constexpr double kLeastAgreeing = 0.5;
 constexpr int kParts = 8, kLeastParts = 8;  // a side of the picture has kParts parts
 constexpr double kLargestRatio = 1.08;      // of the focal lengths; pictures of one camera have 1
-constexpr double kLargestTurn_degrees = 32, kLargestRowMedian_px = 0.75, kLeastParallax_px = 3;
+constexpr double kLargestTurnCosine =
+    0.848048096156426;  // of 32 degrees; a cosine, as processors agree on it
+constexpr double kLargestRowMedian_px = 0.75, kLeastParallax_px = 3;
 
 std::string number(double value, const char* format) {
     char text[32];
@@ -64,11 +66,10 @@ int parts_seen(const Estimate& estimate) {
     return static_cast<int>(std::count(seen.begin(), seen.end(), true));
 }
 
-// The larger of both cameras' angles out of the picture's plane. Uses the library's arc cosine only for the
-// sentence; the limit is compared as a cosine in full.
-double turn_degrees(const Estimate& estimate) {
+// Returns the cosine of the larger of both cameras' angles to the rectified axis.
+double turn_cosine(const Estimate& estimate) {
     const Views views = estimate.views();
-    return std::acos(std::min(views.left.axis_cosine(), views.right.axis_cosine())) * 180 / std::acos(-1.0);
+    return std::min(views.left.axis_cosine(), views.right.axis_cosine());
 }
 
 // Returns why the pair cannot be aligned; empty = it can.
@@ -82,9 +83,9 @@ std::string obstacle(const Estimate& estimate) {
     if (const int parts = parts_seen(estimate); parts < kLeastParts)
         return "what both pictures show covers only " + std::to_string(parts) + " of " +
                std::to_string(kParts * kParts) + " parts of the picture";
-    if (const double turn = turn_degrees(estimate); turn > kLargestTurn_degrees)
+    if (const double cosine = turn_cosine(estimate); cosine < kLargestTurnCosine)
         return "the camera went forward rather than sideways, by the points seen in both pictures (" +
-               number(turn, "%.0f") + " degrees off)";
+               number(std::acos(cosine) * 180 / std::acos(-1.0), "%.0f") + " degrees off)";
     const double ratio = factor_of(estimate.fit.parameters[kFocalRatio]);
     if (const double larger = std::max(ratio, 1 / ratio); larger > kLargestRatio)
         return "the camera went forward rather than sideways: one picture shows the scene " +

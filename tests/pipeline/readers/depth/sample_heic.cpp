@@ -43,25 +43,31 @@ void add_to_number(Bytes::iterator at, std::size_t more) {
     for (int i = 4; i-- > 0; number >>= 8) at[i] = static_cast<std::uint8_t>(number);
 }
 
-}  // namespace
-
-Bytes make_heic_pair(std::array<std::uint8_t, 3> left, std::array<std::uint8_t, 3> right) {
-    constexpr int kSide = 64;
+// Encodes pictures of one size, red green blue and perhaps alpha; the XMP packet belongs to each. Empty if
+// libheif has no encoder.
+Bytes encoded(int width, int height, const std::vector<Bytes>& pictures, const std::string& xmp) {
     Bytes file;
     heif_context* const context = heif_context_alloc();
     heif_encoder* encoder = nullptr;
     if (heif_context_get_encoder_for_format(context, heif_compression_HEVC, &encoder).code == heif_error_Ok) {
-        for (const auto& colour : {left, right}) {
+        heif_encoder_set_lossless(encoder, 1);
+        const std::size_t channels = pictures[0].size() / (static_cast<std::size_t>(width) * height);
+        for (const Bytes& pixels : pictures) {
             heif_image* image = nullptr;
-            heif_image_create(kSide, kSide, heif_colorspace_RGB, heif_chroma_interleaved_RGB, &image);
-            heif_image_add_plane(image, heif_channel_interleaved, kSide, kSide, 8);
+            heif_image_create(width, height, heif_colorspace_RGB,
+                              channels == 4 ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB,
+                              &image);
+            heif_image_add_plane(image, heif_channel_interleaved, width, height, 8);
             int stride = 0;
             std::uint8_t* const plane = heif_image_get_plane(image, heif_channel_interleaved, &stride);
-            for (int y = 0; y < kSide; ++y)
-                for (int x = 0; x < kSide; ++x)
-                    std::copy(colour.begin(), colour.end(),
-                              plane + static_cast<std::ptrdiff_t>(y) * stride + 3LL * x);
-            heif_context_encode_image(context, image, encoder, nullptr, nullptr);
+            const std::size_t row = channels * width;
+            for (int y = 0; y < height; ++y)
+                std::copy_n(pixels.data() + row * y, row, plane + static_cast<std::ptrdiff_t>(stride) * y);
+            heif_image_handle* handle = nullptr;
+            heif_context_encode_image(context, image, encoder, nullptr, &handle);
+            if (!xmp.empty())
+                heif_context_add_XMP_metadata(context, handle, xmp.data(), static_cast<int>(xmp.size()));
+            heif_image_handle_release(handle);
             heif_image_release(image);
         }
         heif_writer writer{1, take};
@@ -69,6 +75,19 @@ Bytes make_heic_pair(std::array<std::uint8_t, 3> left, std::array<std::uint8_t, 
         heif_encoder_release(encoder);
     }
     heif_context_free(context);
+    return file;
+}
+
+}  // namespace
+
+Bytes make_heic_pair(std::array<std::uint8_t, 3> left, std::array<std::uint8_t, 3> right) {
+    constexpr int kSide = 64;
+    std::vector<Bytes> pictures(2);
+    for (int i = 0; i < kSide * kSide; ++i) {
+        pictures[0].insert(pictures[0].end(), left.begin(), left.end());
+        pictures[1].insert(pictures[1].end(), right.begin(), right.end());
+    }
+    Bytes file = encoded(kSide, kSide, pictures, "");
     if (file.empty()) return file;
     // A list of groups with one stereo pair, number 9: the second picture is the left one.
     const Bytes group = {0, 0, 0, 36, 'g', 'r', 'p', 'l', 0, 0, 0, 28, 's', 't', 'e', 'r', 0, 0,
@@ -100,31 +119,8 @@ Bytes with_representation(Bytes file) {
 }
 
 Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp) {
-    Bytes file;
-    heif_context* const context = heif_context_alloc();
-    heif_encoder* encoder = nullptr;
-    if (heif_context_get_encoder_for_format(context, heif_compression_HEVC, &encoder).code == heif_error_Ok) {
-        heif_encoder_set_lossless(encoder, 1);
-        heif_image* image = nullptr;
-        heif_image_create(width, height, heif_colorspace_RGB, heif_chroma_interleaved_RGBA, &image);
-        heif_image_add_plane(image, heif_channel_interleaved, width, height, 8);
-        int stride = 0;
-        std::uint8_t* const plane = heif_image_get_plane(image, heif_channel_interleaved, &stride);
-        for (int y = 0; y < height; ++y)
-            std::copy_n(rgb_and_depth.begin() + 4LL * y * width, 4 * width,
-                        plane + static_cast<std::ptrdiff_t>(y) * stride);
-        heif_image_handle* handle = nullptr;
-        heif_context_encode_image(context, image, encoder, nullptr, &handle);
-        if (!xmp.empty())
-            heif_context_add_XMP_metadata(context, handle, xmp.data(), static_cast<int>(xmp.size()));
-        heif_writer writer{1, take};
-        heif_context_write(context, &writer, &file);
-        heif_image_handle_release(handle);
-        heif_image_release(image);
-        heif_encoder_release(encoder);
-        make_depths_of_alpha(file);
-    }
-    heif_context_free(context);
+    Bytes file = encoded(width, height, {rgb_and_depth}, xmp);
+    make_depths_of_alpha(file);
     return file;
 }
 
