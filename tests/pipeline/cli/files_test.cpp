@@ -47,7 +47,7 @@ TEST(Files, NamesDoNotSteerTheTerminal) {
     const TemporaryFolder folder;
     const std::string steering = "\x1b]0;title\a";
     write_text(folder / "pairs.csv", "disparity\nno" + steering + ".pfm\n");
-    for (const Arguments& arguments :
+    for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"batch", folder / "pairs.csv", "-o", folder / "out"},
           {"batch", folder / "pairs.csv", "-o", folder / "out", "--dry-run", "--log=text"},
           {"tiles", "make-map", "--size", "64x48", "-o", folder / (steering + ".pfm")},
