@@ -32,7 +32,7 @@ struct DisparityBounds {
     double least_px = 0, largest_px = 0;  // of nearly all matches that their neighbours support
     double median_px = 0;
     double infinity_px = 0;
-    // False if the farthest point may be anywhere: it is then taken to be four times as far as the nearest.
+    // False if the farthest point may be anywhere: the scene is then taken to be half as deep as it is wide.
     bool is_infinity_known = false;
 };
 

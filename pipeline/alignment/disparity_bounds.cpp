@@ -10,8 +10,9 @@ namespace {
 
 // A toe-in that rows and matches tell may be wrong by so much, whatever the fit says.
 constexpr double kLeastYawDeviation = 0.15 * kDegree, kLeastYawDeviationGuessed = 0.3 * kDegree;
-// Farthest over nearest distance: if infinity is not known, and at most.
+// Farthest over nearest distance, at most: if infinity is not known, and if it is.
 constexpr double kFarthest = 4, kFarthestKnown = 40;
+constexpr double kDeepForWide = 0.5;  // a scene whose infinity is not known: its depth over its width
 constexpr std::size_t kNeighbours = 8, kSupporting = 3;
 constexpr double kSupport_px = 2, kSupportSlope = 0.1;
 constexpr std::size_t kLeastForSupport = 30, kLeastSupported = 20;
@@ -40,14 +41,22 @@ std::vector<double> supported(const std::vector<Match>& matches, const std::vect
     return out.size() >= kLeastSupported ? out : disparities;
 }
 
-// unsure_px: how far the disparity of infinity, 0, may be off.
-DisparityBounds bounds_by(const std::vector<double>& disparities, double unsure_px, double scale) {
+// Returns farthest over nearest distance of a scene that is kDeepForWide times as deep as its far end is wide.
+// width: of the picture, in focal lengths.
+double farthest_for(double width) {
+    const double deep = std::min(kDeepForWide * width, 1 - 1 / kFarthest);
+    return 1 / (1 - deep);
+}
+
+// unsure_px: how far the disparity of infinity, 0, may be off. width: as above.
+DisparityBounds bounds_by(const std::vector<double>& disparities, double unsure_px, double scale,
+                          double width) {
     const double low = quantile(disparities, 0.005), high = quantile(disparities, 0.995);
     DisparityBounds bounds;
     bounds.is_infinity_known = low >= unsure_px;
     const double infinity = bounds.is_infinity_known
                                 ? std::min(0.0, low - (high - low) / (kFarthestKnown - 1))
-                                : low - (high - low) / (kFarthest - 1);
+                                : low - (high - low) / (farthest_for(width) - 1);
     bounds.least_px = low / scale;
     bounds.largest_px = high / scale;
     bounds.median_px = median(disparities) / scale;
@@ -60,14 +69,16 @@ DisparityBounds bounds_by(const std::vector<double>& disparities, double unsure_
 DisparityBounds bounds_of(const Estimate& estimate, bool is_focal_known, double scale) {
     const double least = is_focal_known ? kLeastYawDeviation : kLeastYawDeviationGuessed;
     const double unsure_px = 2 * estimate.views().focal_px * std::max(least, estimate.fit.deviations[kYaw]);
-    return bounds_by(supported(estimate.agreeing, estimate.disparities()), unsure_px, scale);
+    return bounds_by(supported(estimate.agreeing, estimate.disparities()), unsure_px, scale,
+                     estimate.camera.width / estimate.views().focal_px);
 }
 
 DisparityBounds bounds_as_given(const Estimate& estimate, double scale) {
     std::vector<double> disparities;
     for (const Match& match : estimate.agreeing) disparities.push_back(match.left.x - match.right.x);
     const double unsure_px = 0;  // a rectified pair has its infinity at 0, unless some of it lies behind
-    return bounds_by(supported(estimate.agreeing, disparities), unsure_px, scale);
+    return bounds_by(supported(estimate.agreeing, disparities), unsure_px, scale,
+                     estimate.camera.width / estimate.camera.focal_px);
 }
 
 Estimate as_given(const Camera& camera, std::vector<Match> matches) {

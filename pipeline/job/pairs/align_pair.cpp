@@ -32,10 +32,11 @@ bool is_partly_negative(const Alignment& found) {
 }
 
 void tell_infinity(PairAlignment& pair) {
-    if (!pair.found.disparities.is_infinity_known)
-        pair.warnings.emplace_back(
-            "where infinity lies is not known: the farthest point is taken to be four times as far as the "
-            "nearest");
+    const DisparityBounds& bounds = pair.found.disparities;
+    if (bounds.is_infinity_known) return;
+    const double farthest = (bounds.largest_px - bounds.infinity_px) / (bounds.least_px - bounds.infinity_px);
+    pair.warnings.push_back("where infinity lies is not known: the farthest point is taken to be " +
+                            digits(farthest, 1) + " times as far as the nearest");
 }
 
 void tell_aligned(PairAlignment& pair) {
