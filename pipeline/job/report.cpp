@@ -91,7 +91,7 @@ Json input_json(const RunReport& report) {
         json["paths"][file.role] = file.path;
         json["sha256"][file.role] = file.sha256;
     }
-    json["calibration"] = calibration_json(input.calibration);
+    json["calibration"] = calibration_json(report.relief->pair_camera);
     json["believed"]["focal"] = input.focal_from;
     json["believed"]["baseline"] = input.baseline_from;
     const bool is_depth = input.map() && input.map()->is_depth();
@@ -246,13 +246,10 @@ std::size_t peak_bytes() {
 }  // namespace
 
 LeftView Relief::view() const {
-    return {disparity.map,
-            disparity.meshed(),
-            density,
-            input.color(),
-            input.texture(),
-            input.calibration,
-            disparity.backdrop ? disparity.backdrop->disparity_px : 0};
+    return {disparity.map,   disparity.meshed(),
+            density,         input.color(),
+            input.texture(), input.calibration,
+            pair_camera,     disparity.backdrop ? disparity.backdrop->disparity_px : 0};
 }
 
 double Relief::depth_of_backdrop() const {
@@ -343,7 +340,7 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     Json json;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     json["hexrelief"]["config"] = std::move(parameters);
-    json["hexrelief"]["calibration"] = calibration_json(view.calibration);
+    json["hexrelief"]["calibration"] = calibration_json(view.pair_camera);
     json["hexrelief"]["image"] = {{"width", view.disparity.width}, {"height", view.disparity.height}};
     json["hexrelief"]["percent_cost"] = finite(result.quality.percent_cost);
     return dump(json, -1);

@@ -52,8 +52,8 @@ std::uint64_t do_job(const Scenery& scene, const config::Config& config, job::Ba
     const job::DisparityResult matched = job::disparities_of_pair(
         scene.pair, stages::corrected(scene.pair, range.correction, threads), range.config, backend);
     const DensityMap density = job::density_of(matched.meshed(), config.density, threads, log);
-    const job::LeftView view{matched.map,     matched.meshed(), density,
-                             scene.pair.left, scene.pair.left,  scene.camera};
+    const job::LeftView view{matched.map,     matched.meshed(), density,     scene.pair.left,
+                             scene.pair.left, scene.camera,     scene.camera};
     const job::SurfaceResult result = job::make_surface(view, config, backend, log);
     exporters::Scene written = job::scene_of(view, result, {});
     written.threads = threads;
