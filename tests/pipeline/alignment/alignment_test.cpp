@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "pipeline/alignment/disparity_bounds.h"
 #include "pipeline/alignment/resample.h"
 #include "turned_pair.h"
 
@@ -88,6 +89,17 @@ TEST(Alignment, DisparitiesAreThoseOfTheScene) {
     EXPECT_NEAR(found.least_px - found.infinity_px, strength / 6, 1.5);
     EXPECT_NEAR(found.largest_px - found.infinity_px, strength / 2, 1.5);
     EXPECT_GT(found.least_px, 0);
+}
+
+TEST(Alignment, ASceneOfUnknownDepthIsHalfAsDeepAsWide) {
+    for (const auto& [focal_px, farthest] : {std::pair{640.0, 2.0}, {1280.0, 4 / 3.0}, {320.0, 4.0}}) {
+        std::vector<Match> matches;  // from -10 to 10 px: a stereo window
+        for (int i = 0; i <= 400; ++i) matches.push_back({{i + i / 20.0 - 10, 9}, {1.0 * i, 9}});
+        const DisparityBounds bounds = bounds_as_given(as_given({640, 480, focal_px}, matches), 1);
+        EXPECT_FALSE(bounds.is_infinity_known);
+        EXPECT_NEAR((bounds.largest_px - bounds.infinity_px) / (bounds.least_px - bounds.infinity_px),
+                    farthest, 1e-9);
+    }
 }
 
 TEST(Alignment, TheAlignedPairIsRectified) {
