@@ -12,7 +12,8 @@ cmake --preset coverage >/dev/null
 cmake --build --preset coverage
 find $build -name '*.gcda' -delete  # of earlier runs, and of the build, which asks the programs for their tests
 failed=0
-for program in $(find $build/tests -name 'test_*' -type f -perm -u+x ! -name test_headers ! -name test_house ! -name test_fuzz_seeds | sort); do
+programs=$(find $build/tests -name 'test_*' -type f -perm -u+x ! -name test_headers ! -name test_house ! -name test_fuzz_seeds)
+for program in $(sort <<<"$programs"); do
     echo "--- $program"
     (cd "$(dirname "$program")" && "./$(basename "$program")" --gtest_brief=1) || failed=1
 done

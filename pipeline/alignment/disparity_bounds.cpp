@@ -41,8 +41,8 @@ std::vector<double> supported(const std::vector<Match>& matches, const std::vect
     return out.size() >= kLeastSupported ? out : disparities;
 }
 
-// Returns farthest over nearest distance of a scene that is kDeepForWide times as deep as its far end is wide.
-// width: of the picture, in focal lengths.
+// Returns farthest over nearest distance of a scene that is kDeepForWide times as deep as its far end is
+// wide. width: of the picture, in focal lengths.
 double farthest_for(double width) {
     const double deep = std::min(kDeepForWide * width, 1 - 1 / kFarthest);
     return 1 / (1 - deep);

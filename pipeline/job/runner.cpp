@@ -134,7 +134,7 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Backend& backend = *relief.backend;
     relief.pair_camera = relief.input.calibration;
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
-    count_from_infinity(relief.disparity, relief.input.calibration, log);
+    count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     if (config.disparity.dequantize == stages::Dequantization::automatic)
         smooth_noise(relief.disparity, backend.threads(), log);
     relief.density = log.stage("density", [&] {

@@ -136,16 +136,17 @@ void end_scene(DisparityResult& disparity, const Calibration& calibration, const
                    fixed(100 * disparity.backdrop->moved_share, 1) + " % seemed farther");
 }
 
-void count_from_infinity(DisparityResult& disparity, Calibration& calibration, const RunLog& log) {
+void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
+                         const RunLog& log) {
     const auto is_far = [](float d) { return DisparityMap::known(d) && d <= 0; };
     const std::vector<float>& values = disparity.map.values;
-    if (calibration.doffs_px <= 0 || std::none_of(values.begin(), values.end(), is_far)) return;
+    if (calibration.doffs_px <= 0 || (!always && std::none_of(values.begin(), values.end(), is_far))) return;
     for (DisparityMap* map : {&disparity.map, &disparity.smooth})
         for (float& d : map->values)
             if (DisparityMap::known(d)) d += static_cast<float>(calibration.doffs_px);
     if (disparity.backdrop) disparity.backdrop->disparity_px += static_cast<float>(calibration.doffs_px);
-    log.decide("disparity: some are 0 or less; the calibration's doffs of " + fixed(calibration.doffs_px, 2) +
-               " px is added to all");
+    log.decide(std::string("disparity: ") + (always ? "" : "some are 0 or less; ") +
+               "the calibration's doffs of " + fixed(calibration.doffs_px, 2) + " px is added to all");
     calibration.doffs_px = 0;
 }
 

@@ -45,7 +45,7 @@ struct LeftView {
     const Image& texture;  // the same picture at its original size; empty = none
     const Calibration& calibration;
     const Calibration& pair_camera;  // the same, of the pair: its doffs is not in the disparities
-    float least_px = 0;  // no vertex has a smaller disparity
+    float least_px = 0;              // no vertex has a smaller disparity
 };
 
 // A surface with the lattice and the configuration that it was made from.
@@ -89,9 +89,10 @@ void end_scene(DisparityResult& disparity, const Calibration& calibration, const
                const RunLog& log);
 
 // Adds doffs to all disparities and sets the calibration's doffs to 0, if doffs is above 0 and some
-// disparities are 0 or less. The points stay the same. Without this, disparities from -doffs
+// disparities are 0 or less, or if `always`. The points stay the same. Without this, disparities from -doffs
 // to 0, which have a depth, would be left out.
-void count_from_infinity(DisparityResult& disparity, Calibration& calibration, const RunLog& log);
+void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
+                         const RunLog& log);
 
 // Smooths a matched map within its noise (dequantize/noise.h), if there is much.
 void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log);

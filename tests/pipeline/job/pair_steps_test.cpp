@@ -50,7 +50,7 @@ TEST(PairSteps, ABackdropEndsAPairAndIsCountedFromInfinity) {
     ASSERT_TRUE(pair.disparity.backdrop);
     EXPECT_FLOAT_EQ(pair.disparity.map.values[0], 3);  // (4 + 2) / 1.2 - 2
     pair.disparity.map.values[5] = 0;
-    count_from_infinity(pair.disparity, camera, log);
+    count_from_infinity(pair.disparity, camera, false, log);
     EXPECT_FLOAT_EQ(pair.disparity.backdrop->disparity_px, 5);
 }
 
