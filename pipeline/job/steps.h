@@ -44,7 +44,7 @@ struct LeftView {
     const Image& color;    // empty = none
     const Image& texture;  // the same picture at its original size; empty = none
     const Calibration& calibration;
-    const Calibration& pair_camera;  // the same, of the pair: its doffs is not in the disparities
+    const Calibration& pair_camera;  // with the doffs that `calibration` may have in the map
     float least_px = 0;              // no vertex has a smaller disparity
 };
 

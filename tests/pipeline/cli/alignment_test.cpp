@@ -57,6 +57,11 @@ TEST(Alignment, AnUnrectifiedPairIsMeshedInMetres) {
     EXPECT_NEAR(report["depth_range"][1].get<double>(), 6, 1);
     EXPECT_GT(report["picture"]["meshed_share"].get<double>(), 0.8);
     EXPECT_TRUE(std::filesystem::exists(folder / "stages/left_rectified.png"));
+    // The report's camera is that of the rectified pictures.
+    const std::string camera = read_text(folder / "stages/calib.txt"), key = "doffs_px: ";
+    const double doffs_px = std::stod(camera.substr(camera.find(key) + key.size()));
+    EXPECT_GT(doffs_px, 1);
+    EXPECT_EQ(report["input"]["calibration"]["doffs_px"].get<double>(), doffs_px);
 }
 
 TEST(Alignment, WithoutACameraTheMedianDepthIsOne) {
