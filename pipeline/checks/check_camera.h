@@ -14,4 +14,7 @@ std::vector<Finding> check_camera(const Calibration& camera, double median_dispa
 // disparities were made with.
 std::vector<Finding> check_depths(const Calibration& camera, double median_disparity_px);
 
+// Checks the angle of view, whether the calibration is metric or not: a focal length in mm is a wide one.
+std::vector<Finding> check_focal(const Calibration& camera);
+
 }  // namespace hexrelief::checks

@@ -23,6 +23,7 @@ enum class Mistake {
     color_elsewhere,  // shifted against the map
     color_unrelated,
     baseline_in_mm,
+    focal_in_mm,
     depth_implausible,
 };
 

@@ -52,6 +52,7 @@ constexpr int kLeastShift_px = 3;
 
 // Thresholds for cameras.
 constexpr double kLargestBaseline_m = 5;  // vehicles have 1.5 m; a phone's baseline in mm is 12
+constexpr double kWidestView_deg = 135;   // across the longer side; a pinhole's picture has less
 constexpr double kLeastDepth_m = 0.05, kLargestDepth_m = 1000;
 
 }  // namespace hexrelief::checks

@@ -79,10 +79,10 @@ batch::ManifestOptions manifest_options(const BatchCommand& command) {
         options.output = fs::absolute(options.output).lexically_normal();
     for (const auto& [key, text] : command.rows.settings)
         options.words.insert(options.words.end(), {"--set", key + "=" + text});
-    for (const auto& [flag, text] :
-         command.rows.direct)  // as settings, so that a row's own options override them
-        options.words.insert(options.words.end(),
-                             {"--set", config::row_of_option(flag, {}).path + "=" + text});
+    // As settings, so that a row's own options override them.
+    const std::vector<std::string> keys = config::keys_of_options(command.rows.direct, {});
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        options.words.insert(options.words.end(), {"--set", keys[i] + "=" + command.rows.direct[i].second});
     for (const FileOption& file : file_options()) options.file_options.emplace_back(file.flag);
     return options;
 }

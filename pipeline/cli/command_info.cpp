@@ -118,6 +118,7 @@ void tell_calibration(const readers::CalibrationFile& file, Text& text) {
     line(text, "doffs", number(camera.doffs_px) + " px");
     if (camera.width > 0)
         line(text, "size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
+    if (!file.other.empty()) line(text, "also", file.other.string());
     for (const std::string& told : file.told) line(text, "note", told);
 }
 
@@ -125,7 +126,7 @@ void tell_calibration(const readers::CalibrationFile& file, Text& text) {
 void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& text) {
     const StereoCalibration& cameras = file.calibration;
     line(text, "format",
-         std::string("calibration, OpenCV, of a pair to rectify") + (cameras.is_fisheye ? ", fisheye" : ""));
+         "calibration, " + file.format + ", of a pair to rectify" + (cameras.is_fisheye ? ", fisheye" : ""));
     for (const auto& [name, camera] : {std::pair{"left", cameras.left}, {"right", cameras.right}})
         line(text, name,
              "focal " + number(camera.matrix[0]) + " and " + number(camera.matrix[4]) + " px, " +
@@ -134,11 +135,13 @@ void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& t
     line(text, "baseline", number(std::hypot(t[0], t[1], t[2])) + " m");
     if (cameras.width > 0)
         line(text, "size", std::to_string(cameras.width) + " x " + std::to_string(cameras.height) + " px");
+    if (!file.other.empty()) line(text, "also", file.other.string());
     for (const std::string& told : file.told) line(text, "note", told);
 }
 
 void tell_calibration_of(const fs::path& path, Text& text) {
-    if (const auto stereo = readers::read_stereo_calibration(path, readers::Rectify::automatic))
+    const auto stereo = readers::read_stereo_calibration(path, readers::Rectify::automatic);
+    if (stereo && !stereo->is_rectified)
         tell_stereo_calibration(*stereo, text);
     else
         tell_calibration(readers::read_calibration_file(path), text);

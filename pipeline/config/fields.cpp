@@ -71,11 +71,17 @@ std::vector<Field> input_fields() {
         text("input.confidence.key",
              "array of an NPZ, channel of an EXR that holds them; empty = the only one, or the usual names",
              MEMBER(input.confidence.key)),
-        file("input.calibration.file",
-             "the camera: Middlebury calib.txt, KITTI, OpenCV stereo YAML, a camera matrix, ROS, Open3D, "
-             "RealSense or "
-             "COLMAP; in a file relative to it; empty = none",
-             MEMBER(input.calibration.file), {"--calib", "C"}),
+        file(
+            "input.calibration.file",
+            "the camera: Middlebury calib.txt, KITTI, OpenCV, a camera matrix, ROS, Kalibr, ZED, COLMAP and "
+            "others "
+            "(exporters/FORMATS.md), a second time for a second file; in a file relative to it; empty = none",
+            MEMBER(input.calibration.file), {"--calib", "C", "input.calibration.second_file"}),
+        file("input.calibration.second_file",
+             "the right camera's file, where the first is the left one's, or extrinsics.yml with "
+             "intrinsics.yml; "
+             "empty = the file of that name beside the first (left, right; cam0, cam1), if it is needed",
+             MEMBER(input.calibration.second_file)),
         optional("input.calibration.focal_px", "px", {1, 1e6}, "focal length; null = the file's",
                  MEMBER(input.calibration.focal_px)),
         optional("input.calibration.fov_x_deg", "deg", {1, 179},
@@ -96,7 +102,7 @@ std::vector<Field> input_fields() {
         choice(
             "input.calibration.rectify", {"auto", "always", "never"},
             "rectify the pair by the file's K1, D1, K2, D2, R and T; auto = unless the file has Q, or P1 and "
-            "P2, which say that it is rectified",
+            "P2, as well and the pair's rows are the same already",
             MEMBER(input.calibration.rectify)),
         choice(
             "input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},

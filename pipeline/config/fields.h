@@ -19,8 +19,9 @@ using FieldValue = std::variant<std::monostate, bool, long long, double, std::st
 
 // The option of the command line that sets a field (key_options.h).
 struct FieldOption {
-    std::string flag = {};   // "--fov-x"; empty = none
-    std::string value = {};  // name of the value in the help: "DEG"; empty for booleans and choices
+    std::string flag = {};    // "--fov-x"; empty = none
+    std::string value = {};   // name of the value in the help: "DEG"; empty for booleans and choices
+    std::string second = {};  // path of the field that the option sets if it is given a second time
 };
 
 struct Field {

@@ -1,6 +1,7 @@
 #include "pipeline/config/key_options.h"
 
 #include <algorithm>
+#include <map>
 
 #include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
@@ -59,10 +60,24 @@ const Field& row_of_option(const std::string& flag, const std::vector<std::strin
     throw Error(ErrorKind::usage, flag + " goes with " + missing + ", which is not given");
 }
 
+std::vector<std::string> keys_of_options(const std::vector<std::pair<std::string, std::string>>& options,
+                                         const std::vector<std::string>& files) {
+    std::vector<std::string> keys;
+    std::map<std::string, int> given;
+    for (const auto& [flag, text] : options) {
+        const Field& row = row_of_option(flag, files);
+        const int times = row.option.second.empty() ? 1 : ++given[flag];
+        if (times > 2) throw Error(ErrorKind::usage, flag + " may be given twice, not more often");
+        keys.push_back(times == 2 ? row.option.second : row.path);
+    }
+    return keys;
+}
+
 void apply_options(Config& config, const std::vector<std::pair<std::string, std::string>>& options,
                    const std::vector<std::string>& files) {
-    for (const auto& [flag, text] : options)
-        apply_option(config, flag, row_of_option(flag, files).path, text);
+    const std::vector<std::string> keys = keys_of_options(options, files);
+    for (std::size_t i = 0; i < options.size(); ++i)
+        apply_option(config, options[i].first, keys[i], options[i].second);
 }
 
 }  // namespace hexrelief::config

@@ -25,6 +25,11 @@ std::string option_value(const Field& field);
 // if no row has the flag, or if the file that the row needs is not among them.
 const Field& row_of_option(const std::string& flag, const std::vector<std::string>& files);
 
+// Returns the keys that the options set, in their order: a second value goes to FieldOption::second. Throws
+// as row_of_option(), and Error(usage) for a third.
+std::vector<std::string> keys_of_options(const std::vector<std::pair<std::string, std::string>>& options,
+                                         const std::vector<std::string>& files);
+
 // Sets the rows of the options, which are flags with their values as typed, in their order: {"--fov-x",
 // "60"}; "true" for a flag without a value. Throws as row_of_option(), and Error(usage) for values out of
 // range.

@@ -8,16 +8,15 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/job/cameras/rectify_by_file.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/pairs/working_size.h"
-#include "pipeline/job/resolve_calibration.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/stereo_reader.h"
-#include "pipeline/rectify/rectify.h"
 
 namespace hexrelief::job {
 namespace {
@@ -225,37 +224,17 @@ class InputReader {
 
 // Replaces the pair by its rectified views if its calibration describes unrectified cameras.
 void InputReader::rectify_pair(RunInput& input) {
-    const config::CalibrationConfig& config = config_.calibration;
-    if (config.file.empty()) {
-        if (config.rectify == readers::Rectify::always)
-            throw Error(ErrorKind::usage, "input.calibration.rectify needs a calibration file (--calib)");
-        return;
-    }
-    const bool never = config_.rectify == config::PairRectification::never;
-    if (never && config.rectify == readers::Rectify::always)
-        throw Error(ErrorKind::usage, "input.rectify never contradicts input.calibration.rectify always");
-    const auto file =
-        readers::read_stereo_calibration(config.file, never ? readers::Rectify::never : config.rectify);
-    if (!file) return;
     InputPair& pair = std::get<InputPair>(input.views);
-    StereoPair& views = pair.views;
-    const StereoCalibration& cameras = file->calibration;
-    const ViewSize size = size_of(views.left), made_for{cameras.width, cameras.height};
-    if (made_for.width > 0 && made_for != size)
-        throw Error(ErrorKind::input, config.file + ": the calibration is for " + size_text(made_for) +
-                                          " px, but the pictures have " + size_text(size) +
-                                          " px; use the calibration of that size");
-    for (const std::string& told : file->told) log_.warn(config.file + ": " + told);
-    rectify::RectifiedPair rectified = rectify::rectify(views, cameras, threads_);
-    if (const Image alpha{size.width, size.height, 1, views.left.alpha}; !alpha.empty())
-        rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads_).pair.left.pixels;
-    views = std::move(rectified.pair);
-    input.calibration = rectified.calibration;
+    const ViewSize size = size_of(pair.views.left);
+    FileRectification done = rectify_by_file(pair.views, config_, threads_);
+    for (const std::string& warning : done.warnings) log_.warn(warning);
+    for (const std::string& decision : done.decisions) log_.decide(decision);
+    if (!done.is_done) return;
+    input.calibration = done.calibration;
     pair.is_rectified = true;
-    if (std::count(rectified.seen.begin(), rectified.seen.end(), 0) > 0)
-        input.mask = {size.width, size.height, std::move(rectified.seen)};
-    log_.decide(std::string("rectified: by ") +
-                (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
+    if (std::count(done.seen.begin(), done.seen.end(), 0) > 0)
+        input.mask = {size.width, size.height, std::move(done.seen)};
+    if (!done.other_file.empty()) input.files.push_back(hashed("calibration", done.other_file));
 }
 
 // Replaces an uncalibrated pair by its aligned views if its rows are off.
@@ -293,6 +272,7 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
     input.focal_from = resolved.focal_from;
     input.baseline_from = resolved.baseline_from;
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
+    if (!resolved.other_file.empty()) input.files.push_back(hashed("calibration", resolved.other_file));
     for (const std::string& warning : resolved.warnings) log_.warn(warning);
     for (const std::string& decision : resolved.decisions) log_.decide(decision);
     return resolved;

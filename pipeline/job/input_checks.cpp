@@ -51,6 +51,8 @@ void check_input(const RunInput& input, const stages::FoundRange& range, const c
     for (checks::Finding& finding : is_depth ? checks::check_depths(input.calibration, median_px)
                                              : checks::check_camera(input.calibration, median_px))
         findings.push_back(std::move(finding));
+    for (checks::Finding& finding : checks::check_focal(input.calibration))
+        findings.push_back(std::move(finding));
     for (const checks::Finding& finding : findings) {
         if (config.run.strict) throw Error(ErrorKind::input, finding.text);
         log.warn(finding.text);

@@ -13,6 +13,7 @@
 #include "pipeline/job/page_content.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/pictures/stage_pictures.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/describe_raster.h"
 
 namespace hexrelief::job {
@@ -235,6 +236,11 @@ std::vector<InputFile> input_files(const RunRequest& request) {
                           section = config::section_of(field.path);
         if (!path.empty()) files.push_back({section.substr(section.rfind('.') + 1), path});
     }
+    // The file beside a calibration is read if it is needed.
+    const config::CalibrationConfig& calibration = request.config.input.calibration;
+    if (!calibration.file.empty() && calibration.second_file.empty())
+        if (const fs::path other = readers::find_other_file(calibration.file); !other.empty())
+            files.push_back({"calibration", other.string()});
     return files;
 }
 

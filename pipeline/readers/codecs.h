@@ -30,8 +30,9 @@ Raster decode_pfm(const SourceFile& source);
 // The formats of maps, implemented in pipeline/readers/depth; their describe_ may have to unpack the file.
 FileDescription describe_npy(const SourceFile& source);
 Raster decode_npy(const SourceFile& source);
-// Returns the numbers of an NPY array of this size, by rows. Throws Error(input) if it has another size.
-std::vector<double> read_npy_numbers(const SourceFile& source, int width, int height);
+// Returns the numbers of an NPY array by rows. Throws Error(input) for sides above 4096, and for types other
+// than floats and signed integers.
+std::vector<double> read_npy_numbers(const SourceFile& source);
 FileDescription describe_npz(const SourceFile& source);
 Raster decode_npz(const SourceFile& source);
 FileDescription describe_exr(const SourceFile& source);

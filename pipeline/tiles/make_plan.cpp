@@ -8,7 +8,7 @@
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
-#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/tiles/planned_map.h"
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
@@ -215,6 +215,7 @@ TilePlan make_plan(const PlanRequest& request, job::Backend& backend, job::RunLo
     plan.width = map.width();
     plan.height = map.height();
     plan.calibration = camera_of_map(plan, log);
+    plan.config.input.calibration.second_file.clear();
     plan.config.input.calibration.file.clear();  // the plan contains the file's values
     lay_lattice(request, plan);
     log.stage("density", [&] { find_scale(map, threads, plan); });

@@ -5,7 +5,7 @@
 #include "mesher/tiles/tile_surface.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
-#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/tiles/tile_jobs.h"
 
 namespace hexrelief::tiles {

@@ -17,8 +17,8 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/outputs.h"
-#include "pipeline/job/resolve_calibration.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/image_reader.h"
 

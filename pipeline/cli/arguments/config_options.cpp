@@ -33,7 +33,8 @@ void add_key_options(Command& command, Options& options, const std::vector<std::
         const config::Field& row = *config::rows_of_option(flag).at(0);
         command.add_option(
             flag, [&options, flag](const std::string& text) { options.direct.emplace_back(flag, text); },
-            option_help(row), {.group = group, .value = option_value(row)});
+            option_help(row),
+            {.group = group, .value = option_value(row), .repeated = !row.option.second.empty()});
     }
 }
 

@@ -14,26 +14,31 @@ namespace {
 
 std::string matrix_text(const SourceFile& source) {
     std::string text;
-    for (const double number : read_npy_numbers(source, 3, 3)) {
-        char digits[40];
-        std::snprintf(digits, sizeof digits, "%.17g ", number);
-        text += digits;
-    }
+    for (const double number : read_npy_numbers(source)) text += exact_text(number) + " ";
     return text;
 }
 
 }  // namespace
 
+std::string exact_text(double number) {
+    char digits[40];
+    std::snprintf(digits, sizeof digits, "%.17g", number);
+    return digits;
+}
+
 CalibrationText load_calibration_text(const std::filesystem::path& path) {
-    constexpr std::uintmax_t longest = 1u << 18;  // real ones have a few KiB
+    constexpr std::uintmax_t longest = 1u << 20;  // lists of thousands of poses are longer than a calibration
     const SourceFile source = load_file(path, longest);
     std::string text(source.bytes.begin(), source.bytes.end());
     if (text.starts_with("\x93NUMPY")) text = matrix_text(source);
+    if (auto colmap = text_of_colmap(source.bytes)) text = std::move(*colmap);
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
-    if (text.find('\0') != std::string::npos) {
-        refuse(path, "it is a binary file, not a calibration text; give calib.txt, KITTI or OpenCV YAML");
-    }
-    return {path, std::move(text), {}, true, {}};
+    if (text.find('\0') != std::string::npos && !text.starts_with("PK\3\4"))
+        refuse(path, "it is a binary file, not a calibration; give calib.txt, KITTI or OpenCV YAML");
+    CalibrationText loaded;
+    loaded.path = path;
+    loaded.text = std::move(text);
+    return loaded;
 }
 
 void refuse_key(const CalibrationText& source, std::string_view key, const std::string& reason) {
@@ -74,6 +79,11 @@ Calibration from_projections(const Projection& left, const Projection& right) {
     calibration.baseline_m = left[3] / left[0] - right[3] / right[0];
     calibration.doffs_px = right[2] - left[2];
     return calibration;
+}
+
+std::vector<double> upper_left(const std::vector<double>& m) {
+    if (m.size() == 9) return m;
+    return {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
 }
 
 Pinhole from_matrix(const CalibrationText& source, std::string_view key, const std::vector<double>& matrix) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,19 +20,26 @@ struct CalibrationText {
     std::string format = {};        // set by the parser that accepts the text
     bool has_baseline = true;       // false: the file describes a single camera
     std::vector<std::string> told;  // assumptions that may be wrong, a sentence each
+    int width = 0, height = 0;      // of the pictures; 0 = not known
 };
 
-// Loads a calibration file. A 3x3 array saved by NumPy is converted to text. Throws Error(input) if the file
-// cannot be read, is too large, or contains other NUL bytes.
+// Loads a calibration file. A matrix saved by NumPy and COLMAP's cameras.bin are converted to text. Throws
+// Error(input) if the file cannot be read, is too large, or contains other NUL bytes.
 CalibrationText load_calibration_text(const std::filesystem::path& path);
 
+// Returns the lines of cameras.txt that say the same as COLMAP's cameras.bin; nullopt for other bytes.
+std::optional<std::string> text_of_colmap(const std::vector<std::uint8_t>& bytes);
+
 // Parse one format each. They return nullopt if the text is not in their format, and throw Error(input)
-// naming file and key if it is but has an error. parse_yaml() reads all formats that are YAML or JSON.
+// naming file and key if it is but has an error.
 std::optional<Calibration> parse_middlebury(CalibrationText& source);
 std::optional<Calibration> parse_kitti(CalibrationText& source);
 std::optional<Calibration> parse_colmap(CalibrationText& source);
 std::optional<Calibration> parse_matrix(CalibrationText& source);
-std::optional<Calibration> parse_yaml(CalibrationText& source);
+std::optional<Calibration> parse_mvsnet(CalibrationText& source);
+
+// Returns digits that read back as the same number.
+std::string exact_text(double number);
 
 // Throws Error(input): "cannot read 'PATH': KEY REASON".
 [[noreturn]] void refuse_key(const CalibrationText& source, std::string_view key, const std::string& reason);
@@ -63,6 +71,9 @@ struct Pinhole {
     double fx = 0, fy = 0, cx = 0, cy = 0;
     int width = 0, height = 0;
 };
+
+// Returns the 9 numbers of K, which 9, 12 (3x4) or 16 (4x4) numbers begin with, row-major.
+std::vector<double> upper_left(const std::vector<double>& matrix);
 
 // Returns the camera of a 3x3 matrix, row-major or column-major: K's last row is 0 0 1, so
 // the zeros tell which.

@@ -3,8 +3,7 @@
 #include <cmath>
 
 #include "pipeline/data/number_text.h"
-#include "pipeline/readers/cameras/calibration_formats.h"
-#include "pipeline/readers/parse_text.h"
+#include "pipeline/readers/cameras/camera_file.h"
 #include "pipeline/readers/source.h"
 
 namespace hexrelief::readers {
@@ -30,29 +29,16 @@ void check_possible(const codec::CalibrationText& source, const Calibration& cal
 
 }  // namespace
 
-CalibrationFile read_calibration_file(const std::filesystem::path& path) {
-    codec::CalibrationText source = codec::load_calibration_text(path);
-    if (codec::trim(source.text).empty()) codec::refuse(path, "the file is empty; give a calibration");
-    if (codec::trim(source.text).starts_with('<')) {
-        codec::refuse(path, "XML is not supported; save OpenCV's calibration as .yml");
-    }
-    for (const auto parse : {codec::parse_middlebury, codec::parse_kitti, codec::parse_colmap,
-                             codec::parse_matrix, codec::parse_yaml}) {
-        if (auto calibration = parse(source)) {
-            calibration->metric = source.has_baseline;
-            check_possible(source, *calibration);
-            return {*calibration, source.format, source.told};
-        }
-    }
-    codec::refuse(
-        path,
-        "not a calibration that is known; give Middlebury's calib.txt (cam0=, baseline=), KITTI's (P2:, "
-        "P3:), OpenCV YAML (Q, or P1 and P2), a 3x3 camera matrix, COLMAP's cameras.txt, ROS camera_info, "
-        "Open3D's or RealSense's JSON, or the keys focal_px, baseline_m, cx, cy, doffs_px");
+CalibrationFile read_calibration_file(const CalibrationSource& source) {
+    codec::CameraFile file(source, false);
+    Calibration calibration = file.parts ? file.parts->rectified() : *file.calibration;
+    calibration.metric = file.text.has_baseline;
+    check_possible(file.text, calibration);
+    return {calibration, file.text.format, file.text.told, file.other};
 }
 
-Calibration read_calibration(const std::filesystem::path& path) {
-    return read_calibration_file(path).calibration;
+Calibration read_calibration(const CalibrationSource& source) {
+    return read_calibration_file(source).calibration;
 }
 
 }  // namespace hexrelief::readers

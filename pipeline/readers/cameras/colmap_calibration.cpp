@@ -1,5 +1,9 @@
-// Parses COLMAP's cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] in each line.
+// Parses COLMAP's cameras.txt: CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] in each line, and cameras.bin as such
+// lines.
 #include <algorithm>
+#include <bit>
+#include <iterator>
+#include <span>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/parse_text.h"
@@ -23,13 +27,65 @@ bool is_model(std::string_view word) {
            std::all_of(word.begin(), word.end(), [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; });
 }
 
+// The models by their numbers in cameras.bin, and how many parameters each has.
+struct Model {
+    const char* name;
+    std::size_t parameters;
+};
+constexpr Model kModels[] = {{"SIMPLE_PINHOLE", 3},
+                             {"PINHOLE", 4},
+                             {"SIMPLE_RADIAL", 4},
+                             {"RADIAL", 5},
+                             {"OPENCV", 8},
+                             {"OPENCV_FISHEYE", 8},
+                             {"FULL_OPENCV", 12},
+                             {"FOV", 5},
+                             {"SIMPLE_RADIAL_FISHEYE", 4},
+                             {"RADIAL_FISHEYE", 5},
+                             {"THIN_PRISM_FISHEYE", 12}};
+
+// Takes little-endian numbers from the front; `is_short` once they are used up.
+struct ByteReader {
+    std::span<const std::uint8_t> bytes;
+    bool is_short = false;
+
+    std::uint64_t take(std::size_t count) {
+        is_short |= bytes.size() < count;
+        if (is_short) return 0;
+        std::uint64_t value = 0;
+        for (std::size_t i = count; i-- > 0;) value = value << 8 | bytes[i];
+        bytes = bytes.subspan(count);
+        return value;
+    }
+};
+
 }  // namespace
+
+// The file is its number of cameras, and of each id, model, width, height and the parameters.
+std::optional<std::string> text_of_colmap(const std::vector<std::uint8_t>& bytes) {
+    ByteReader reader{bytes};
+    const std::uint64_t cameras = reader.take(8);
+    if (reader.is_short || cameras == 0 || cameras > bytes.size() / 48) return std::nullopt;
+    std::string text;
+    for (std::uint64_t i = 0; i < cameras; ++i) {
+        const std::uint64_t id = reader.take(4), model = reader.take(4), width = reader.take(8),
+                            height = reader.take(8);
+        if (reader.is_short || model >= std::size(kModels)) return std::nullopt;
+        text += std::to_string(id) + " " + kModels[model].name + " " + std::to_string(width) + " " +
+                std::to_string(height);
+        for (std::size_t k = 0; k < kModels[model].parameters; ++k)
+            text += " " + exact_text(std::bit_cast<double>(reader.take(8)));
+        text += "\n";
+    }
+    if (reader.is_short || !reader.bytes.empty()) return std::nullopt;
+    return text;
+}
 
 std::optional<Calibration> parse_colmap(CalibrationText& source) {
     const std::vector<Words> entries = entries_of(source.text);
     if (entries.empty() || entries[0].size() < 2 || !parse_number(entries[0][0]) || !is_model(entries[0][1]))
         return std::nullopt;
-    source.format = "COLMAP cameras.txt";
+    source.format = "COLMAP";
     if (entries.size() > 1)
         refuse_key(source, "the file",
                    "has " + std::to_string(entries.size()) + " cameras; keep the line of the picture's own");

@@ -8,7 +8,7 @@
 namespace hexrelief::readers::codec {
 namespace {
 
-using Entries = std::map<std::string, std::string, std::less<>>;
+using Lines = std::map<std::string, std::string, std::less<>>;
 
 // Returns the camera's digit in a key "P2" or "P_rect_02"; -1 for any other key.
 int camera_of(std::string_view key) {
@@ -23,8 +23,8 @@ int camera_of(std::string_view key) {
 
 // Returns only the entries of the cameras' matrices and sizes; a file also has rotations,
 // times and lidar poses.
-Entries read_entries(const CalibrationText& source) {
-    Entries entries;
+Lines read_lines(const CalibrationText& source) {
+    Lines entries;
     for (std::string_view line : lines(source.text)) {
         const std::size_t colon = line.find(':');
         if (colon == std::string_view::npos) continue;
@@ -49,7 +49,7 @@ Projection read_projection(CalibrationText& source, const std::string& key, std:
     return p;
 }
 
-Calibration from_pair(CalibrationText& source, const Entries& entries, const std::string& left,
+Calibration from_pair(CalibrationText& source, const Lines& entries, const std::string& left,
                       const std::string& right) {
     const Projection l = read_projection(source, left, entries.find(left)->second);
     const Projection r = read_projection(source, right, entries.find(right)->second);
@@ -57,10 +57,38 @@ Calibration from_pair(CalibrationText& source, const Entries& entries, const std
     return from_projections(l, r);
 }
 
+// Takes the size of the rectified pictures, if the file has it.
+void take_size(const CalibrationText& source, const Lines& entries, int camera, Calibration& calibration) {
+    const std::string size = "S_rect_0" + std::to_string(camera);
+    const auto found = entries.find(size);
+    if (found == entries.end()) return;
+    const auto parts = words(found->second);
+    if (parts.size() != 2) refuse_key(source, size, "must hold width and height");
+    calibration.width = require_side(source, size, require_number(source, size, parts[0]));
+    calibration.height = require_side(source, size, require_number(source, size, parts[1]));
+}
+
+// Returns the camera of a file with one projection, without a baseline.
+Calibration of_one(CalibrationText& source, const Lines& entries) {
+    std::string key;
+    for (const auto& [name, value] : entries) {
+        if (camera_of(name) < 0) continue;
+        if (!key.empty())
+            refuse_key(
+                source, key + " and " + name,
+                "are of no pair; a KITTI calibration needs P2 and P3, or P0 and P1, or one of them alone");
+        key = name;
+    }
+    const Projection p = read_projection(source, key, entries.find(key)->second);
+    Calibration calibration = from_pinhole(source, key, {.fx = p[0], .fy = p[0], .cx = p[2], .cy = p[6]});
+    take_size(source, entries, camera_of(key), calibration);
+    return calibration;
+}
+
 }  // namespace
 
 std::optional<Calibration> parse_kitti(CalibrationText& source) {
-    const Entries entries = read_entries(source);
+    const Lines entries = read_lines(source);
     bool any = false;
     for (const auto& [key, value] : entries) any = any || camera_of(key) >= 0;
     if (!any) return std::nullopt;
@@ -71,18 +99,11 @@ std::optional<Calibration> parse_kitti(CalibrationText& source) {
             const std::string l = prefix + std::to_string(left), r = prefix + std::to_string(right);
             if (!entries.contains(l) || !entries.contains(r)) continue;
             Calibration calibration = from_pair(source, entries, l, r);
-            const std::string size = "S_rect_0" + std::to_string(left);
-            if (const auto found = entries.find(size); found != entries.end()) {
-                const auto parts = words(found->second);
-                if (parts.size() != 2) refuse_key(source, size, "must hold width and height");
-                calibration.width = require_side(source, size, require_number(source, size, parts[0]));
-                calibration.height = require_side(source, size, require_number(source, size, parts[1]));
-            }
+            take_size(source, entries, left, calibration);
             return calibration;
         }
     }
-    refuse_key(source, "P2 and P3 (or P0 and P1)",
-               "are not both there; a KITTI calibration needs a left and a right one");
+    return of_one(source, entries);
 }
 
 }  // namespace hexrelief::readers::codec

@@ -8,7 +8,7 @@
 namespace hexrelief::readers::codec {
 namespace {
 
-using Entries = std::map<std::string, std::string, std::less<>>;
+using Lines = std::map<std::string, std::string, std::less<>>;
 
 std::string_view without_comment(std::string_view line) {
     return line.substr(0, line.find('#'));
@@ -24,8 +24,8 @@ bool is_middlebury(std::string_view text) {
     return false;
 }
 
-Entries read_entries(const CalibrationText& source) {
-    Entries entries;
+Lines read_lines(const CalibrationText& source) {
+    Lines entries;
     for (std::string_view line : lines(source.text)) {
         line = trim(without_comment(line));
         if (line.empty()) continue;
@@ -69,7 +69,7 @@ Camera read_camera(CalibrationText& source, const std::string& key, std::string_
 std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     if (!is_middlebury(source.text)) return std::nullopt;
     source.format = "Middlebury";
-    const Entries entries = read_entries(source);
+    const Lines entries = read_lines(source);
     const auto require = [&](const char* key) -> const std::string& {
         const auto found = entries.find(key);
         if (found == entries.end())

@@ -7,25 +7,29 @@
 #include <vector>
 
 #include "pipeline/data/stereo_calibration.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief::readers {
 
 // Whether a pair is rectified by the calibration of its cameras. automatic: yes, unless the file describes
-// rectified pictures (Q, or P1 and P2).
+// rectified pictures as well (Q, or P1 and P2) and the rows of the pair are the same already.
 enum class Rectify { automatic, always, never };
 
 struct StereoCalibrationFile {
     StereoCalibration calibration;
+    std::string format;             // "OpenCV", "Kalibr", ...
     std::vector<std::string> told;  // assumptions that may be wrong, a sentence each
+    bool is_rectified = false;      // the file tells of rectified pictures as well
+    std::filesystem::path other;    // the second file that was read; empty = none
 };
 
-// Reads OpenCV's FileStorage YAML with K1, D1, K2, D2, R and T; T is in metres. The matrices may also be
-// named M1 or cameraMatrix1, the distortions distCoeffs1. Four distortion coefficients are those of
-// cv::fisheye if a key model, camera_model or distortion_model says fisheye, equidistant or kannala_brandt,
-// or if there is no such key; the latter is told. Returns nullopt if the file has none of these keys, if
-// `rectify` is never, or if it is automatic and the file describes rectified pictures. Throws Error(input)
-// naming file and key if one is missing or wrong.
-std::optional<StereoCalibrationFile> read_stereo_calibration(const std::filesystem::path& path,
+// Reads the cameras of a pair as it was taken: the matrices, the distortions, and the movement between the
+// cameras; exporters/FORMATS.md lists the formats that have them. Four distortion coefficients are those of
+// cv::fisheye if a key says so (fisheye, equidistant, kannala_brandt), or if no key names a model; the latter
+// is told. Returns nullopt if the file tells of no second camera, if `rectify` is never, or if it is
+// automatic and the file, which tells of rectified pictures, lacks a part of the others. Throws Error(input)
+// naming file and key if a part is missing or wrong.
+std::optional<StereoCalibrationFile> read_stereo_calibration(const CalibrationSource& source,
                                                              Rectify rectify);
 
 }  // namespace hexrelief::readers

@@ -26,7 +26,8 @@ struct NpyHeader {
     unsigned item_bytes = 0;
     bool big_endian = false;
     bool column_major = false;
-    unsigned long long width = 0, height = 0;
+    std::vector<unsigned long long> shape;
+    unsigned long long width = 0, height = 0;  // of a map
     std::size_t samples_at = 0;
 };
 
@@ -99,13 +100,14 @@ void take_type(const SourceFile& source, std::string_view type, NpyHeader& heade
 }
 
 // Takes the two sides of the shape; further sides of 1, such as networks' batches and channels, are ignored.
-void take_shape(const SourceFile& source, const std::vector<unsigned long long>& shape, NpyHeader& header) {
-    std::vector<unsigned long long> sides = shape;
+void take_shape(const SourceFile& source, NpyHeader& header) {
+    std::vector<unsigned long long> sides = header.shape;
     for (auto side = sides.begin(); sides.size() > 2 && side != sides.end();)
         side = *side == 1 ? sides.erase(side) : side + 1;
     if (sides.size() != 2) {
         std::string text;
-        for (const unsigned long long side : shape) text += (text.empty() ? "" : ", ") + std::to_string(side);
+        for (const unsigned long long side : header.shape)
+            text += (text.empty() ? "" : ", ") + std::to_string(side);
         refuse(source.path, "its shape is (" + text + "); a map has two dimensions, height and width");
     }
     header.height = sides[0];
@@ -151,10 +153,11 @@ void read_dictionary(const SourceFile& source, std::string_view header_text, Npy
         if (!text.skip(',') && !text.starts_with('}')) refuse_header(source);
     }
     if (!has_type || !has_order || !shape || !text.at_end()) refuse_header(source);
-    take_shape(source, *shape, header);
+    header.shape = std::move(*shape);
 }
 
-NpyHeader read_header(const SourceFile& source) {
+// Reads a header of any shape.
+NpyHeader read_any_header(const SourceFile& source) {
     const auto& bytes = source.bytes;
     NpyHeader header;
     const std::size_t length_bytes = bytes.size() > kMagicBytes && bytes[6] == 1 ? 2 : 4;
@@ -167,6 +170,12 @@ NpyHeader read_header(const SourceFile& source) {
     if (length > kLongestHeader || header.samples_at > bytes.size()) refuse_header(source);
     read_dictionary(
         source, {reinterpret_cast<const char*>(bytes.data()) + kMagicBytes + length_bytes, length}, header);
+    return header;
+}
+
+NpyHeader read_header(const SourceFile& source) {
+    NpyHeader header = read_any_header(source);
+    take_shape(source, header);
     return header;
 }
 
@@ -314,15 +323,27 @@ Raster decode_npy(const SourceFile& source) {
     return read_samples(source, header);
 }
 
-std::vector<double> read_npy_numbers(const SourceFile& source, int width, int height) {
-    const NpyHeader header = read_header(source);
-    if (std::cmp_not_equal(header.width, width) || std::cmp_not_equal(header.height, height) ||
-        header.kind != 'f' || header.item_bytes < 4)
-        refuse(source.path, "the NPY file must hold a " + std::to_string(height) + "x" +
-                                std::to_string(width) + " array of float64 or float32");
+std::vector<double> read_npy_numbers(const SourceFile& source) {
+    NpyHeader header = read_any_header(source);
+    std::vector<unsigned long long> sides = header.shape;
+    std::erase(sides, 1);
+    if (sides.size() > 4 || (header.column_major && sides.size() > 2) ||
+        std::any_of(sides.begin(), sides.end(), [](auto side) { return side > 4096; }))
+        refuse(source.path, "its shape is not of numbers or of a matrix");
+    header.width = sides.empty() ? 1 : sides.back();
+    header.height = 1;
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i) header.height *= sides[i];
     check_samples(source, header);
-    return header.item_bytes == 8 ? floats<double, double>(source, header)
-                                  : floats<float, double>(source, header);
+    if (header.kind == 'f')
+        return header.item_bytes == 8   ? floats<double, double>(source, header)
+               : header.item_bytes == 4 ? floats<float, double>(source, header)
+                                        : floats<std::uint16_t, double>(source, header);
+    if (header.kind == 'i')
+        return header.item_bytes == 8   ? floats<std::int64_t, double>(source, header)
+               : header.item_bytes == 4 ? floats<std::int32_t, double>(source, header)
+               : header.item_bytes == 2 ? floats<std::int16_t, double>(source, header)
+                                        : floats<std::int8_t, double>(source, header);
+    refuse(source.path, "its numbers must be floats or signed integers");
 }
 
 FileDescription describe_npz(const SourceFile& source) {

@@ -9,7 +9,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/output_set.h"
-#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/tiles/matching/whole_range.h"
@@ -23,10 +23,14 @@ void check_request(const MatchRequest& request) {
     if (request.config.disparity.method != stages::DisparityMethod::sgm)
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
     const config::CalibrationConfig& calibration = request.config.input.calibration;
-    files::check_overwrites({request.map}, {request.left, request.right, calibration.file});
+    files::check_overwrites({request.map},
+                            {request.left, request.right, calibration.file, calibration.second_file});
     if (calibration.file.empty() && calibration.rectify == readers::Rectify::always)
         refuse("input.calibration.rectify: must not be always; tiles are matched in rectified pairs");
-    if (!calibration.file.empty() && readers::read_stereo_calibration(calibration.file, calibration.rectify))
+    if (calibration.file.empty()) return;
+    const auto pair = readers::read_stereo_calibration({calibration.file, calibration.second_file, 0, 0},
+                                                       calibration.rectify);
+    if (pair && !(pair->is_rectified && calibration.rectify == readers::Rectify::automatic))
         throw Error(ErrorKind::input, calibration.file +
                                           ": tells of a pair that is to be rectified; tiles are matched in "
                                           "pairs that are rectified already");

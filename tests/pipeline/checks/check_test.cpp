@@ -201,10 +201,25 @@ TEST(CheckCamera, NoticesUnits) {
     EXPECT_EQ(mistakes_in(check_camera(camera, 0.1)), List{Mistake::depth_implausible});
     camera.baseline_m = 160;
     EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::baseline_in_mm});
+    EXPECT_NE(check_camera(camera, 80)[0].text.find("1.6 or 0.16"), std::string::npos);
     EXPECT_EQ(mistakes_in(check_depths(camera, 80)), List{Mistake::depth_implausible}) << "2 km";
     EXPECT_TRUE(check_depths(camera, 8000).empty()) << "whatever the baseline";
     camera.baseline_m = 0.00016;
     EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::depth_implausible});
+}
+
+TEST(CheckFocal, NoticesMillimetres) {
+    Calibration camera;
+    camera.width = 480;
+    camera.height = 640;
+    camera.focal_px = 640;
+    EXPECT_TRUE(check_focal(camera).empty());
+    camera.focal_px = 160;
+    EXPECT_TRUE(check_focal(camera).empty()) << "127 degrees, as the widest lenses have";
+    camera.focal_px = 35;
+    EXPECT_EQ(mistakes_in(check_focal(camera)), List{Mistake::focal_in_mm});
+    EXPECT_NE(check_focal(camera)[0].text.find("168 degrees"), std::string::npos)
+        << check_focal(camera)[0].text;
 }
 
 }  // namespace

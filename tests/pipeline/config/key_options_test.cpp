@@ -84,6 +84,15 @@ TEST(KeyOptions, AreKeysOfManifests) {
     }
 }
 
+TEST(KeyOptions, ASecondCalibrationIsTheOtherFile) {
+    Config config;
+    apply_options(config, {{"--calib", "left.yaml"}, {"--fov-x", "60"}, {"--calib", "right.yaml"}}, {});
+    EXPECT_EQ(config.input.calibration.file, "left.yaml");
+    EXPECT_EQ(config.input.calibration.second_file, "right.yaml");
+    const std::pair<std::string, std::string> one{"--calib", "a"};
+    EXPECT_THROW(apply_options(config, {one, one, one}, {}), Error);
+}
+
 TEST(KeyOptions, SetTheirRowsAsTheyAreTyped) {
     for (const Field& row : rows_with_options()) {
         Config config;

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/data/error.h"
-#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::job {
@@ -58,20 +58,22 @@ TEST(ResolveCalibration, ExplicitValuesOverrideTheFile) {
     EXPECT_TRUE(camera.metric);
 }
 
-TEST(ResolveCalibration, AnotherSizeIsAnErrorNamingBoth) {
+TEST(ResolveCalibration, AnotherSizeIsScaledOrAnErrorNamingBoth) {
     const test::TemporaryFolder folder;
     test::write_text(folder / "calib.txt",
                      "cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\ncam1=[1000 0 99.5; 0 1000 49.5; 0 0 1]\n"
                      "doffs=5\nbaseline=200\nwidth=200\nheight=100\n");
     config::CalibrationConfig config;
     config.file = folder / "calib.txt";
+    EXPECT_EQ(resolve(config, {400, 200}).calibration.focal_px, 2000);
+    EXPECT_NE(resolve(config, {400, 200}).decisions.at(0).find("200x100"), std::string::npos);
     try {
-        resolve(config, {400, 200});
+        resolve(config, {400, 300});
         FAIL() << "no error";
     } catch (const Error& e) {
         EXPECT_EQ(e.kind(), ErrorKind::input);
         EXPECT_NE(std::string(e.what()).find("200x100"), std::string::npos);
-        EXPECT_NE(std::string(e.what()).find("400x200"), std::string::npos);
+        EXPECT_NE(std::string(e.what()).find("400x300"), std::string::npos);
     }
 }
 
@@ -112,14 +114,40 @@ TEST(ResolveCalibration, ACameraOfThePictureIsScaledToTheMap) {
     EXPECT_EQ(resolved.calibration.width, 100);
     ASSERT_EQ(resolved.decisions.size(), 1u);
     EXPECT_NE(resolved.decisions[0].find("200x100"), std::string::npos);
-    EXPECT_THROW(resolve(config, {100, 50}), Error);
-    EXPECT_THROW(resolve(config, {100, 50}, {400, 200}), Error);
+    EXPECT_EQ(resolve(config, {100, 50}).calibration.cx, 49.75);
+    EXPECT_THROW(resolve(config, {100, 60}), Error);
+    EXPECT_THROW(resolve(config, {100, 60}, {400, 240}), Error);
 
     // Without a size it is of the one in whose middle it looks.
     test::write_text(folder / "camera", "100 0 99\n0 100 49\n0 0 1\n");
     EXPECT_EQ(resolve(config, {100, 50}, {200, 100}).calibration.cx, 49.75);
     EXPECT_EQ(resolve(config, {200, 100}, {400, 200}).calibration.cx, 99.5);
     EXPECT_EQ(resolve(config, {200, 100}).calibration.cx, 99.5);
+}
+
+TEST(ResolveCalibration, APrincipalPointTellsAnotherSize) {
+    const test::TemporaryFolder folder;
+    config::CalibrationConfig config;
+    config.file = folder / "K.txt";
+    test::write_text(folder / "K.txt", "700 0 317.5\n0 700 243.5\n0 0 1\n");
+    const ResolvedCalibration half = resolve(config, {320, 240});
+    EXPECT_EQ(half.calibration.focal_px, 350);
+    EXPECT_EQ(half.calibration.cx, 159);
+    ASSERT_EQ(half.warnings.size(), 1u);
+    EXPECT_NE(half.warnings[0].find("640x480"), std::string::npos);
+    const ResolvedCalibration large = resolve(config, {1920, 1440});
+    EXPECT_EQ(large.calibration.focal_px, 2100);
+    EXPECT_NE(large.warnings.at(0).find("640x480"), std::string::npos);
+    // A principal point that may be the picture's own, or of no picture of the aspect, is believed.
+    EXPECT_TRUE(resolve(config, {640, 480}).warnings.empty());
+    EXPECT_TRUE(resolve(config, {800, 500}).warnings.empty());
+    EXPECT_EQ(resolve(config, {320, 480}).calibration.focal_px, 700);
+    EXPECT_NE(resolve(config, {320, 480}).warnings.at(0).find("far off the middle"), std::string::npos);
+    EXPECT_EQ(resolve(config, {960, 720}).calibration.focal_px, 1050);
+    config.cx = 318;
+    config.cy = 244;
+    EXPECT_EQ(resolve(config, {320, 240}).calibration.focal_px, 700);
+    EXPECT_TRUE(resolve(config, {320, 240}).warnings.empty());
 }
 
 TEST(SameAspect, RoundsToAPixel) {

@@ -99,6 +99,29 @@ const Case kCases[] = {
              "K2: [5., 0., 3., 0., 5., 2., 0., 0., 1.]\nD1: [0.1, 0., 0., 0.]\nD2: [0., 0., 0., 0., 0.1]\n"
              "R: [1., 0., 0., 0., 1., 0., 0., 0., 1.]\nT: [-0.1, 0., 0.]\nmodel: pinhole\n");
      }},
+    {"Xml",
+     [] {
+         return to_bytes(
+             "<opencv_storage><K type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>700 0 "
+             "320 0 "
+             "700 240 0 0 1</data></K></opencv_storage>");
+     }},
+    {"Assigned", [] { return to_bytes("fc = [ 700 ; 701 ];\ncc = [ 320 ; 240 ];\nnx = 640;\nny = 480;\n"); }},
+    {"Kalibr",
+     [] {
+         return to_bytes(
+             "cam0:\n  intrinsics: [700, 700, 320, 240]\n  distortion_coeffs: [0, 0, 0, 0]\ncam1:\n  "
+             "intrinsics: "
+             "[700, 700, 320, 240]\n  distortion_coeffs: [0, 0, 0, 0]\n  T_cn_cnm1: [1, 0, 0, -1, 0, 1, 0, "
+             "0, 0, 0, "
+             "1, 0, 0, 0, 0, 1]\n");
+     }},
+    {"ColmapBinary",
+     [] {
+         Bytes bytes = {1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0,
+                        8, 0, 0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 0, 0, 0, 0};
+         return bytes + bytes_of(std::vector<double>{7, 4, 3});
+     }},
     {"Matrix", [] { return to_bytes("700 0 320\n0 700 240\n0 0 1\n0.1\n"); }},
     {"Colmap", [] { return to_bytes("1 PINHOLE 640 480 500 502 320 240\n"); }},
     {"Ros",

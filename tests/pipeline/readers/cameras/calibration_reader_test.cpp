@@ -107,12 +107,17 @@ TEST(ReadKittiCalibration, RawFilesHaveASize) {
     expect_calibration(c, 700, 610.5, 170.5, 0.54, 2, 1242, 375);
 }
 
+TEST(ReadKittiCalibration, OneProjectionIsOneView) {
+    expect_calibration(read("P_rect_02: 700 0 610 42 0 700 170 0 0 0 1 0\nS_rect_02: 1242 375\n"), 700, 610.5,
+                       170.5, 0, 0, 1242, 375);
+}
+
 TEST(ReadKittiCalibration, NamesTheKeyThatIsWrong) {
     EXPECT_CONTAINS(error_for(replaced(kKitti, "-3.36e+02", "")), "P3 has 11");
     EXPECT_CONTAINS(error_for(replaced(kKitti, "-3.36e+02", "nan")), "P3 is 'nan'");
     EXPECT_CONTAINS(error_for(replaced(kKitti, "-3.36e+02", "3.36e+02")), "baseline");
     EXPECT_CONTAINS(error_for(replaced(kKitti, "P2: 7.0e+02", "P2: 0")), "P2");
-    EXPECT_CONTAINS(error_for("P2: 700 0 610 42 0 700 170 0 0 0 1 0\n"), "P2 and P3");
+    EXPECT_CONTAINS(error_for("P1: 7 0 6 4 0 7 1 0 0 0 1 0\nP2: 7 0 6 4 0 7 1 0 0 0 1 0\n"), "P1 and P2");
     EXPECT_CONTAINS(error_for(kKitti + "P2: 1 2 3\n"), "P2 is given twice");
 }
 
@@ -138,7 +143,7 @@ TEST(ReadOpenCvCalibration, QAndProjectionsAgree) {
 }
 
 TEST(ReadOpenCvCalibration, NamesTheKeyThatIsWrong) {
-    EXPECT_CONTAINS(error_for(replaced(kQ, "8., -40.", "8.")), "Q must be an opencv-matrix of 4x4");
+    EXPECT_CONTAINS(error_for(replaced(kQ, "8., -40.", "8.")), "Q must hold rows times cols numbers");
     EXPECT_CONTAINS(error_for(replaced(kQ, "8., -40.", "0., -40.")), "baseline");
     EXPECT_CONTAINS(error_for(replaced(kQ, "8., -40.", "-8., -40.")), "baseline");
     EXPECT_CONTAINS(error_for(replaced(kQ, "8., -40.", ".Nan, -40.")), "Q is '.Nan'");
@@ -148,7 +153,7 @@ TEST(ReadOpenCvCalibration, NamesTheKeyThatIsWrong) {
         "vertical");
     EXPECT_CONTAINS(error_for("%YAML:1.0\nM1: 3\n"), "Q, or P1 and P2");
     EXPECT_CONTAINS(error_for("%YAML:1.0\nQ: [1, 2\nx: }"), "line");
-    EXPECT_CONTAINS(error_for("<?xml version=\"1.0\"?>\n<opencv_storage/>\n"), "XML");
+    EXPECT_CONTAINS(error_for("<?xml version=\"1.0\"?>\n<opencv_storage/>\n"), "Q, or P1 and P2");
 }
 
 const std::string kKeys = "focal_px: 3740  # Aloe\nbaseline_m: 0.160\ncx: 641\ncy: 555\ndoffs_px: 270\n";
@@ -172,7 +177,7 @@ TEST(ReadOwnCalibration, NamesTheKeyThatIsWrong) {
     EXPECT_CONTAINS(error_for("baseline_m: 0.16\n"), "focal_px is missing");
     EXPECT_CONTAINS(error_for(replaced(kKeys, "0.160", "0")), "baseline");
     EXPECT_CONTAINS(error_for(replaced(kKeys, "cx: 641\n", "")), "cx and cy");
-    EXPECT_CONTAINS(error_for(replaced(kKeys, "3740", "[3740]")), "focal_px must be a number");
+    EXPECT_CONTAINS(error_for(replaced(kKeys, "3740", "[3740, 3740]")), "focal_px must be a number");
     EXPECT_CONTAINS(error_for(replaced(kKeys, "3740", "-1")), "focal length");
     EXPECT_CONTAINS(error_for(kKeys + "cx: 3\n"), "'cx' is given twice");
     EXPECT_CONTAINS(error_for(kKeys + "width: 3\n"), "together");

@@ -1,12 +1,12 @@
-#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
 
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
-#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 
 namespace hexrelief::job {
@@ -29,31 +29,82 @@ double off_centre(const Calibration& camera, ViewSize size) {
     return std::hypot(camera.cx / size.width - 0.5, camera.cy / size.height - 0.5);
 }
 
+// Shares of a picture's sides.
+constexpr double kInTheMiddle = 0.06;  // principal points of whole pictures lie nearer to the middle
+constexpr double kOffTheMiddle = 0.2;  // those of another size's lie farther off
+
+// The factors by which pictures are usually scaled, as fractions.
+struct Factor {
+    int above, below;
+};
+constexpr Factor kFactors[] = {{4, 3}, {3, 2}, {5, 3}, {2, 1},  {5, 2},  {3, 1}, {4, 1},
+                               {5, 1}, {6, 1}, {8, 1}, {10, 1}, {12, 1}, {16, 1}};
+
+// Returns the size of a picture of the view's aspect, larger or smaller by a usual factor, in whose middle
+// the principal point lies; the view's if the point may be of the view.
+ViewSize size_by_centre(const Calibration& camera, ViewSize view) {
+    constexpr int largest_px = 1 << 20;
+    if (std::isnan(camera.cx) || off_centre(camera, view) < kOffTheMiddle ||
+        std::max(view.width, view.height) > largest_px)
+        return view;
+    ViewSize nearest = view;
+    double least = kInTheMiddle;
+    for (const auto& [above, below] : kFactors)
+        for (const ViewSize size : {ViewSize{view.width * above / below, view.height * above / below},
+                                    ViewSize{view.width * below / above, view.height * below / above}})
+            if (size.width > 0 && size.height > 0 && off_centre(camera, size) < least) {
+                least = off_centre(camera, size);
+                nearest = size;
+            }
+    return nearest;
+}
+
 // Returns the size that the file's camera is for. A file without a size is for the view, or for its picture
-// if the principal point is closer to the picture's middle.
+// if the principal point is closer to the picture's middle, or for the size in whose middle it is.
 ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
     if (camera.width > 0) return {camera.width, camera.height};
     const bool of_picture =
         !std::isnan(camera.cx) && off_centre(camera, source.picture) < off_centre(camera, source.view);
-    return of_picture ? source.picture : source.view;
+    return of_picture ? source.picture : size_by_centre(camera, source.view);
 }
 
 // Returns the file's camera, scaled to the view.
 Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& resolved) {
-    const readers::CalibrationFile file = readers::read_calibration_file(source.config.file);
+    const readers::CalibrationFile file =
+        readers::read_calibration_file(calibration_files(source.config, source.view));
     for (const std::string& told : file.told) resolved.warnings.push_back(source.config.file + ": " + told);
     resolved.focal_from = resolved.baseline_from = "the calibration file (" + file.format + ")";
+    resolved.other_file = file.other;
     Calibration camera = file.calibration;
-    const ViewSize size = believed_size(camera, source);
-    if (size != source.view && size != source.picture)
+    const bool centre_is_given = !std::isnan(source.config.cx) && !std::isnan(source.config.cy);
+    const bool size_is_said = camera.width > 0;
+    const ViewSize size = centre_is_given && !size_is_said ? source.view : believed_size(camera, source);
+    const bool fits = same_aspect(size, source.view);
+    if (!fits && size != source.picture)
         throw Error(ErrorKind::input, source.config.file + ": the calibration is for " + size_text(size) +
                                           " px, but the image has " + size_text(source.view) +
-                                          " px; use the calibration of that size");
+                                          " px, of another aspect; use the calibration of that size");
     if (std::isnan(camera.cx)) camera.cx = 0.5 * size.width;
     if (std::isnan(camera.cy)) camera.cy = 0.5 * size.height;
-    if (size == source.view) return camera;
-    resolved.decisions.push_back("calibration: of the picture's " + size_text(size) +
-                                 " px, scaled to the map's " + size_text(source.view));
+    if (size == source.view) {
+        if (!size_is_said && !centre_is_given && off_centre(camera, size) >= kOffTheMiddle)
+            resolved.warnings.push_back(source.config.file + ": its principal point (" +
+                                        number_text(camera.cx) + ", " + number_text(camera.cy) +
+                                        ") lies far off the middle of " + size_text(size) +
+                                        " px; if the camera is for another size, scale it");
+        return camera;
+    }
+    if (size == source.picture)
+        resolved.decisions.push_back("calibration: of the picture's " + size_text(size) +
+                                     " px, scaled to the map's " + size_text(source.view));
+    else if (size_is_said)
+        resolved.decisions.push_back("calibration: for " + size_text(size) + " px, scaled to the view's " +
+                                     size_text(source.view));
+    else
+        resolved.warnings.push_back(source.config.file + ": its principal point lies in the middle of " +
+                                    size_text(size) + " px, so the camera is scaled to the picture's " +
+                                    size_text(source.view) +
+                                    "; if it is for this size, give input.calibration.cx and cy as well");
     camera.width = size.width;
     camera.height = size.height;
     return scaled_to(camera, source.view);
@@ -125,6 +176,10 @@ Calibration scaled_to(const Calibration& camera, ViewSize size) {
     return scaled;
 }
 
+readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size) {
+    return {config.file, config.second_file, size.width, size.height};
+}
+
 ResolvedCalibration resolve_calibration(const CameraSource& source) {
     const config::CalibrationConfig& config = source.config;
     const ViewSize view = source.view;
@@ -168,7 +223,7 @@ std::string missing_for_metres(const ResolvedCalibration& resolved) {
     if (resolved.calibration.metric) return {};
     if (resolved.is_focal_known)
         return "the cameras' baseline is not known: the mesh is in relative units; give "
-               "input.calibration.baseline_m";
+               "input.calibration.baseline_m, or the right camera's file by a second --calib";
     if (resolved.is_baseline_known)
         return "the focal length is not known: the mesh is in relative units; give --fov-x DEG or "
                "input.calibration.focal_px";

@@ -7,6 +7,7 @@
 
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief::job {
 
@@ -44,13 +45,19 @@ struct ResolvedCalibration {
     // the assumption made instead.
     std::string focal_from, baseline_from;
     std::vector<std::string> warnings, decisions;
+    std::filesystem::path other_file = {};  // the second calibration file that was read; empty = none
 };
 
+// Returns the files of the configuration, for pictures of this size.
+readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size);
+
 // Finds the calibration for the view. Explicit values override the file's and apply to the view. A file's
-// camera for the picture's size is scaled to the view's. Without a focal length, that of the picture's EXIF
-// data is used, with a warning. Throws Error(input) if the file is for yet another size, if the principal
-// point lies more than one view's size outside the view, or if focal length, baseline or doffs are beyond
-// those of any camera.
+// camera for another size of the same aspect is scaled to the view's. A camera without a size whose principal
+// point lies in the middle of a picture that is larger or smaller by a usual factor, but far off that of the
+// view, is taken for that picture's, with a warning, unless the principal point is given. Without a focal
+// length, that of the picture's EXIF data is used, with a warning. Throws Error(input) if the file is for a
+// size of another aspect, if the principal point lies more than one view's size outside the view, or if focal
+// length, baseline or doffs are beyond those of any camera.
 ResolvedCalibration resolve_calibration(const CameraSource& source);
 
 // Returns a warning that says what a pair or a disparity map lacks for a mesh in metres; empty = nothing.
