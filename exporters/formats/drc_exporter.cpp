@@ -8,7 +8,10 @@ namespace {
 
 void write_drc(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    const TexturedMesh mesh = untextured_mesh(scene, config);
+    const SurfaceMesh left = left_view_of(*scene.mesh, scene.image_width, scene.image_height);
+    Scene of_left = scene;
+    of_left.mesh = &left;
+    const TexturedMesh mesh = untextured_mesh(of_left, config);
     files.write(path,
                 compress_draco(mesh, scene.camera, config, GridShape::cubic, scene.threads).draco.bytes);
 }
@@ -17,7 +20,7 @@ void write_drc(const Scene& scene, const ExportConfig& config, const std::filesy
 
 extern const MeshFormat drc_format = {
     .extension = ".drc",
-    .holds = "Draco: positions, normals, texture coordinates of the whole left image",
+    .holds = "Draco: positions, normals, texture coordinates of the whole left image; the left view only",
     .write = write_drc,
     .describe = inspect::describe_drc,
     .compression = Compression::draco,

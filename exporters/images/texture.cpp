@@ -60,6 +60,22 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config) {
     return out;
 }
 
+SurfaceMesh left_view_of(const SurfaceMesh& mesh, int width, int height) {
+    SurfaceMesh left = mesh;
+    if (mesh.parts.empty()) return left;
+    const std::size_t count = mesh.left_vertices();
+    for (std::vector<Vec2f>* values : {&left.texcoords, &left.image_points}) values->resize(count);
+    for (std::vector<Vec3f>* values : {&left.positions, &left.normals}) values->resize(count);
+    left.disparities.resize(count);
+    left.triangles.resize(mesh.left_triangles());
+    left.parts.clear();
+    const float columns = static_cast<float>(width), rows = static_cast<float>(height);
+    for (std::size_t i = 0; i < count; ++i)
+        left.texcoords[i] = {std::clamp(left.image_points[i].x / columns, 0.0f, 1.0f),
+                             std::clamp(left.image_points[i].y / rows, 0.0f, 1.0f)};
+    return left;
+}
+
 std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config) {
     std::vector<TexturedMesh> levels = {untextured_mesh(scene, config)};
     for (const SurfaceMesh* mesh : scene.coarser) {

@@ -37,6 +37,10 @@ TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config);
 // Returns all levels of detail with their texture coordinates, the finest first.
 std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config);
 
+// Returns the part of a mesh that the left picture shows, with texture coordinates of that picture, which has
+// width x height px: for formats that say how a picture is mapped but do not hold it.
+SurfaceMesh left_view_of(const SurfaceMesh& mesh, int width, int height);
+
 // Returns the mesh for formats without a texture file: texture coordinates refer to the whole given image.
 TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 

@@ -5,6 +5,8 @@
 namespace hexrelief {
 
 enum class Discontinuities { cut, bridge };
+// The cameras whose views the surface is made of.
+enum class SurfaceViews { both, left };
 
 struct SurfaceConfig {
     // cut: no triangle spans a depth discontinuity; bridge: one connected mesh, open only at
@@ -31,6 +33,12 @@ struct SurfaceConfig {
     // Depth of the backdrop that ends a matched pair's scene, as a multiple of the depth that its matches
     // support (pipeline/stages/disparity_range.h); 0 = the scene has no end.
     double farthest = 1.1;
+    // both: what only the right camera of a pair sees is part of the surface, too
+    // (pipeline/stages/other_views).
+    SurfaceViews views = SurfaceViews::both;
+    // Behind silhouettes, surfaces continue as far as cameras so many baselines beyond both see; 0 = not at
+    // all. Only with both views.
+    double behind = 1;
 };
 
 }  // namespace hexrelief

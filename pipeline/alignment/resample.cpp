@@ -149,7 +149,8 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
     drop_unseen(left.known, right.known, canvas.width,
                 static_cast<int>(alignment.disparities.largest_px + 0.1 * spread) + kBorder);
     erode(left.known, canvas.width, canvas.height);
-    return {{std::move(left.image), std::move(right.image)}, std::move(left.known)};
+    erode(right.known, canvas.width, canvas.height);
+    return {{std::move(left.image), std::move(right.image)}, std::move(left.known), std::move(right.known)};
 }
 
 Calibration camera_of(const Alignment& alignment) {

@@ -14,6 +14,7 @@ struct AlignedPair {
     // For each pixel of the left view, row-major, top row first: 1 = inside the picture as taken, and the
     // right view shows what lies there at one of the pair's disparities.
     std::vector<std::uint8_t> seen;
+    std::vector<std::uint8_t> right_seen;  // of the right view: 1 = inside the picture as taken
 };
 
 // Resamples both pictures, by cubic interpolation at positions in 1/32 px. Pixels outside the left picture

@@ -317,6 +317,13 @@ std::vector<Field> surface_fields() {
                "a pair's mesh ends at so many times the depth that its matches support, what seems farther "
                "lies on a backdrop there; 0 = anywhere",
                MEMBER(surface.farthest)),
+        choice("surface.views", {"both", "left"},
+               "cameras whose views a pair's mesh is made of: both = with what only the right one sees",
+               MEMBER(surface.views)),
+        number("surface.behind", "baselines", {0, 8},
+               "with both views: behind silhouettes the farther surface continues, as far as cameras so many "
+               "baselines beyond both see; 0 = not at all",
+               MEMBER(surface.behind)),
     };
 }
 

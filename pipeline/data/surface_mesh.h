@@ -1,6 +1,7 @@
 // The triangle mesh in space that the exporters write.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,19 +10,39 @@
 
 namespace hexrelief {
 
+// The view that a part of a mesh is made of: the left or the right camera's, or that of a place where no
+// camera was.
+enum class PartOrigin : std::uint8_t { left, right, nobody };
+struct MeshPart {
+    PartOrigin origin = PartOrigin::left;
+    std::size_t vertices = 0, triangles = 0;  // how many
+};
+
 // Coordinates are glTF's: camera at the origin, +X right, +Y up, looking along -Z; metres, or relative units
 // if the calibration is not metric. Triangles are counter-clockwise seen from the camera. All per-vertex
 // arrays have the same length.
 struct SurfaceMesh {
     std::vector<Vec3f> positions;
-    std::vector<Vec3f> normals;       // unit length, towards the camera
-    std::vector<Vec2f> texcoords;     // (0, 0) = top left corner of the left image, (1, 1) = bottom right
-    std::vector<Vec2f> image_points;  // px in the left image; texcoords are these divided by the image size
-    std::vector<float> disparities;   // px
+    std::vector<Vec3f> normals;    // unit length, towards the camera
+    std::vector<Vec2f> texcoords;  // (0, 0) = top left corner of the texture, (1, 1) = bottom right
+    std::vector<Vec2f>
+        image_points;  // px in the left image; of the left view alone, texcoords are these / its size
+    std::vector<float> disparities;  // px
     std::vector<Triangle> triangles;
+    // In the order of the vertices and of the triangles, the left view's first; empty = all are the left
+    // view's.
+    std::vector<MeshPart> parts;
     bool metric = false;
 
     bool empty() const { return triangles.empty(); }
+    std::size_t left_vertices() const { return parts.empty() ? positions.size() : parts[0].vertices; }
+    std::size_t left_triangles() const { return parts.empty() ? triangles.size() : parts[0].triangles; }
+    std::size_t triangles_of(PartOrigin origin) const {
+        if (parts.empty()) return origin == PartOrigin::left ? triangles.size() : 0;
+        std::size_t count = 0;
+        for (const MeshPart& part : parts) count += part.origin == origin ? part.triangles : 0;
+        return count;
+    }
 };
 
 }  // namespace hexrelief

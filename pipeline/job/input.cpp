@@ -248,8 +248,10 @@ void InputReader::align(RunInput& input, const ResolvedCalibration& camera, cons
     input.focal_from = done.camera.focal_from;
     input.baseline_from = done.camera.baseline_from;
     pair.is_rectified |= is_aligned(done.found);
-    if (is_aligned(done.found))
+    if (is_aligned(done.found)) {
         input.mask = {pair.views.left.width, pair.views.left.height, std::move(done.seen)};
+        pair.right_mask = {pair.views.left.width, pair.views.left.height, std::move(done.right_seen)};
+    }
     for (const std::string& warning : done.warnings) log_.warn(warning);
     for (const std::string& decision : done.decisions) log_.decide(decision);
     pair.alignment = std::move(done.found);
@@ -350,16 +352,17 @@ void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int thr
     if (by == 1) return;
     stages::check_matchable(pair->views, config);
     const ViewSize full = size_of(pair->views.left);
-    auto [views, picture] = reduced(std::move(pair->views), by, threads);
+    auto [views, pictures] = reduced(std::move(pair->views), by, threads);
     Calibration& camera = input.calibration;
-    camera.width = picture.width;
-    camera.height = picture.height;
+    camera.width = pictures.left.width;
+    camera.height = pictures.left.height;
     camera = scaled_to(camera, size_of(views.left));
     input.mask = reduced(input.mask, by);
+    pair->right_mask = reduced(pair->right_mask, by);
     log.decide("working size: the pair of " + size_text(full) + " px is matched and meshed at " +
                size_text(size_of(views.left)) + " px (disparity.working_px); the texture keeps its size");
     pair->views = std::move(views);
-    pair->picture = std::move(picture);
+    pair->pictures = std::move(pictures);
     pair->reduced_by = by;
 }
 

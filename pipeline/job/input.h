@@ -18,9 +18,11 @@ namespace hexrelief::job {
 
 // A rectified pair, ready to be matched.
 struct InputPair {
-    StereoPair views;    // at the working size (pairs/working_size.h)
-    Image picture = {};  // the left picture at its own size, if that differs from the views'; else empty
-    int reduced_by = 1;  // px of that picture along a side of the views' px
+    StereoPair views;          // at the working size (pairs/working_size.h)
+    StereoPair pictures = {};  // at their own size, if that differs from the views'; else empty
+    int reduced_by = 1;        // px of these pictures along a side of the views' px
+    // Pixels of the right view that lie inside the picture as taken; empty = all.
+    readers::PixelMask right_mask = {};
     bool is_rectified = false;  // true if the program rectified it, by its calibration file or its points
     // What its points showed, without the matches; none if they were not looked for.
     std::optional<alignment::Alignment> alignment = {};
@@ -54,8 +56,13 @@ struct RunInput {
     // color(): the left picture at the view's size; texture(): the same at its original size. Empty = none.
     const Image& color() const { return pair() ? pair()->views.left : map()->color; }
     const Image& texture() const {
-        const Image& picture = pair() ? pair()->picture : map()->picture;
+        const Image& picture = pair() ? pair()->pictures.left : map()->picture;
         return picture.empty() ? color() : picture;
+    }
+    // True if the right camera's view can become part of the surface: it is all there, and no mask cuts a
+    // thing out of the left one.
+    bool has_right_view() const {
+        return pair() && (mask.empty() || (is_aligned() && pair()->views.left.alpha.empty()));
     }
     int reduced_by() const { return pair() ? pair()->reduced_by : 1; }
 };

@@ -107,7 +107,7 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
         solved_px = spacing_px;
         try {
             result = make_surface(view, tried, backend, log);
-            coarser = coarser_levels(view, result->config, backend, log);
+            coarser = coarser_levels(view, *result, backend, log);
         } catch (const Error& e) {
             if (e.kind() != ErrorKind::input) throw;
             result.reset();
@@ -119,12 +119,7 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
     };
     search.vertices = [&] { return static_cast<double>(result->mesh.positions.size()); };
     search.bytes = [&] { return largest_output(view, *result, coarser, outputs, threads, log); };
-    search.error_px = [&] {
-        return stages::measure_surface_quality(
-                   as_written(scene_of(view, *result, {}), result->config.exporting, outputs), view.disparity,
-                   view.density.background_px, threads)
-            .duo_rmse_near_px;
-    };
+    search.error_px = [&] { return quality_as_written(view, *result, outputs, threads).duo_rmse_near_px; };
     search.texture = texture_limits(view, config, outputs);
     search.texture_bytes = [&](const budget::TextureChoice& texture) {
         return texture_bytes(view, *result, texture);

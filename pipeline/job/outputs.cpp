@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                           const std::vector<SurfaceMesh>& coarser) {
     exporters::Scene scene{&result.mesh,
-                           view.texture.empty() ? nullptr : &view.texture,
+                           result.texture(view),
                            std::string("hexrelief ") + HEXRELIEF_VERSION,
                            extras_json(view, result),
                            &view.calibration,
@@ -26,11 +26,16 @@ exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
     return scene;
 }
 
+stages::SurfaceQuality quality_as_written(const LeftView& view, const SurfaceResult& result,
+                                          const std::vector<fs::path>& outputs, int threads) {
+    SurfaceMesh written = as_written(scene_of(view, result, {}), result.config.exporting, outputs);
+    written.triangles.resize(result.mesh.left_triangles());  // the map says nothing of other views
+    return stages::measure_surface_quality(written, view.disparity, view.density.background_px, threads);
+}
+
 stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,
                                        const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
-    const stages::SurfaceQuality quality = stages::measure_surface_quality(
-        as_written(scene_of(view, result, {}), result.config.exporting, outputs), view.disparity,
-        view.density.background_px, threads);
+    const stages::SurfaceQuality quality = quality_as_written(view, result, outputs, threads);
     log.decide("root mean square error against the disparity map: left view " +
                fixed(quality.rmse_near_px, 3) + " px, both views " + fixed(quality.duo_rmse_near_px, 3) +
                " px, away from discontinuities " + fixed(quality.flat_rmse_px, 3) +
@@ -69,6 +74,7 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
                                          &result.lattice,
                                          &result.mesh,
                                          view.color.empty() ? nullptr : &view.color,
+                                         result.texture(view),
                                          result.config.mesh.seed,
                                          threads};
     double done = 0;

@@ -24,8 +24,10 @@ struct OutputFile {
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                           const std::vector<SurfaceMesh>& coarser);
 
-// Measures the surface, as the compressed files among `outputs` hold it, against the map. Takes as long as a
-// good part of the stage surface.
+// Measures the left view's part of the surface, as the compressed files among `outputs` hold it, against the
+// map. Takes as long as a good part of the stage surface. measure_written() tells the log as well.
+stages::SurfaceQuality quality_as_written(const LeftView& view, const SurfaceResult& result,
+                                          const std::vector<std::filesystem::path>& outputs, int threads);
 stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,
                                        const std::vector<std::filesystem::path>& outputs, int threads,
                                        const RunLog& log);

@@ -22,9 +22,8 @@ bool has_page(const std::vector<std::filesystem::path>& outputs) {
 exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
                                     const stages::SurfaceQuality& quality, int threads) {
     const HexMesh2D& lattice = result.lattice;
-    std::future<Image> relief = start_work(threads, [&] {
-        return pictures::render_relief(result.mesh, view.color.empty() ? nullptr : &view.color);
-    });
+    std::future<Image> relief =
+        start_work(threads, [&] { return pictures::render_relief(result.mesh, result.texture(view)); });
     const Image disparities = pictures::disparity_picture(view.meshed);
     exporters::PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {

@@ -31,9 +31,10 @@ std::size_t occluded_in_row(const DisparityMap& map, int y) {
     return occluded;
 }
 
-double area_px(const SurfaceMesh& surface) {
+double area_px(const SurfaceMesh& surface, std::size_t triangles) {
     double doubled = 0;
-    for (const Triangle& t : surface.triangles) {
+    for (std::size_t i = 0; i < triangles; ++i) {
+        const Triangle& t = surface.triangles[i];
         const Vec2f a = surface.image_points[t[0]], b = surface.image_points[t[1]],
                     c = surface.image_points[t[2]];
         doubled += std::abs((static_cast<double>(b.x) - a.x) * (static_cast<double>(c.y) - a.y) -
@@ -44,7 +45,8 @@ double area_px(const SurfaceMesh& surface) {
 
 }  // namespace
 
-PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface) {
+PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface,
+                            std::size_t triangles) {
     std::size_t foreground = 0, known = 0, occluded = 0;
     for (const float d : map.values) {
         known += DisparityMap::known(d);
@@ -54,7 +56,7 @@ PictureShares share_picture(const DisparityMap& map, float background_px, const 
         for (int y = 0; y < map.height; ++y) occluded += occluded_in_row(map, y);
     const auto pixels = static_cast<double>(map.values.size());
     PictureShares shares;
-    shares.meshed = std::min(1.0, area_px(surface) / pixels);
+    shares.meshed = std::min(1.0, area_px(surface, triangles) / pixels);
     shares.foreground = static_cast<double>(foreground) / pixels;
     shares.background = static_cast<double>(known - foreground) / pixels;
     shares.occluded = static_cast<double>(occluded) / pixels;

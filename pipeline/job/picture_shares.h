@@ -1,6 +1,8 @@
 // Shares of the picture's pixels that are meshed, background, occluded or unknown.
 #pragma once
 
+#include <cstddef>
+
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
@@ -19,7 +21,9 @@ struct PictureShares {
     double known() const { return foreground + background; }
 };
 
-// Measures the shares. `background_px` as in DensityMap; `surface` was made from `map`.
-PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface);
+// Measures the shares. `background_px` as in DensityMap; the surface's first `triangles` were made from
+// `map`.
+PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface,
+                            std::size_t triangles);
 
 }  // namespace hexrelief::job

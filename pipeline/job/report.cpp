@@ -199,6 +199,8 @@ Json surface_json(const RunReport& report) {
     json["boundary_loops"] = report.topology.boundary_loops;
     json["bounds"] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
     json["metric"] = surface.mesh.metric;
+    json["right_triangles"] = surface.mesh.triangles_of(PartOrigin::right);
+    json["hidden_triangles"] = surface.mesh.triangles_of(PartOrigin::nobody);
     json["rmse_near_px"] = quality.rmse_near_px;
     json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
     json["flat_rmse_px"] = quality.flat_rmse_px;
@@ -246,10 +248,15 @@ std::size_t peak_bytes() {
 }  // namespace
 
 LeftView Relief::view() const {
-    return {disparity.map,   disparity.meshed(),
-            density,         input.color(),
-            input.texture(), input.calibration,
-            pair_camera,     disparity.backdrop ? disparity.backdrop->disparity_px : 0};
+    return {disparity.map,
+            disparity.meshed(),
+            density,
+            input.color(),
+            input.texture(),
+            input.calibration,
+            pair_camera,
+            disparity.backdrop ? disparity.backdrop->disparity_px : 0,
+            right ? &*right : nullptr};
 }
 
 double Relief::depth_of_backdrop() const {
@@ -268,8 +275,8 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map) {
 }
 
 PictureShares shares_of(const Relief& relief) {
-    PictureShares shares =
-        share_picture(relief.disparity.meshed(), relief.density.background_px, relief.surface.mesh);
+    PictureShares shares = share_picture(relief.disparity.meshed(), relief.density.background_px,
+                                         relief.surface.mesh, relief.surface.mesh.left_triangles());
     if (const InputMap* const map = relief.input.map(); map && map->is_depth())
         shares.unknown += std::exchange(shares.occluded, 0);
     return shares;
@@ -290,7 +297,8 @@ void take_figures(const RunLog& log, RunReport& report) {
 }
 
 std::string report_json(const RunReport& report) {
-    const auto& [input, backend, backend_reason, disparity, pair_camera, density, surface] = *report.relief;
+    const auto& [input, backend, backend_reason, disparity, pair_camera, density, right, surface] =
+        *report.relief;
     Json json;
     json["schema"] = 1;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;

@@ -10,6 +10,7 @@
 #include "pipeline/job/input_checks.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/meet_budget.h"
+#include "pipeline/job/other_views.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/job/pairs/align_pair.h"
@@ -123,6 +124,9 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
             return matched;
         });
+        if (config.surface.views == SurfaceViews::both && input.has_right_view())
+            relief.right = log.stage(
+                "right view", [&] { return matched_right_view(*pair, as_matched, range, *relief.backend); });
     }
     return relief;
 }
@@ -142,6 +146,9 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
                           backend.threads(), log);
     });
     const LeftView view = relief.view();
+    if (relief.right)
+        complete_right_view(*relief.right, relief.view(), relief.disparity, relief.input.pair()->right_mask,
+                            for_reduced(config.density, relief.input.reduced_by()), backend.threads());
     relief.surface = budget::has_budget(config.budget) ? meet_budget(view, config, outputs, backend, log)
                                                        : make_surface(view, config, backend, log);
     warn_of_inversions(relief.surface.quality, log);
@@ -159,7 +166,7 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
         log.stage("measures", [&] { take_measures(request.outputs, log, report); });
     if (surface.config.exporting.lod > 1)
         report.coarser =
-            log.stage("levels", [&] { return coarser_levels(view, surface.config, *relief.backend, log); });
+            log.stage("levels", [&] { return coarser_levels(view, surface, *relief.backend, log); });
 
     files::OutputSet files;
     exporters::Scene scene = scene_of(view, surface, report.coarser);

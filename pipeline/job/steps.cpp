@@ -15,6 +15,7 @@
 #include "pipeline/dequantize/noise.h"
 #include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/maps/mask_input.h"
+#include "pipeline/job/other_views.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
@@ -40,6 +41,26 @@ HexMesh2D solve_lattice(const LeftView& view, const MeshConfig& config, Backend&
     return lattice;
 }
 
+SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config& config,
+                          const SurfaceResult& finest, Backend& backend, const RunLog& log) {
+    const int levels = config.exporting.lod;
+    const auto progress = [&](double share) { log.progress((level - 1 + share) / (levels - 1)); };
+    try {
+        backend.expect_map(view.meshed);
+        const HexMesh2D lattice = backend.solve_mesh(view.density, config.mesh, progress);
+        SurfaceMesh mesh =
+            surface_of(cut_lattice(lattice, view, config.surface, backend, log), view, config.surface);
+        add_other_views(mesh, finest, view, config, backend, log);
+        return mesh;
+    } catch (const Error& error) {
+        throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
+                                      fixed(config.mesh.spacing_px, 1) + " px: " + error.what() +
+                                      "; or lower export.lod");
+    }
+}
+
+}  // namespace
+
 DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const SurfaceConfig& config,
                           Backend& backend, const RunLog& log) {
     const float background_px = view.density.background_px;
@@ -59,23 +80,6 @@ SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, cons
     return stages::build_surface(cut_mesh, view.disparity.width, view.disparity.height, view.calibration,
                                  config.min_component);
 }
-
-SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config& config, Backend& backend,
-                          const RunLog& log) {
-    const int levels = config.exporting.lod;
-    const auto progress = [&](double share) { log.progress((level - 1 + share) / (levels - 1)); };
-    try {
-        backend.expect_map(view.meshed);
-        const HexMesh2D lattice = backend.solve_mesh(view.density, config.mesh, progress);
-        return surface_of(cut_lattice(lattice, view, config.surface, backend, log), view, config.surface);
-    } catch (const Error& error) {
-        throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
-                                      fixed(config.mesh.spacing_px, 1) + " px: " + error.what() +
-                                      "; or lower export.lod");
-    }
-}
-
-}  // namespace
 
 std::string range_text(const stages::DisparityConfig& searched, stages::RangeOrigin origin) {
     return "disparity: " + std::to_string(searched.num_disparities_px) + " px searched from " +
@@ -217,6 +221,7 @@ SurfaceResult make_surface(const LeftView& view, const config::Config& config, B
         const DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
         result.device = backend.figures();
         result.mesh = surface_of(cut, view, config.surface);
+        if (view.right) add_other_views(result, view, config, backend, log);
         result.bounds = bounds_of(result.mesh.positions);
         log.decide("depth: " + fixed(result.nearest(), 3) + " to " + fixed(result.farthest(), 3) +
                    (view.calibration.metric ? " m" : " (relative)"));
@@ -245,13 +250,13 @@ void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log) {
                  " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");
 }
 
-std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const config::Config& config, Backend& backend,
+std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const SurfaceResult& finest, Backend& backend,
                                         const RunLog& log) {
     std::vector<SurfaceMesh> levels;
-    config::Config coarser = config;
-    for (int level = 1; level < config.exporting.lod; ++level) {
+    config::Config coarser = finest.config;
+    for (int level = 1; level < coarser.exporting.lod; ++level) {
         coarser.mesh.spacing_px *= 2;
-        levels.push_back(coarser_level(level, view, coarser, backend, log));
+        levels.push_back(coarser_level(level, view, coarser, finest, backend, log));
         const SurfaceMesh& mesh = levels.back();
         log.decide("level of detail " + std::to_string(level) + ": " + fixed(coarser.mesh.spacing_px, 1) +
                    " px, " + std::to_string(mesh.positions.size()) + " vertices, " +

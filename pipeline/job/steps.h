@@ -1,6 +1,7 @@
 // Steps of a run from a pair or a map to the surface: values in, a value out.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,10 +15,13 @@
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/job/backend.h"
+#include "pipeline/job/input.h"
 #include "pipeline/job/run_log.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/stages/disparity.h"
 #include "pipeline/stages/disparity_range.h"
+#include "pipeline/stages/other_views/other_view.h"
+#include "pipeline/stages/other_views/texture_atlas.h"
 #include "pipeline/stages/surface_quality.h"
 #include "pipeline/stages/surface_topology.h"
 
@@ -36,6 +40,15 @@ struct DisparityResult {
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
 
+// A pair's right view. All members have one size except the picture.
+struct RightView {
+    DisparityMap map;  // as matched, until complete_right_view()
+    DensityMap density = {};
+    Image color = {};    // in the left picture's light, as the picture is
+    Image picture = {};  // at its original size; empty = `color` is it
+    stages::ViewPlace place = {};
+};
+
 // The left camera's view. All members have one size except the texture.
 struct LeftView {
     const DisparityMap& disparity;  // the reference for measures of the surface
@@ -44,8 +57,15 @@ struct LeftView {
     const Image& color;    // empty = none
     const Image& texture;  // the same picture at its original size; empty = none
     const Calibration& calibration;
-    const Calibration& pair_camera;  // with the doffs that `calibration` may have in the map
-    float least_px = 0;              // no vertex has a smaller disparity
+    const Calibration& pair_camera;    // with the doffs that `calibration` may have in the map
+    float least_px = 0;                // no vertex has a smaller disparity
+    const RightView* right = nullptr;  // null = the surface is made of the left view only
+};
+
+// The part of a surface that the left camera does not see.
+struct OtherViews {
+    std::vector<stages::OtherView> views;
+    stages::TextureAtlas atlas;
 };
 
 // A surface with the lattice and the configuration that it was made from.
@@ -54,13 +74,19 @@ struct SurfaceResult {
     HexMesh2D lattice;
     quality::MeshQuality quality;  // of the lattice
     SurfaceMesh mesh;
-    Bounds bounds;  // of the mesh
+    std::shared_ptr<const OtherViews> others;  // null = the mesh is that of the left view only
+    Bounds bounds;                             // of the mesh
     DeviceFigures device;
     budget::BudgetResult budget;  // result of the search for the spacing; no kind = no budget
 
     // Depths of the mesh along the left camera's axis, in metres or relative units.
     double nearest() const { return -static_cast<double>(bounds.high.z); }
     double farthest() const { return -static_cast<double>(bounds.low.z); }
+    // The picture that the texture coordinates refer to; null = none.
+    const Image* texture(const LeftView& view) const {
+        if (others) return &others->atlas.picture;
+        return view.texture.empty() ? nullptr : &view.texture;
+    }
 };
 
 // Returns the log's line about a range.
@@ -104,6 +130,11 @@ DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, c
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,
                       const RunLog& log);
 
+// Cuts the lattice along the view's silhouettes, and makes the cut mesh a surface in the view's space.
+DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const SurfaceConfig& config,
+                          Backend& backend, const RunLog& log);
+SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config);
+
 // Runs the stages mesh and surface, quality in parallel with surface, then tolerance if configured.
 SurfaceResult make_surface(const LeftView& view, const config::Config& config, Backend& backend, RunLog& log);
 
@@ -114,8 +145,9 @@ config::Config with_tolerance(const config::Config& config, const SurfaceMesh& s
 
 void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log);
 
-// Returns export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_surface().
-std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const config::Config& config, Backend& backend,
+// Returns export.lod - 1 coarser levels of the surface, each at twice the spacing of the one before. Throws
+// as make_surface().
+std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const SurfaceResult& finest, Backend& backend,
                                         const RunLog& log);
 
 }  // namespace hexrelief::job

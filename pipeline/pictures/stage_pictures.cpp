@@ -167,7 +167,7 @@ std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const s
     if (name == "weights.png")
         return exporters::encode_png(
             weights_picture(quality::honeycomb_weights(*results.mesh, density, results.threads)));
-    if (name == "relief.png") return exporters::encode_png(render_relief(*results.surface, results.left));
+    if (name == "relief.png") return exporters::encode_png(render_relief(*results.surface, results.texture));
     if (name != "mesh2d.obj") throw std::logic_error("no stage writes " + name.string());
     const std::string text = mesh_obj(*results.mesh);
     return {text.begin(), text.end()};

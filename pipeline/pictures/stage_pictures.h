@@ -14,13 +14,15 @@
 
 namespace hexrelief::pictures {
 
-// The results to draw. `left` may be null, the others must be set; map, density and left have one size.
+// The results to draw. `left` and `texture` may be null, the others must be set; map, density and left have
+// one size.
 struct StageResults {
     const DisparityMap* map = nullptr;
     const DensityMap* density = nullptr;
     const HexMesh2D* mesh = nullptr;
     const SurfaceMesh* surface = nullptr;
     const Image* left = nullptr;
+    const Image* texture = nullptr;  // of the surface
     std::uint64_t seed = 1;
     int threads = 1;
 };

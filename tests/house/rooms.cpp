@@ -74,6 +74,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/dequantize", {data, "mesher/common"}},
         {"pipeline/densify", {data, "mesher/common"}},
         {"pipeline/stages", {data, "pipeline/matching/matcher.h", "mesher/common/thread_pool.h"}},
+        {"pipeline/stages/other_views", {data, "pipeline/stages/surface_raster.h"}},
         {"pipeline/checks", {data, "pipeline/stages/disparity_range.h"}},
         {"pipeline/evaluation", {data}},
         {"pipeline/rectify", {data}},

@@ -64,6 +64,7 @@ void take_aligned(StereoPair& views, PairAlignment& pair, int threads) {
     alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads);
     views = std::move(aligned.pair);
     pair.seen = std::move(aligned.seen);
+    pair.right_seen = std::move(aligned.right_seen);
     PairCamera& camera = pair.camera;
     Calibration calibration = alignment::camera_of(pair.found);
     calibration.baseline_m = camera.calibration.baseline_m;

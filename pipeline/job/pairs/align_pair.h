@@ -28,9 +28,9 @@ struct PairToAlign {
 };
 
 struct PairAlignment {
-    alignment::Alignment found;           // without the matches
-    PairCamera camera;                    // of the pair that is left
-    std::vector<std::uint8_t> seen = {};  // of an aligned pair, as in AlignedPair
+    alignment::Alignment found;                            // without the matches
+    PairCamera camera;                                     // of the pair that is left
+    std::vector<std::uint8_t> seen = {}, right_seen = {};  // of an aligned pair, as in AlignedPair
     std::vector<std::string> warnings = {}, decisions = {};
 };
 

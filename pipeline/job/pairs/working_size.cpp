@@ -35,10 +35,15 @@ int reduction_of(const StereoPair& pair, int working_px) {
 }
 
 ReducedPair reduced(StereoPair pair, int by, int threads) {
-    auto right = start_work(threads, [&] { return shrunk(cut_for(by, std::move(pair.right)), by); });
-    Image picture = cut_for(by, std::move(pair.left));
-    Image left = shrunk(picture, by);
-    return {{std::move(left), right.get()}, std::move(picture)};
+    ReducedPair result;
+    const auto reduce = [by](Image& given, Image& picture, Image& view) {
+        picture = cut_for(by, std::move(given));
+        view = shrunk(picture, by);
+    };
+    auto right = start_work(threads, [&] { reduce(pair.right, result.pictures.right, result.views.right); });
+    reduce(pair.left, result.pictures.left, result.views.left);
+    right.get();
+    return result;
 }
 
 readers::PixelMask reduced(const readers::PixelMask& mask, int by) {

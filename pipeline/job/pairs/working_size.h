@@ -16,7 +16,7 @@ int reduction_of(const StereoPair& pair, int working_px);
 
 struct ReducedPair {
     StereoPair views;
-    Image picture;  // the left picture that the left view is the reduction of
+    StereoPair pictures;  // the pair that the views are the reduction of
 };
 // Reduces a pair by reduction_of(). Up to by - 1 columns at the right and rows at the bottom are cut off, so
 // that all of it is exactly reduced.

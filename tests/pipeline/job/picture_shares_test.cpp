@@ -15,7 +15,7 @@ TEST(PictureShares, UnknownPixelsThatTheRightCameraCannotSeeAreOccluded) {
     SurfaceMesh surface;
     surface.image_points = {{0, 0}, {4, 0}, {0, 2}, {4, 2}};
     surface.triangles = {{0, 2, 1}, {1, 2, 3}};
-    const PictureShares shares = share_picture(map, 1, surface);
+    const PictureShares shares = share_picture(map, 1, surface, surface.triangles.size());
     EXPECT_DOUBLE_EQ(shares.occluded, 6 / 20.0);
     EXPECT_DOUBLE_EQ(shares.unknown, 4 / 20.0);
     EXPECT_DOUBLE_EQ(shares.background, 1 / 20.0);

@@ -123,8 +123,11 @@ TEST_F(WorkingSize, GivesTheMeshOfTheReducedPairAndTheTextureOfTheFullOne) {
     small.config.input.calibration.file = test::sample("calib.txt");
     small.config.disparity.min_disparity_px = 2;
     small.config.disparity.num_disparities_px = 40;
+    small.config.surface.views = SurfaceViews::left;  // textures of two views are laid out by their size
     const RunReport expected = run_job(small);
-    const RunReport reduced = run_job(request(kWorking_px, "reduced.obj"));
+    RunRequest large = request(kWorking_px, "reduced.obj");
+    large.config.surface.views = SurfaceViews::left;
+    const RunReport reduced = run_job(large);
     EXPECT_EQ(reduced.relief->disparity.map.values, expected.relief->disparity.map.values);
     EXPECT_EQ(reduced.relief->disparity.matched->min_disparity_px, 2);
     const auto vertices = [&](const char* name) {

@@ -1,0 +1,167 @@
+#include "pipeline/job/other_views.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "pipeline/data/error.h"
+#include "pipeline/dequantize/dequantize.h"
+#include "pipeline/dequantize/noise.h"
+
+namespace hexrelief::job {
+namespace {
+
+using stages::OtherView;
+using stages::ViewPlace;
+
+constexpr int kReduced = 2;             // views of what no camera saw are smaller by this, as they are smooth
+constexpr double kCoarser = 1.5;        // spacing of the other views: what has no match has little detail
+constexpr double kFittingSpacings = 3;  // of solve_mesh()
+
+ViewPlace left_place(const LeftView& view) {
+    return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
+}
+
+double least_of(const SurfaceMesh& mesh) {
+    return *std::min_element(mesh.disparities.begin(), mesh.disparities.end());
+}
+
+// The places from which gaps behind silhouettes are looked for.
+std::vector<ViewPlace> places_beyond(const LeftView& view, double far_px, double behind) {
+    if (behind == 0) return {};
+    const int width = view.disparity.width / kReduced, height = view.disparity.height / kReduced;
+    std::vector<ViewPlace> places;
+    for (const auto& [right, up] :
+         {std::pair{-behind, 0.0}, {1 + behind, 0.0}, {0.0, behind}, {0.0, -behind}})
+        places.push_back({right, up, far_px, kReduced, width, height});
+    return places;
+}
+
+// Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
+SurfaceMesh sheet_of(const OtherView& other, const DensityMap& density, const LeftView& left,
+                     const stages::VisibleSurface& visible, const config::Config& config, Backend& backend,
+                     const RunLog& log) {
+    const Calibration camera = stages::camera_at(other.place, left.calibration);
+    const LeftView view{
+        other.missing, other.missing, density, other.picture,
+        other.picture, camera,        camera,  left.least_px / static_cast<float>(other.place.scale)};
+    if (std::min(other.map.width, other.map.height) < kFittingSpacings * kCoarser * config.mesh.spacing_px)
+        return {};
+    backend.expect_map(other.missing);
+    MeshConfig coarse = config.mesh;
+    coarse.spacing_px *= kCoarser;
+    const HexMesh2D lattice = backend.solve_mesh(density, coarse, {});
+    DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
+    stages::keep_behind(cut, other.place, visible);
+    if (cut.triangles.empty()) return {};
+    try {
+        return stages::in_left_space(surface_of(cut, view, config.surface), other.place, left.calibration);
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input) throw;
+        return {};  // all components are too small
+    }
+}
+
+DensityMap density_of_view(const DisparityMap& map, stages::DensityConfig config, int threads) {
+    config.background_method = stages::BackgroundMethod::none;
+    return stages::compute_density(map, config, threads);
+}
+
+PartOrigin origin_of(const ViewPlace& place) {
+    return place.right == 1 && place.up == 0 ? PartOrigin::right : PartOrigin::nobody;
+}
+
+// Appends the sheet with its texture coordinates in the atlas.
+void append(SurfaceMesh& mesh, SurfaceMesh sheet, PartOrigin origin, const stages::TextureAtlas& atlas,
+            std::size_t view) {
+    atlas.move_in(sheet.texcoords, view);
+    stages::append(mesh, sheet, origin);
+}
+
+}  // namespace
+
+RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
+                             const stages::FoundRange& range, Backend& backend) {
+    const int threads = backend.threads();
+    RightView right{
+        stages::mirrored(stages::match_range(stages::mirrored(corrected), range.config, backend, threads))};
+    right.color = pair.views.right;
+    right.picture = pair.pictures.right;
+    for (Image* image : {&right.color, &right.picture})
+        if (!image->empty()) matching::relight(*image, range.correction.light, threads);
+    return right;
+}
+
+void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
+                         const readers::PixelMask& mask, const stages::DensityConfig& config, int threads) {
+    right.place = left_place(left);
+    right.place.right = 1;
+    right.place.shift_px = left.pair_camera.doffs_px - left.calibration.doffs_px;
+    const float background_px = left.density.background_px;
+    for (std::size_t i = 0; i < right.map.values.size(); ++i) {
+        float& d = right.map.values[i];
+        if (DisparityMap::known(d)) d = std::max(d + static_cast<float>(right.place.shift_px), left.least_px);
+        if (d < background_px || (!mask.empty() && !mask.kept[i])) d = kUnknownDisparity;
+    }
+    if (disparity.noise_px > 0)
+        right.map =
+            dequantize::dequantize(right.map, dequantize::smoothing_quantum_px(disparity.noise_px), threads);
+    right.density = density_of_view(right.map, config, threads);
+}
+
+void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
+                     Backend& backend, const RunLog& log) {
+    const RightView& right = *view.right;
+    const int threads = backend.threads();
+    SurfaceMesh& mesh = result.mesh;
+    OtherViews others;
+    const double least_px = least_of(mesh);
+    stages::VisibleSurface visible = stages::visible_surface(mesh, {left_place(view)}, least_px, threads);
+    const auto add = [&](OtherView other, const DensityMap& density) {
+        const SurfaceMesh sheet = sheet_of(other, density, view, visible, config, backend, log);
+        if (sheet.empty()) return;
+        stages::append(mesh, sheet, origin_of(other.place));
+        others.views.push_back(std::move(other));
+    };
+    OtherView missing{right.place, right.map, {}, right.color};
+    stages::find_missing(missing, mesh, visible.seen[0], threads);
+    add(std::move(missing), right.density);
+    visible = stages::visible_surface(mesh, {left_place(view), right.place}, least_px, threads);
+    const stages::SeenPair seen{view.color, right.color, visible};
+    for (const ViewPlace& place : places_beyond(view, least_px, config.surface.behind)) {
+        OtherView continued = stages::continued_view(place, mesh, seen, threads);
+        const DensityMap density = density_of_view(continued.map, config.density, threads);
+        add(std::move(continued), density);
+    }
+    if (others.views.empty()) return;
+    std::vector<stages::PictureInUse> pictures;
+    for (const OtherView& other : others.views)
+        pictures.push_back({other.place.right == 1 && !right.picture.empty() ? right.picture : other.picture,
+                            other.missing});
+    others.atlas = stages::make_atlas(view.texture, pictures);
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
+        others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
+    log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
+               " triangles show what only the right camera sees, " +
+               std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");
+    result.others = std::make_shared<const OtherViews>(std::move(others));
+}
+
+void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftView& view,
+                     const config::Config& config, Backend& backend, const RunLog& log) {
+    if (!finest.others) return;
+    const int threads = backend.threads();
+    const stages::VisibleSurface visible =
+        stages::visible_surface(mesh, {left_place(view)}, least_of(mesh), threads);
+    finest.others->atlas.move_in(mesh.texcoords, 0);
+    for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
+        const OtherView& other = finest.others->views[i];
+        append(mesh,
+               sheet_of(other, density_of_view(other.map, config.density, threads), view, visible, config,
+                        backend, log),
+               origin_of(other.place), finest.others->atlas, i + 1);
+    }
+}
+
+}  // namespace hexrelief::job

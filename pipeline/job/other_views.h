@@ -1,0 +1,28 @@
+// Makes what the left camera does not see part of a surface (pipeline/stages/other_views).
+#pragma once
+
+#include "pipeline/job/input.h"
+#include "pipeline/job/steps.h"
+
+namespace hexrelief::job {
+
+// Matches the right view of a pair in the range of the left one. `corrected`: the pair as the left view was
+// matched.
+RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
+                             const stages::FoundRange& range, Backend& backend);
+
+// Makes the right view's map fit the left view's: counted from infinity, ended by the backdrop, without the
+// background, smoothed. Adds the density and the place.
+void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
+                         const readers::PixelMask& mask, const stages::DensityConfig& config, int threads);
+
+// Adds to the left view's surface what only the right camera sees, and what no camera saw behind silhouettes,
+// with a texture of all of it. view.right must be set.
+void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
+                     Backend& backend, const RunLog& log);
+
+// Adds the same to a coarser level of that surface.
+void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftView& view,
+                     const config::Config& config, Backend& backend, const RunLog& log);
+
+}  // namespace hexrelief::job

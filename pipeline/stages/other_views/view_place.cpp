@@ -1,0 +1,203 @@
+#include "pipeline/stages/other_views/view_place.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr double kSetBack_px = 0.3;  // more than the noise of a match
+constexpr double kFarther_px = 1;    // of this view: a guess that is so much farther than all else is wrong
+constexpr double kInFront_px = 0.1;  // what is less in front is not seen to be
+constexpr int kSplits = 2;           // of a triangle that is partly in front
+constexpr int kMoves = 8;            // a vertex that moves is before another place of the surface
+
+SeenSurface eroded(const SeenSurface& surface, int threads) {
+    SeenSurface result = surface;
+    const int width = surface.place.width, height = surface.place.height;
+    for_row_bands(height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width; ++x) {
+                double least = -kNotCovered;
+                for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
+                    for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
+                        const double d = surface.disparities[static_cast<std::size_t>(v) * width + u];
+                        if (d != kNotCovered) least = std::min(least, d);
+                    }
+                result.disparities[static_cast<std::size_t>(y) * width + x] =
+                    least == -kNotCovered ? kNotCovered : least;
+            }
+    });
+    return result;
+}
+
+bool is_placed(const DisparityMesh& mesh, const Triangle& t) {
+    return std::all_of(t.begin(), t.end(),
+                       [&](std::uint32_t v) { return DisparityMap::known(mesh.disparities[v]); });
+}
+
+std::array<ViewPoint, 3> corners_of(const DisparityMesh& mesh, const Triangle& t) {
+    std::array<ViewPoint, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = {mesh.points[t[k]].x, mesh.points[t[k]].y, mesh.disparities[t[k]]};
+    return corners;
+}
+
+// True if `is_found` is true for one of the points of a triangle about half a pixel apart, of the left view's
+// pixels.
+template <class IsFound>
+bool any_inside(const std::array<ViewPoint, 3>& corners, double scale, const IsFound& is_found) {
+    const auto& [a, b, c] = corners;
+    const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
+                                     std::abs(c.y - a.y), std::abs(b.d - a.d), std::abs(c.d - a.d)});
+    const int steps = 1 + static_cast<int>(2 * scale * longest);
+    for (int i = 0; i <= steps; ++i)
+        for (int j = 0; i + j <= steps; ++j) {
+            const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
+                         w = 1 - u - v;
+            if (is_found(
+                    {u * a.x + v * b.x + w * c.x, u * a.y + v * b.y + w * c.y, u * a.d + v * b.d + w * c.d}))
+                return true;
+        }
+    return false;
+}
+
+}  // namespace
+
+ViewPoint ViewPlace::from_left(const ViewPoint& p) const {
+    const double d = p.d - shift_px;
+    return {(p.x - right * d) / scale, (p.y + up * d) / scale, p.d / scale};
+}
+
+ViewPoint ViewPlace::to_left(const ViewPoint& p) const {
+    const double d = p.d * scale - shift_px;
+    return {p.x * scale + right * d, p.y * scale - up * d, p.d * scale};
+}
+
+Calibration camera_at(const ViewPlace& place, const Calibration& left) {
+    Calibration camera = left;
+    const double shift_px = left.doffs_px + place.shift_px;
+    camera.focal_px = left.focal_px / place.scale;
+    camera.cx = (left.cx + place.right * shift_px) / place.scale;
+    camera.cy = (left.cy - place.up * shift_px) / place.scale;
+    camera.doffs_px = left.doffs_px / place.scale;
+    camera.width = place.width;
+    camera.height = place.height;
+    return camera;
+}
+
+double SeenSurface::limit_at(const ViewPoint& left_point) const {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    const ViewPoint p = place.from_left(left_point);
+    if (!(p.x >= 0 && p.x < place.width && p.y >= 0 && p.y < place.height)) return none;
+    const double d = disparities[static_cast<std::size_t>(p.y) * place.width + static_cast<std::size_t>(p.x)];
+    return d == kNotCovered ? none : d * place.scale;
+}
+
+SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads) {
+    View view{{}, &mesh.triangles, place.width, place.height};
+    view.points.reserve(mesh.image_points.size());
+    for (std::size_t i = 0; i < mesh.image_points.size(); ++i)
+        view.points.push_back(
+            place.from_left({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]}));
+    return {place, rasterise_disparity(view, threads)};
+}
+
+VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
+                               double least_px, int threads) {
+    VisibleSurface surface{{}, {}, least_px};
+    for (const ViewPlace& camera : cameras) {
+        surface.seen.push_back(see(mesh, camera, threads));
+        surface.eroded.push_back(eroded(surface.seen.back(), threads));
+    }
+    return surface;
+}
+
+float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface) {
+    for (int moves = 0; moves < kMoves; ++moves) {
+        const ViewPoint in_left = place.to_left(point);
+        double limit = in_left.d;
+        for (const SeenSurface& seen : surface.eroded)
+            limit = std::min(limit, seen.limit_at(in_left) - kSetBack_px);
+        if (limit == in_left.d) break;
+        point.d = limit / place.scale;
+    }
+    const double least = surface.least_px / place.scale;
+    return point.d < least - kFarther_px ? kUnknownDisparity : static_cast<float>(std::max(point.d, least));
+}
+
+void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface) {
+    for (std::size_t i = 0; i < cut_mesh.points.size(); ++i) {
+        const Vec2f& p = cut_mesh.points[i];
+        cut_mesh.disparities[i] = behind({p.x, p.y, cut_mesh.disparities[i]}, place, surface);
+    }
+    const auto is_out = [&](const ViewPoint& point) {
+        const ViewPoint in_left = place.to_left(point);
+        return std::any_of(surface.seen.begin(), surface.seen.end(), [&](const SeenSurface& seen) {
+            return in_left.d > seen.limit_at(in_left) + kInFront_px;
+        });
+    };
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;  // by an edge's ends
+    const auto add_middle = [&](std::uint32_t a, std::uint32_t b) {
+        const auto [found, is_new] =
+            middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(cut_mesh.points.size()));
+        if (!is_new) return found->second;
+        const Vec2f p{(cut_mesh.points[a].x + cut_mesh.points[b].x) / 2,
+                      (cut_mesh.points[a].y + cut_mesh.points[b].y) / 2};
+        const double d = (cut_mesh.disparities[a] + cut_mesh.disparities[b]) / 2;
+        cut_mesh.points.push_back(p);
+        cut_mesh.disparities.push_back(behind({p.x, p.y, d}, place, surface));
+        return found->second;
+    };
+    cut_mesh.has_one_fan_per_vertex = false;
+    std::vector<Triangle> kept, tested = std::move(cut_mesh.triangles), split;
+    for (int round = 0; round <= kSplits; ++round, tested.swap(split), split.clear())
+        for (const Triangle& t : tested) {
+            if (!is_placed(cut_mesh, t)) continue;
+            if (!any_inside(corners_of(cut_mesh, t), place.scale, is_out)) {
+                kept.push_back(t);
+            } else if (round < kSplits) {
+                const std::uint32_t ab = add_middle(t[0], t[1]), bc = add_middle(t[1], t[2]),
+                                    ca = add_middle(t[2], t[0]);
+                for (const Triangle& part : {Triangle{t[0], ab, ca}, Triangle{ab, t[1], bc},
+                                             Triangle{ca, bc, t[2]}, Triangle{ab, bc, ca}})
+                    split.push_back(part);
+            }
+        }
+    cut_mesh.triangles = std::move(kept);
+}
+
+SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        mesh.positions[i].x += static_cast<float>(place.right * left.baseline_m);
+        mesh.positions[i].y += static_cast<float>(place.up * left.baseline_m);
+        const ViewPoint p =
+            place.to_left({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]});
+        mesh.image_points[i] = {static_cast<float>(p.x), static_cast<float>(p.y)};
+        mesh.disparities[i] = static_cast<float>(p.d);
+    }
+    return mesh;
+}
+
+void append(SurfaceMesh& mesh, const SurfaceMesh& other, PartOrigin origin) {
+    if (mesh.parts.empty())
+        mesh.parts.push_back({PartOrigin::left, mesh.positions.size(), mesh.triangles.size()});
+    mesh.parts.push_back({origin, other.positions.size(), other.triangles.size()});
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    add(mesh.positions, other.positions);
+    add(mesh.normals, other.normals);
+    add(mesh.texcoords, other.texcoords);
+    add(mesh.image_points, other.image_points);
+    add(mesh.disparities, other.disparities);
+    for (const Triangle& t : other.triangles)
+        mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,67 @@
+// Cameras beside the left one, and surfaces as they see them.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/data/calibration.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/disparity_mesh.h"
+#include "pipeline/data/surface_mesh.h"
+#include "pipeline/stages/surface_raster.h"
+
+namespace hexrelief::stages {
+
+// A camera that looks the same way as the left one.
+struct ViewPlace {
+    double right = 0, up = 0;   // of the left camera, in baselines
+    double shift_px = 0;        // what has this disparity lies at the same place in both views
+    double scale = 1;           // px of the left view along a side of this view's px
+    int width = 0, height = 0;  // of this view, px
+
+    // Converts points (x, y, d) of the left view into points of this one, and back.
+    ViewPoint from_left(const ViewPoint& point) const;
+    ViewPoint to_left(const ViewPoint& point) const;
+};
+
+// Returns the camera there. left: the left camera, with the doffs of the disparities in use.
+Calibration camera_at(const ViewPlace& place, const Calibration& left);
+
+// What a surface shows in a view: per pixel, row-major, its disparity in this view's px or kNotCovered.
+struct SeenSurface {
+    ViewPlace place;
+    std::vector<double> disparities;
+
+    // Returns the largest disparity, in px of the left view, at which the left view's point is not in front
+    // of the surface here; +infinity if the view does not show the surface there.
+    double limit_at(const ViewPoint& left_point) const;
+};
+// Of `mesh`, the image points, disparities and triangles are used. The same for any number of threads.
+SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads);
+
+// A surface as cameras see it. Nothing that is added may be in front of it.
+struct VisibleSurface {
+    std::vector<SeenSurface> seen;  // by each camera
+    // The same with the least disparity of 3 x 3 pixels in each pixel: what is behind it is behind all that
+    // the camera sees around. Gaps of one pixel are closed.
+    std::vector<SeenSurface> eroded;
+    double least_px;  // px of the left view: nothing that is added is farther
+};
+VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
+                               double least_px, int threads);
+
+// Returns the disparity, in px of this view, of a point moved away from its camera until it is behind the
+// surface for all cameras. Unknown if it would be farther than anything.
+float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface);
+
+// Moves the vertices of a cut mesh of this view so, and drops the parts of it that are in front of the
+// surface all the same, or too far.
+void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface);
+
+// Returns a surface of this view in the left camera's space. Its image points and disparities are the left
+// view's; its texture coordinates stay this view's.
+SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left);
+
+// Appends the vertices and triangles of another surface as a part of its own.
+void append(SurfaceMesh& mesh, const SurfaceMesh& other, PartOrigin origin);
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,161 @@
+// What the left camera does not see, on a made-up scene: a box of 20 px of disparity before a wall of 4 px.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+
+#include "pipeline/stages/other_views/other_view.h"
+#include "pipeline/stages/other_views/texture_atlas.h"
+#include "pipeline/stages/surface.h"
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kWidth = 100, kHeight = 40, kThreads = 2;
+constexpr float kBox = 20, kWall = 4;
+constexpr int kBoxBegin = 40, kBoxEnd = 60;  // columns of the left view
+
+void add_rectangle(SurfaceMesh& mesh, float x, float end, float disparity) {
+    const auto first = static_cast<std::uint32_t>(mesh.image_points.size());
+    for (const Vec2f& p : {Vec2f{x, 0}, {end, 0}, {x, kHeight}, {end, kHeight}}) {
+        mesh.image_points.push_back(p);
+        mesh.disparities.push_back(disparity);
+    }
+    mesh.triangles.push_back({first, first + 2, first + 1});
+    mesh.triangles.push_back({first + 1, first + 2, first + 3});
+}
+
+SurfaceMesh left_surface() {
+    SurfaceMesh mesh;
+    add_rectangle(mesh, 0, kBoxBegin, kWall);
+    add_rectangle(mesh, kBoxBegin, kBoxEnd, kBox);
+    add_rectangle(mesh, kBoxEnd, kWidth, kWall);
+    return mesh;
+}
+
+ViewPlace place_at(double right, double up = 0, double shift_px = 0, double scale = 1) {
+    return {right, up, shift_px, scale, static_cast<int>(kWidth / scale), static_cast<int>(kHeight / scale)};
+}
+
+// The right view: the box at columns 20 to 40, the wall around it.
+OtherView right_view() {
+    OtherView view{place_at(1), {kWidth, kHeight, std::vector<float>(kWidth * kHeight, kWall)}, {}, {}};
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = kBoxBegin - 20; x < kBoxEnd - 20; ++x) view.map.at(x, y) = kBox;
+    return view;
+}
+
+TEST(ViewPlace, PointsAndCamerasAgree) {
+    const Calibration left{.focal_px = 120, .cx = 48, .cy = 21, .baseline_m = 0.2, .doffs_px = 3};
+    for (const ViewPlace& place : {place_at(1, 0, 2.5), place_at(-0.5, 0.75, 4, 2), place_at(0, -1, 0, 2)}) {
+        const ViewPoint there = place.from_left({30, 12, 17}), back = place.to_left(there);
+        EXPECT_NEAR(back.x, 30, 1e-12);
+        EXPECT_NEAR(back.y, 12, 1e-12);
+        EXPECT_NEAR(back.d, 17, 1e-12);
+        const std::array<double, 3> here = position_in_space(30, 12, 17, left),
+                                    seen =
+                                        position_in_space(there.x, there.y, there.d, camera_at(place, left));
+        EXPECT_NEAR(seen[0] + place.right * left.baseline_m, here[0], 1e-12);
+        EXPECT_NEAR(seen[1] + place.up * left.baseline_m, here[1], 1e-12);
+        EXPECT_NEAR(seen[2], here[2], 1e-12);
+    }
+}
+
+TEST(OtherView, MissingIsWhatOnlyTheRightCameraSees) {
+    const SurfaceMesh mesh = left_surface();
+    OtherView view = right_view();
+    find_missing(view, mesh, see(mesh, place_at(0), kThreads), kThreads);
+    for (int x = 0; x < kWidth; ++x) {
+        // The wall right of the box, which hid it from the left camera, and right of the left view's border;
+        // with a pixel of the wall that the surface has.
+        const bool is_missing = (x >= 40 && x < 57) || x >= 95;
+        EXPECT_EQ(view.missing.at(x, 20), is_missing ? kWall : kUnknownDisparity) << x;
+    }
+}
+
+TEST(OtherView, WhatTheLeftCameraWouldSeeInFrontIsReplacedByTheFartherSurface) {
+    const SurfaceMesh mesh = left_surface();
+    OtherView view = right_view();
+    for (int x = 40; x < 45; ++x) view.map.at(x, 20) = kBox;  // the box seems wider than the left view's
+    view.map.at(50, 20) = kUnknownDisparity;
+    find_missing(view, mesh, see(mesh, place_at(0), kThreads), kThreads);
+    for (int x = 40; x < 45; ++x) EXPECT_EQ(view.missing.at(x, 20), kWall) << x;
+    EXPECT_EQ(view.missing.at(50, 20),
+              kUnknownDisparity);  // what the right view does not know is not made up
+}
+
+TEST(OtherView, ContinuedBehindTheBoxIsTheWallInItsColours) {
+    const SurfaceMesh mesh = left_surface();
+    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 90)};
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = kBoxBegin; x < kBoxEnd; ++x) *picture.at(x, y) = 200;
+    const VisibleSurface visible = visible_surface(mesh, {place_at(0), place_at(1)}, kWall, kThreads);
+    const OtherView view = continued_view(place_at(-1), mesh, {picture, picture, visible}, kThreads);
+    // From one baseline to the left the box is at columns 60 to 80, and the wall ends at 44.
+    for (int x = 46; x < 60; ++x) {
+        EXPECT_NEAR(view.missing.at(x, 20), kWall, 0.5) << x;
+        EXPECT_LE(view.missing.at(x, 20), kWall) << x;
+        EXPECT_EQ(*view.picture.at(x, 20), 90) << x;
+    }
+    EXPECT_EQ(view.missing.at(70, 20), kUnknownDisparity);  // the box itself
+    EXPECT_EQ(view.missing.at(10, 20), kUnknownDisparity);
+    // From above, nothing is hidden by the box, which ends at no row.
+    const OtherView above = continued_view(place_at(0, 1), mesh, {picture, picture, visible}, kThreads);
+    EXPECT_EQ(above.missing.at(50, 20), kUnknownDisparity);
+}
+
+TEST(OtherView, PartsInFrontOfTheSurfaceAreClipped) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall, kThreads);
+    DisparityMesh sheet;  // in the right view, at 10 px: behind the box, in front of the wall
+    sheet.points = {{30, 10}, {60, 10}, {30, 30}};
+    sheet.disparities = {10, 10, 10};
+    sheet.triangles = {{0, 1, 2}};
+    keep_behind(sheet, place_at(1), visible);
+    EXPECT_FALSE(sheet.triangles.empty());
+    for (const Triangle& t : sheet.triangles)
+        for (const std::uint32_t v : t) {
+            const ViewPoint p =
+                place_at(1).to_left({sheet.points[v].x, sheet.points[v].y, sheet.disparities[v]});
+            EXPECT_LE(p.d, visible.seen[0].limit_at(p)) << p.x;
+        }
+}
+
+TEST(OtherView, APointBehindEverythingIsUnknown) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall, kThreads);
+    EXPECT_EQ(behind({30, 20, kWall - 2.0}, place_at(1), visible), kUnknownDisparity);
+    EXPECT_EQ(behind({10, 20, kWall}, place_at(1), visible), kWall);
+    EXPECT_EQ(behind({45, 20, kBox}, place_at(1), visible), kWall);
+}
+
+TEST(OtherView, TheMirroredPairHasTheRightCameraOnTheLeft) {
+    StereoPair pair{{2, 1, 1, {1, 2}}, {2, 1, 1, {3, 4}}};
+    pair.left.alpha = {5, 6};
+    const StereoPair mirror = mirrored(pair);
+    EXPECT_EQ(mirror.left.pixels, (std::vector<std::uint8_t>{4, 3}));
+    EXPECT_EQ(mirror.right.pixels, (std::vector<std::uint8_t>{2, 1}));
+    EXPECT_EQ(mirror.right.alpha, (std::vector<std::uint8_t>{6, 5}));
+    EXPECT_EQ(mirrored(DisparityMap{3, 1, {1, 2, 3}}).values, (std::vector<float>{3, 2, 1}));
+}
+
+TEST(TextureAtlas, EachViewFindsItsPixels) {
+    Image left{48, 20, 3, std::vector<std::uint8_t>(48 * 20 * 3, 10)},
+        right{96, 40, 1, std::vector<std::uint8_t>(96 * 40, 77)};
+    DisparityMap used{48, 20, std::vector<float>(48 * 20, kUnknownDisparity)};
+    used.at(40, 15) = 1;
+    *right.at(81, 31) = 200;
+    const TextureAtlas atlas = make_atlas(left, {{right, used}});
+    std::vector<Vec2f> texcoords = {{0.5f, 0.5f}, {81.5f / 96, 31.5f / 40}};
+    atlas.move_in(std::span(texcoords).first(1), 0);
+    atlas.move_in(std::span(texcoords).last(1), 1);
+    const auto at = [&](const Vec2f& t) {
+        return *atlas.picture.at(static_cast<int>(t.x * atlas.picture.width),
+                                 static_cast<int>(t.y * atlas.picture.height));
+    };
+    EXPECT_EQ(at(texcoords[0]), 10);
+    EXPECT_EQ(at(texcoords[1]), 200);
+    EXPECT_EQ(atlas.picture.channels, 3);
+    EXPECT_LE(atlas.picture.height, 32 + 32);  // of the right picture only the part in use
+}
+
+}  // namespace
+}  // namespace hexrelief::stages
