@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 
 namespace hexrelief::batch {
 namespace {
@@ -82,6 +82,7 @@ std::string unit_event(const BatchUnit& unit, const UnitResult& result, const Ba
     Json json = {{"event", "unit"},           {"name", unit.name},
                  {"place", unit.place},       {"status", outcome_name(result.outcome)},
                  {"seconds", result.seconds}, {"peak_bytes", result.peak_bytes}};
+    if (!unit.rule.empty()) json["rule"] = unit.rule;
     if (result.outcome == UnitOutcome::failed) {
         json["exit_code"] = result.exit_code;
         json["error"] = result.message;

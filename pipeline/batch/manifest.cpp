@@ -102,7 +102,7 @@ struct RowReader {
     }
 
     BatchUnit read(const ManifestRow& row) const {
-        BatchUnit unit{row.place, "", options.words, row.wrong, ErrorKind::usage};
+        BatchUnit unit{row.place, "", options.words, row.wrong, ErrorKind::usage, row.rule};
         std::vector<std::string> formats = options.formats;
         std::map<std::string, std::string> given;
         for (const auto& [written, value] : row.values) {
@@ -194,10 +194,6 @@ std::string plain_key(std::string key) {
     return other == kOtherNames.end() ? key : other->second;
 }
 
-fs::path folder_pattern(const fs::path& folder) {
-    return folder / "{name}_left.*";
-}
-
 std::vector<BatchUnit> read_manifest(const fs::path& path, const ManifestOptions& options) {
     std::error_code none;
     const std::string ending = path.extension().string();
@@ -211,8 +207,9 @@ std::vector<BatchUnit> read_manifest(const fs::path& path, const ManifestOptions
             throw Error(ErrorKind::usage, "no output: give -o DIR, where each row's files go");
         const bool in_manifest = !is_folder && !is_pattern;
         const RowReader reader{options, in_manifest ? path.parent_path() : fs::path()};
-        const std::vector<ManifestRow> rows =
-            in_manifest ? rows_of(path, ending) : pattern_rows(is_folder ? folder_pattern(path) : path);
+        const std::vector<ManifestRow> rows = is_folder    ? folder_rows(path)
+                                              : is_pattern ? pattern_rows(path)
+                                                           : rows_of(path, ending);
         for (const ManifestRow& row : rows) units.push_back(reader.read(row));
         refuse_equal_names(units);
     }

@@ -16,6 +16,7 @@ struct BatchUnit {
     std::vector<std::string> words;
     std::string wrong;                  // why the row cannot be run; empty = it can
     ErrorKind kind = ErrorKind::usage;  // of the error in `wrong`
+    std::string rule = {};              // how it was found in a folder; else empty
 };
 
 struct ManifestOptions {
@@ -30,14 +31,11 @@ struct ManifestOptions {
 };
 
 // Reads, depending on its name, a manifest (.csv, .jsonl, .ndjson, .yaml, .yml), lines of options of
-// `hexrelief run` (.txt and others), the pairs of a folder ("{name}_left.*"), or those of a pattern with
+// `hexrelief run` (.txt and others), the pairs of a folder (pair_rules.h), or those of a pattern with
 // "{name}" in it. A row's files are NAME.FORMAT and, as its report, NAME.json in the output folder; file
 // names in a manifest are relative to its folder. A row with an error is returned with the reason, and so is
 // the second one of two rows of the same name. Throws Error(input) if the manifest cannot be read or holds no
 // row, Error(usage) if it is not a manifest.
 std::vector<BatchUnit> read_manifest(const std::filesystem::path& path, const ManifestOptions& options);
-
-// Returns the pattern of a folder's pairs.
-std::filesystem::path folder_pattern(const std::filesystem::path& folder);
 
 }  // namespace hexrelief::batch

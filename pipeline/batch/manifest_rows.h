@@ -12,6 +12,7 @@ struct ManifestRow {
     std::string place;                                        // "pairs.csv:3"
     std::vector<std::pair<std::string, std::string>> values;  // by key, in the row's order
     std::string wrong;                                        // why the row cannot be read; empty = it can
+    std::string rule = {};                                    // how it was found in a folder; else empty
 };
 
 // Returns the standard spelling of a key: "calib" for "calibration", "max-bytes" for "max_bytes". Keys of the
@@ -31,10 +32,17 @@ std::vector<ManifestRow> json_rows(const std::string& text, const std::string& o
 std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& origin);
 
 // Returns the pairs whose left images' names match the pattern, in the order of their names. The pattern
-// contains "{name}" once, which stands for any text without a slash, and "left", which is "right" in the
-// right image's name; if it ends in ".*", any image matches. The row's calibration is the file with
-// "calib.txt" in place of "left.*", if it exists. Throws Error(usage) for an invalid pattern, Error(input)
-// if no pair matches.
+// contains "{name}" once, which stands for any text without a slash, and a word for the left view, such as
+// "left" (side_words()), in whose place the right image's name has that for the right one; if it ends in
+// ".*", any image matches. The row's calibration is the file with "calib" in place of the word and the ending
+// of a calibration, if it exists. Throws Error(usage) for an invalid pattern, Error(input) if no pair
+// matches.
 std::vector<ManifestRow> pattern_rows(const std::filesystem::path& pattern);
+
+// Returns the pairs in a folder and in the folders below it, up to three levels, by pair_rules(): folder by
+// folder, rule by rule, in the order of their names. A row's name is that of the file, or of the folder if
+// the rule has no {name}, with the folders between. A view without the other is a row that is wrong, if the
+// rule says so. Throws Error(input) if there is none, or a folder cannot be listed.
+std::vector<ManifestRow> folder_rows(const std::filesystem::path& folder);
 
 }  // namespace hexrelief::batch

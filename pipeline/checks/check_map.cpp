@@ -16,21 +16,35 @@ constexpr const char* kScale = "--disparity-scale (input.disparity.scale)";
 
 using Findings = std::vector<Finding>;
 
-Finding values_are_depth(const MapValues& values) {
-    return {
-        Mistake::values_are_depth,
-        "the map's values look like depths, not disparities: what is near has the smaller ones (they grow "
-        "upwards in the picture, rank correlation with the row " +
-            figure(values.row_correlation) + "); give depths with --depth"};
+// What tells whether what is near has the larger values.
+struct Uprightness {
+    double row_correlation = 0, straightness = 0;
+
+    double sum() const { return row_correlation + kStraightnessWeight * straightness; }
+
+    // Returns the evidence that the values are those of depths.
+    std::string text() const {
+        std::string seen;
+        if (row_correlation < 0)
+            seen =
+                "they grow upwards in the picture, rank correlation with the row " + figure(row_correlation);
+        if (straightness < 0)
+            seen += std::string(seen.empty() ? "" : "; ") + "planes are straight in their reciprocals";
+        return seen;
+    }
+};
+
+Finding values_are_depth(const Uprightness& upright) {
+    return {Mistake::values_are_depth,
+            "the map's values look like depths, not disparities: what is near has the smaller ones (" +
+                upright.text() + "); give depths with --depth"};
 }
 
-Finding depths_are_inverse(const MapValues& values) {
-    return {
-        Mistake::depths_are_inverse,
-        "the depths look upside down: what is near has the larger ones (they grow downwards in the picture, "
-        "rank correlation with the row " +
-            figure(-values.row_correlation) +
-            "); give disparities with --disparity, or another input.depth.kind"};
+Finding depths_are_inverse(const Uprightness& upright) {
+    return {Mistake::depths_are_inverse,
+            "the depths look upside down: what is near has the larger ones (as disparities, " +
+                upright.text() +
+                "); give disparities with --disparity, inverse depths with --depth-kind inverse_depth"};
 }
 
 Finding values_are_colors(const TurningPoints& turns) {
@@ -59,15 +73,16 @@ Finding values_small(const MapValues& values, int width) {
                                        ", for 16-bit maps of whole pixels 1 instead of KITTI's 256"};
 }
 
-double uprightness(const DisparityMap& map, const MapValues& values) {
-    return values.row_correlation +
-           std::clamp(measure_straightness(map), -kLargestStraightness, kLargestStraightness);
+Uprightness uprightness(const DisparityMap& map, const MapValues& values) {
+    return {values.row_correlation, measure_straightness(map)};
 }
 
 std::optional<Finding> check_depths(const DisparityMap& map) {
     const MapValues values = measure_values(map);
-    if (values.count < kLeastValues || uprightness(map, values) >= kDepthLike) return std::nullopt;
-    return depths_are_inverse(values);
+    if (values.count < kLeastValues) return std::nullopt;
+    const Uprightness upright = uprightness(map, values);
+    if (upright.sum() >= kDepthLike) return std::nullopt;
+    return depths_are_inverse(upright);
 }
 
 std::optional<Finding> check_values(const DisparityMap& map, const MapScale& stored) {
@@ -78,7 +93,8 @@ std::optional<Finding> check_values(const DisparityMap& map, const MapScale& sto
         return values_are_colors(turns);
     const bool large = values.largest_px > kLargest * map.width;
     const bool small = values.largest_px < kLeastOfLargest * map.width;
-    if (uprightness(map, values) < (large || small ? 0 : kDepthLike)) return values_are_depth(values);
+    const Uprightness upright = uprightness(map, values);
+    if (upright.sum() < (large || small ? 0 : kDepthLike)) return values_are_depth(upright);
     if (large || (values.are_bytes && values.largest_px > kLargestOfBytes * map.width))
         return values_large(values, map.width);
     if (small) return values_small(values, map.width);
@@ -86,12 +102,8 @@ std::optional<Finding> check_values(const DisparityMap& map, const MapScale& sto
 }
 
 bool is_shifted(const AxisFit& fit) {
-    return fit.steps >= kLeastSteps && fit.best >= kLeastContrast &&
-           std::abs(fit.best_px) >= kLeastShift_px && fit.here < kLeastHere * fit.best;
-}
-
-bool has_peak(const AxisFit& fit) {
-    return fit.here >= kLeastContrast || fit.farthest >= kLeastDeviations;
+    return fit.steps >= kLeastSteps && std::abs(fit.best_px) >= kLeastShift_px && fit.best >= kShiftedFit &&
+           fit.best - fit.here >= kShiftedGain;
 }
 
 std::string shift_text(int px, const char* positive, const char* negative) {
@@ -109,17 +121,13 @@ std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
                 (columns && rows ? " and " : "") +
                 (rows ? shift_text(fit.rows.best_px, "below", "above") : std::string()) +
                 " the map's steps; give the picture of the map's own view, uncropped"};
-    const auto judged = [](const AxisFit& axis) { return axis.steps >= kLeastSteps; };
-    if (!judged(fit.columns) && !judged(fit.rows)) return std::nullopt;
-    if ((judged(fit.columns) && has_peak(fit.columns)) || (judged(fit.rows) && has_peak(fit.rows)))
-        return std::nullopt;
-    const double here =
-        std::max(judged(fit.columns) ? fit.columns.here : 0, judged(fit.rows) ? fit.rows.here : 0);
-    return Finding{Mistake::color_unrelated,
-                   "the colour image does not fit the map: at the map's steps its contrast is " +
-                       figure(here) +
-                       " times that around them, as anywhere; check that --color is the left picture, not "
-                       "mirrored"};
+    const std::optional<double> both = fit_of(fit);
+    if (!both || *both >= kLeastFit) return std::nullopt;
+    return Finding{
+        Mistake::color_unrelated,
+        "the colour image does not fit the map: its edges lie at the map's steps no more than at other "
+        "places (by " +
+            figure(*both) + " standard deviations); check that --color is the left picture, not mirrored"};
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ constexpr int kMapLines = 100;  // most rows or columns examined
 // than kLargestRest of a line: they are no planes.
 constexpr double kLeastRange = 0.08;   // share of the largest value
 constexpr double kLargestRest = 0.04;  // share of the values' sum of squares
+constexpr int kLeastRuns = 20;         // fewer tell nothing
 constexpr double kTopmost = 0.03;      // share of the range of values
 constexpr double kSmoothStep = 0.08;   // share of the range of values
 
@@ -160,10 +161,10 @@ bool are_greys(const DisparityMap& map, const MapScale& stored) {
 }
 
 double measure_straightness(const DisparityMap& map) {
-    const int length = std::max(12, map.width / 12);
+    const int length = std::max(12, map.width / 4);
     Leaning leaning;
     each_line(map, [&](int x, int y, bool along_x) { judge_line(map, x, y, along_x, length, leaning); });
-    return leaning.runs > 0 ? leaning.sum / leaning.runs : 0;
+    return leaning.runs >= kLeastRuns ? leaning.sum / leaning.runs : 0;
 }
 
 TurningPoints measure_turning(const DisparityMap& map) {

@@ -34,20 +34,21 @@ constexpr double kGoodSupport = 0.7, kLeastSupport = 0.4;
 // Thresholds for maps.
 constexpr int kLeastValues = 200;
 constexpr int kLeastTurns = 80;
-constexpr double kMostTopmost = 0.1;      // largest share of turning points at the largest value
+constexpr double kMostTopmost = 0.15;     // largest share of turning points at the largest value
 constexpr double kLeastRoundness = 0.41;  // least roundness of these turning points
-// A sum of row correlation and straightness below this means depths.
+// A weighted sum of row correlation and straightness below this means depths. Planes outweigh the row: what
+// is near is mostly low in the picture, but not for cameras that look down from behind or at a ceiling.
 constexpr double kDepthLike = -0.25;
-constexpr double kLargestStraightness = 0.5;  // planes must not outweigh the correlation
-constexpr double kLargest = 0.6;              // largest disparity, as a share of the width
+constexpr double kStraightnessWeight = 5;
+constexpr double kLargest = 0.6;  // largest disparity, as a share of the width
 // Largest disparity in maps of integers up to 255, as a share of the width.
 constexpr double kLargestOfBytes = 0.17;
 constexpr double kLeastOfLargest = 0.005;  // least largest disparity, as a share of the width
+// The fit of the picture's edges to the map's steps, in standard deviations of what pictures have elsewhere.
 constexpr int kLeastSteps = 200;
-constexpr double kLeastContrast = 1.43;  // least contrast at the map's steps, relative to that around them
-constexpr double kLeastDeviations = 9;   // or least difference of the two, in standard deviations
-// Contrast at the steps, as a share of the largest one; below, the picture is shifted.
-constexpr double kLeastHere = 0.85;
+constexpr double kLeastFit = 3;     // least fit of the map's own picture
+constexpr double kShiftedFit = 5;   // least fit of a shifted picture at its offset
+constexpr double kShiftedGain = 3;  // least increase of the fit by moving a shifted picture back
 constexpr int kLeastShift_px = 3;
 
 // Thresholds for cameras.

@@ -7,6 +7,7 @@
 #include "pipeline/batch/batch.h"
 #include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/manifest.h"
+#include "pipeline/batch/pair_rules.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
@@ -25,13 +26,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter =
+constexpr const char* kFooterHead =
     R"(What is to be done:
   pairs.csv           columns left,right or disparity or depth; color, calib, name, formats and other
                       options of 'hexrelief run', and keys of the configuration: mesh.spacing_px
   pairs.jsonl, .yaml  the same keys as an object a line, or as a list of rows with common 'defaults'
-  DIR                 its pairs {name}_left.* and {name}_right.*, with {name}_calib.txt where there is one
-  'DIR/{name}/left.*' the same by other names
+  DIR                 its pairs, and those in its folders, by the first of these rules that fits; with the
+                      calibration beside them, where there is one:
+)";
+
+constexpr const char* kFooterTail =
+    R"(  'DIR/{name}/left.*' pairs by other names: for the right view 'left' is replaced, or im0, image_2,
+                      cam0, ...
   jobs.txt            the options of one 'hexrelief run' a line; "double quotes" hold spaces
 File names in a manifest are taken from its folder. A row's files are OUT/NAME.glb and OUT/NAME.json, its
 report, which says whether it is up to date: a second call does only what changed, and what failed. A line
@@ -45,6 +51,14 @@ Examples:
   hexrelief batch pairs.csv -o out --format glb,drc --set mesh.spacing_px=4
   hexrelief batch 'scenes/{name}/left.png' -o out --shard 3/16
   hexrelief batch pairs.yaml -o out --print-commands | parallel)";
+
+// Returns the command's page: the rules for folders stand in the middle.
+std::string footer() {
+    std::string text = kFooterHead;
+    for (const batch::PairRule& rule : batch::pair_rules())
+        text += std::string(24, ' ') + rule.files() + " (" + rule.name + ")\n";
+    return text + kFooterTail;
+}
 
 job::RunRequest request_of_words(const std::vector<std::string>& words) {
     FileRequest files;
@@ -153,9 +167,10 @@ class BatchTeller {
             print(batch::unit_event(units_[unit], result, counts_));
         } else if (dry_run_ && result.outcome != batch::UnitOutcome::failed) {
             const bool current = result.outcome == batch::UnitOutcome::up_to_date;
-            print(
-                printable(units_[unit].name + ": " + (current ? "up to date" : "to do, " + result.message)) +
-                "\n");
+            const std::string& rule = units_[unit].rule;
+            print(printable(units_[unit].name + ": " + (current ? "up to date" : "to do, " + result.message) +
+                            (rule.empty() ? "" : "; found as " + rule)) +
+                  "\n");
         }
         draw();
     }
@@ -286,7 +301,7 @@ void add_batch_command(Command& program) {
     Command command = program.add_command("batch", "many pairs or maps: what changed, several at a time");
     const auto options = std::make_shared<BatchCommand>();
     add_batch_options(command, *options);
-    command.set_footer(kFooter);
+    command.set_footer(footer());
     command.set_action([options] { return run_batch(*options); });
 }
 

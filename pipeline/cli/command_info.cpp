@@ -17,6 +17,9 @@
 #include "pipeline/readers/depth/describe_map.h"
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/photographs/contained_pictures.h"
+#include "pipeline/readers/photographs/exif.h"
+#include "pipeline/readers/photographs/stereo_reader.h"
 
 namespace hexrelief::cli {
 namespace {
@@ -83,12 +86,37 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
 }
 
-// Adds a photograph's focal length and its transparent pixels.
+// Adds how a file that holds both views is read by `run --stereo`.
+void tell_views(const fs::path& path, const RasterOptions& options, Text& text) {
+    const auto views = readers::describe_stereo_file(path, options.limits());
+    if (!views) return;
+    line(text, "as stereo",
+         "two views of " + std::to_string(views->width) + " x " + std::to_string(views->height) +
+             " px: " + views->told);
+    const Calibration& camera = views->camera;
+    if (camera.focal_px > 0)
+        line(text, "camera",
+             "focal " + number(camera.focal_px) + " px, baseline " +
+                 (camera.baseline_m > 0 ? number(camera.baseline_m) + " m: a mesh in metres" : "not known") +
+                 ", said by the file");
+    line(text, "alignment", "by the points of both views, if their rows are off and --calib is not given");
+}
+
+// Adds a photograph's focal length, its orientation and its transparent pixels.
 void tell_picture(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                   Text& text) {
+    const int orientation = readers::read_orientation(path);
+    if (orientation != readers::kUpright)
+        line(text, "orientation",
+             readers::orientation_text(orientation) +
+                 ", as its EXIF orientation says (input.exif_orientation); a map's picture only if it then "
+                 "fits");
     if (const auto focal = readers::read_exif_focal(path, raster.width, raster.height))
         line(text, "focal", number(focal->focal_px) + " px by EXIF: " + focal->believed);
-    if (raster.channels != 2 && raster.channels != 4) return;
+    for (const std::string& picture : readers::list_pictures(path, options.limits()))
+        line(text, "holds", picture);
+    tell_views(path, options, text);
+    if (raster.format == "heic" || (raster.channels != 2 && raster.channels != 4)) return;
     const std::vector<std::uint8_t> alpha = readers::read_image(path, options.limits()).alpha;
     const auto transparent = std::ranges::count_if(alpha, [](std::uint8_t a) { return a < kOpaque; });
     if (transparent > 0)
@@ -102,6 +130,7 @@ void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& te
     try {
         line(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
     } catch (const Error& error) {
+        if (readers::describe_stereo_file(path, options.limits())) return;
         line(text, "as depth", error.what());
     }
 }
@@ -166,6 +195,7 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
     line(text, "channels", std::to_string(raster.channels));
     line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
     if (raster.format == "heic") {
+        tell_picture(path, raster, options, text);
         tell_auxiliary(path, options, text);
         return;
     }

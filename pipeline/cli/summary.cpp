@@ -62,6 +62,7 @@ std::string grouped(std::uint64_t value) {
 
 std::string summary_text(const RunSummary& run, const FileRequest& request, double seconds) {
     std::string summary = run.budget.kind.empty() ? "" : budget_line(run.budget);
+    if (!run.camera.empty()) summary += "camera: " + run.camera + "\n";
     if (!run.alignment.empty()) summary += run.alignment + "\n";
     summary += files_line(run, request);
     summary += grouped(run.vertices) + " vertices, " + grouped(run.triangles) + " triangles";

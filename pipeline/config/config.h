@@ -14,7 +14,7 @@
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/stereo_reader.h"
+#include "pipeline/readers/photographs/stereo_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
 
@@ -44,6 +44,8 @@ enum class Densification { automatic, off };
 
 struct InputConfig {
     PairRectification rectify = PairRectification::automatic;
+    // Turns pictures as their EXIF orientation says; a map's picture only if that makes it fit the map.
+    bool exif_orientation = true;
     readers::DisparityFileConfig disparity;
     // Applies to supplied maps of disparities or depths (pipeline/densify).
     Densification densify = Densification::automatic;

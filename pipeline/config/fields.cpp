@@ -15,6 +15,9 @@ std::vector<Field> input_fields() {
             "both pictures show, if their rows are off; always = by the points, however little they are off; "
             "never = the pair as it is; calibration = only by the file",
             MEMBER(input.rectify), {"--rectify"}),
+        flag("input.exif_orientation",
+             "pictures are turned as their EXIF orientation says; a map's picture only if that makes it fit",
+             MEMBER(input.exif_orientation)),
         number("input.disparity.scale", "1/px", readers::DisparityFileConfig::kScale,
                "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit "
                "maps, 1 for float maps, and an error for 8-bit maps",

@@ -12,7 +12,7 @@
 #include "mesher/common/device_figures.h"
 #include "mesher/mesher.h"
 #include "pipeline/config/config.h"
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/stages/disparity.h"
 
 namespace hexrelief::job {

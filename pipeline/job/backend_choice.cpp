@@ -1,6 +1,6 @@
 #include "pipeline/budget/budget.h"
 #include "pipeline/job/backend.h"
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 
 namespace hexrelief::job {
 namespace {

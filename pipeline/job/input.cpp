@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <future>
+#include <optional>
 #include <utility>
 
 #include "exporters/images/resize.h"
@@ -16,7 +17,8 @@
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/readers/stereo_reader.h"
+#include "pipeline/readers/photographs/stereo_reader.h"
+#include "pipeline/readers/photographs/turn_pictures.h"
 
 namespace hexrelief::job {
 namespace {
@@ -32,14 +34,13 @@ ViewSize size_of(const readers::DepthFile& depth) {
     return size_of(depth.map);
 }
 
+struct HashedImage : readers::OrientedPicture {
+    InputFile file;
+};
+
 InputFile hashed(const std::string& role, const fs::path& path) {
     return {role, path.string(), files::sha256_of_file(path)};
 }
-
-struct HashedImage {
-    Image image;
-    InputFile file;
-};
 
 // Puts the picture of a map's view into the input. A picture of another size is scaled to the map's for the
 // stages and kept unscaled for the texture. The paths are for messages.
@@ -95,6 +96,7 @@ class InputReader {
     RunInput read(const PairFiles& source) {
         auto reading_right = start_work(threads_, [&] { return read_hashed("right", source.right); });
         HashedImage left = read_hashed("left", source.left), right = reading_right.get();
+        tell(turn_upright(left, right, !config_.calibration.file.empty()));
         const ViewSize size = size_of(left.image), other = size_of(right.image);
         if (size != other)
             throw Error(ErrorKind::input, "the pair's sizes differ: " + source.left.string() + " has " +
@@ -107,9 +109,12 @@ class InputReader {
     }
 
     RunInput read(const StereoFile& source) {
-        RunInput input{InputPair{readers::read_stereo_file(source.file, config_.stereo, limits_)}};
+        readers::StereoViews read =
+            readers::read_stereo_file(source.file, config_.stereo, limits_, config_.exif_orientation);
+        RunInput input{InputPair{std::move(read.views)}};
         input.files.push_back(hashed("stereo", source.file));
-        log_.decide("stereo: two views of " + size_text(size_of(input.color())) + " px");
+        log_.decide("stereo: two views of " + size_text(size_of(input.color())) + " px: " + read.told);
+        if (read.camera.focal_px > 0) container_ = read.camera;
         // The EXIF data of one picture that joins two views describe neither lens well.
         const readers::StereoLayout layout = config_.stereo.layout;
         const bool mpo = layout == readers::StereoLayout::automatic || layout == readers::StereoLayout::mpo;
@@ -138,7 +143,13 @@ class InputReader {
 
   private:
     HashedImage read_hashed(const std::string& role, const fs::path& path) const {
-        return {readers::read_image(path, limits_), hashed(role, path)};
+        return {{readers::read_image(path, limits_), path,
+                 config_.exif_orientation ? readers::read_orientation(path) : readers::kUpright},
+                hashed(role, path)};
+    }
+    void tell(const readers::Turning& turning) {
+        for (const std::string& warning : turning.warnings) log_.warn(warning);
+        for (const std::string& decision : turning.decisions) log_.decide(decision);
     }
     DisparityMap values_of(const DisparityFiles& source) const {
         return readers::read_disparity_map(source.map, config_.disparity, limits_);
@@ -157,6 +168,7 @@ class InputReader {
         input.files.push_back(hashed(role, source.map));
         if (reading_color.valid()) {
             HashedImage color = reading_color.get();
+            tell(turn_to_fit(color, size_of(values).width, size_of(values).height));
             take_picture(std::move(color.image), source.color, size_of(values), source.map,
                          std::get<InputMap>(input.views));
             input.files.push_back(std::move(color.file));
@@ -211,7 +223,7 @@ class InputReader {
     ResolvedCalibration find_camera(RunInput& input, ViewSize view, const fs::path& photograph);
     readers::PixelMask read_masks(RunInput& input, ViewSize view, MaskSource mask, MaskSource confidence);
     void take_depths_of(readers::DepthFile depth, const ResolvedCalibration& resolved, RunInput& input);
-    void tell_camera(const RunInput& input);
+    void tell_camera(const RunInput& input) { log_.decide("calibration: " + camera_text(input)); }
     void warn_of_scale(const ResolvedCalibration& camera) {
         if (const std::string missing = missing_for_metres(camera); !missing.empty()) log_.warn(missing);
     }
@@ -220,6 +232,7 @@ class InputReader {
     const readers::ReaderLimits& limits_;
     int threads_;
     RunLog& log_;
+    std::optional<Calibration> container_;  // the camera that the pair's own file says
 };
 
 // Replaces the pair by its rectified views if its calibration describes unrectified cameras.
@@ -264,9 +277,9 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
     const Calibration rectified = input.calibration;
     const Image& picture = input.texture();
     const bool is_rectified = input.pair() && input.pair()->is_rectified;
-    ResolvedCalibration resolved =
-        resolve_calibration({config, view, picture.empty() ? view : size_of(picture),
-                             is_rectified ? &rectified : nullptr, photograph});
+    ResolvedCalibration resolved = resolve_calibration(
+        {config, view, picture.empty() ? view : size_of(picture), is_rectified ? &rectified : nullptr,
+         photograph, container_ ? &*container_ : nullptr});
     if (!picture.empty() && size_of(picture) != view)
         log_.decide("picture: " + size_text(size_of(picture)) + " px, scaled to the map's " +
                     size_text(view) + " px; the texture keeps its size");
@@ -325,15 +338,15 @@ void InputReader::take_depths_of(readers::DepthFile depth, const ResolvedCalibra
     for (const std::string& decision : taken.decisions) log_.decide(decision);
 }
 
-void InputReader::tell_camera(const RunInput& input) {
-    const Calibration& camera = input.calibration;
-    log_.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
-                fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
-                fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +
-                " px; focal by " + input.focal_from + ", baseline by " + input.baseline_from);
-}
-
 }  // namespace
+
+std::string camera_text(const RunInput& input) {
+    const Calibration& camera = input.calibration;
+    return "focal " + fixed(camera.focal_px, 2) + " px, baseline " + fixed(camera.baseline_m, 4) +
+           (camera.metric ? " m" : " (relative)") + ", principal point (" + fixed(camera.cx, 2) + ", " +
+           fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px; focal by " +
+           input.focal_from + ", baseline by " + input.baseline_from;
+}
 
 const std::vector<fs::path>& rectified_file_names() {
     static const std::vector<fs::path> names = {"left_rectified.png", "right_rectified.png", "calib.txt"};

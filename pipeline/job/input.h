@@ -10,8 +10,8 @@
 #include "pipeline/alignment/alignment.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/job/request.h"
-#include "pipeline/job/run_log.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief::job {
@@ -70,6 +70,9 @@ struct RunInput {
 // Returns the names of the files that save_rectified()
 // writes: left_rectified.png right_rectified.png calib.txt.
 const std::vector<std::filesystem::path>& rectified_file_names();
+
+// Returns the calibration in effect as text, with the origins of focal length and baseline.
+std::string camera_text(const RunInput& input);
 
 // Reads a source's files, or moves its arrays out of it. Warns of a missing calibration, except
 // for a pair in memory. Throws Error(input)

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "pipeline/job/backend.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/job/report.h"
 #include "pipeline/job/request.h"
-#include "pipeline/job/run_log.h"
 
 namespace hexrelief::job {
 

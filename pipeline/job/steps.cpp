@@ -192,11 +192,13 @@ void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
 }
 
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,
-                      const RunLog& log) {
+                      RunLog& log) {
     DensityMap density = stages::compute_density(disparity, config, threads);
-    const auto kept = std::count_if(disparity.values.begin(), disparity.values.end(), [&](float d) {
-        return DisparityMap::known(d) && d > 0 && d >= density.background_px;
-    });
+    const auto count_of = [&](const auto& counted) {
+        return std::count_if(disparity.values.begin(), disparity.values.end(),
+                             [&](float d) { return DisparityMap::known(d) && counted(d); });
+    };
+    const auto kept = count_of([&](float d) { return d > 0 && d >= density.background_px; });
     if (kept == 0)
         throw Error(ErrorKind::input,
                     "nothing is left to mesh: no known disparity above the background threshold of " +
@@ -206,6 +208,12 @@ DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig
                                           : std::string("background: nothing is removed; ")) +
                fixed(100.0 * static_cast<double>(kept) / static_cast<double>(density.values.size()), 1) +
                " % of the image is foreground");
+    const auto gone = count_of([&](float d) { return d < density.background_px; });
+    if (config.background_method == stages::BackgroundMethod::automatic && gone > kept)
+        log.warn("more goes as background than stays, " +
+                 checks::percent(static_cast<double>(gone) / static_cast<double>(gone + kept)) +
+                 " of what is known: all that lies farther than " + fixed(1 / config.background_fraction, 1) +
+                 " times the nearest; set density.background.method=none to keep it");
     return density;
 }
 

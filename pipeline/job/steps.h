@@ -16,7 +16,7 @@
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/input.h"
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/stages/disparity.h"
 #include "pipeline/stages/disparity_range.h"
@@ -126,9 +126,9 @@ void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log);
 // Removes the quantisation steps from a supplied map, unless max_error_px is above 0 and less than a step.
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log);
 
-// Computes the density of a map. Throws Error(input) if nothing is foreground.
+// Computes the density of a map. Warns if most of it is background. Throws Error(input) if all of it is.
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,
-                      const RunLog& log);
+                      RunLog& log);
 
 // Cuts the lattice along the view's silhouettes, and makes the cut mesh a surface in the view's space.
 DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const SurfaceConfig& config,

@@ -140,7 +140,7 @@ class Mesh {
 
 // These functions throw Error with a message of one line; its kind is the exit code of the command line.
 
-// Reads PNG, JPEG, TIFF, WebP, PPM, PGM.
+// Reads PNG, JPEG, TIFF, WebP, BMP, HEIC, PPM, PGM. Pixels are as stored, not turned by EXIF data.
 Picture read_picture(const std::string& path);
 // Reads PFM, PNG, PGM, TIFF, NPY, NPZ, EXR, as the settings input.disparity say.
 Disparities read_disparities(const std::string& path, const Options& options = {});

@@ -5,6 +5,7 @@
 
 #include "pipeline/config/presets.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/library/conversions.h"
@@ -111,6 +112,8 @@ RunSummary summary_of(const job::RunReport& report) {
     if (input.is_aligned())
         summary.alignment =
             job::alignment_text(*input.pair()->alignment, input.calibration.focal_px, input.focal_from);
+    if (input.focal_from == job::kOwnCamera || input.baseline_from == job::kOwnCamera)
+        summary.camera = job::camera_text(input);
     summary.meshed = report.shares.meshed;
     summary.background = report.shares.background;
     summary.unknown = report.shares.unknown;

@@ -54,6 +54,7 @@ struct RunSummary {
     bool is_metric = false;
     double meshed = 0, background = 0, unknown = 0, occluded = 0;
     std::string alignment = {};  // what was done to a pair whose rows were off; empty = nothing
+    std::string camera = {};     // the camera that a photograph says itself; empty = it says none
     // Share of the known pixels that seemed farther than a matched scene's end, and were moved to that depth.
     double on_backdrop = 0, backdrop = 0;
     // Share of a pair's texture on which both views agree, in words: "good", "partly", "hardly"; empty

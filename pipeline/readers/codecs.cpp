@@ -35,6 +35,12 @@ bool is_jpeg(std::span<const std::uint8_t> head) {
 bool is_webp(std::span<const std::uint8_t> head) {
     return begins(head, "RIFF") && begins(head, "WEBP", 8);
 }
+// The letters "BM" might begin any text, so the length of the second header must be a known one.
+bool is_bmp(std::span<const std::uint8_t> head) {
+    constexpr std::string_view lengths = "\x0c\x28\x34\x38\x40\x6c\x7c";
+    return begins(head, "BM") && head.size() >= 16 && head[15] == 0 &&
+           lengths.find(static_cast<char>(head[14])) != std::string_view::npos;
+}
 bool is_pnm(std::span<const std::uint8_t> head) {
     return netpbm_kind(head, "56");
 }
@@ -61,11 +67,12 @@ bool is_tiff(std::span<const std::uint8_t> head) {
            begins(head, "MM\0+"sv);
 }
 
-constexpr std::array<Codec, 10> kCodecs{{
+constexpr std::array<Codec, 11> kCodecs{{
     {Format::png, "PNG", is_png, describe_png, decode_png},
     {Format::jpeg, "JPEG", is_jpeg, describe_jpeg, decode_jpeg},
     {Format::tiff, "TIFF", is_tiff, describe_tiff, decode_tiff},
     {Format::webp, "WebP", is_webp, describe_webp, decode_webp},
+    {Format::bmp, "BMP", is_bmp, describe_bmp, decode_bmp},
     {Format::pnm, "PGM/PPM", is_pnm, describe_pnm, decode_pnm},
     {Format::heic, "HEIC", is_heic, describe_heic, decode_heic},
     {Format::pfm, "PFM", is_pfm, describe_pfm, decode_pfm},

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <utility>
 
+#include "pipeline/data/calibration.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/source.h"
@@ -23,6 +23,8 @@ FileDescription describe_tiff(const SourceFile& source);
 Raster decode_tiff(const SourceFile& source);
 FileDescription describe_webp(const SourceFile& source);
 Raster decode_webp(const SourceFile& source);
+FileDescription describe_bmp(const SourceFile& source);
+Raster decode_bmp(const SourceFile& source);
 FileDescription describe_pnm(const SourceFile& source);
 Raster decode_pnm(const SourceFile& source);
 FileDescription describe_pfm(const SourceFile& source);
@@ -40,11 +42,15 @@ Raster decode_exr(const SourceFile& source);
 // HEIC: the picture of a photograph, or its depths if SourceFile::is_map.
 FileDescription describe_heic(const SourceFile& source);
 Raster decode_heic(const SourceFile& source);
-// Returns the left and the right picture of a spatial photograph; nullopt if the file has no stereo pair
-// group. The file is HEIC.
-std::optional<std::pair<Raster, Raster>> decode_heic_pair(const SourceFile& source);
+struct HeicPictures {
+    Raster left, right;
+    Calibration camera;  // of the left picture, as in HeicPair
+};
+// Returns the pictures of a spatial photograph; nullopt if the file has no stereo pair group. The file is
+// HEIC.
+std::optional<HeicPictures> decode_heic_pair(const SourceFile& source);
 
-enum class Format { png, jpeg, tiff, webp, pnm, heic, pfm, npy, npz, exr };
+enum class Format { png, jpeg, tiff, webp, bmp, pnm, heic, pfm, npy, npz, exr };
 
 struct Codec {
     Format format;

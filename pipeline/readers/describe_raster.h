@@ -10,7 +10,8 @@
 namespace hexrelief::readers {
 
 struct FileDescription {
-    std::string format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "heic", "npy", "npz", "exr"
+    std::string
+        format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "bmp", "heic", "npy", "npz", "exr"
     int width = 0;
     int height = 0;
     int channels = 0;  // as stored, alpha included; a palette counts as the channels of its colours

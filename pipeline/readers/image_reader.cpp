@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/float_colors.h"
 
 namespace hexrelief::readers {
 namespace {
@@ -20,14 +21,27 @@ std::vector<std::uint8_t> to_bytes(const std::vector<Sample>& samples, unsigned 
 
 }  // namespace
 
-Image read_image(const std::filesystem::path& path, const ReaderLimits& limits) {
+const codec::Codec& require_image_codec(const std::filesystem::path& path) {
     const codec::Codec& codec =
-        codec::require_codec(path, "a PNG, JPEG, PPM/PGM (P5/P6), TIFF, WebP or HEIC image");
-    if (codec.format >= codec::Format::pfm)
-        codec::refuse(path, std::string("an ") + codec.name +
-                                " file is a map, not an image; give PNG, JPEG, PPM/PGM, TIFF, WebP or HEIC");
+        codec::require_codec(path, "a PNG, JPEG, PPM/PGM (P5/P6), TIFF, WebP, BMP or HEIC image");
+    // OpenEXR files may hold colours.
+    if (codec.format >= codec::Format::pfm && codec.format != codec::Format::exr)
+        codec::refuse(path,
+                      std::string("an ") + codec.name +
+                          " file is a map, not an image; give PNG, JPEG, PPM/PGM, TIFF, WebP, BMP or HEIC");
+    return codec;
+}
+
+Image read_image(const std::filesystem::path& path, const ReaderLimits& limits) {
+    const codec::Codec& codec = require_image_codec(path);
     // The file is a temporary here, so that its bytes are freed before the samples are converted.
-    return image_of(codec.decode(codec::load_raster_file(path, limits)), path);
+    codec::Raster raster = codec.decode(codec::load_raster_file(path, limits));
+    if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples)) {
+        const bool is_linear = codec.format == codec::Format::exr;
+        raster = codec::to_bytes(raster, is_linear ? codec::FloatColors::linear : codec::FloatColors::encoded,
+                                 path);
+    }
+    return image_of(std::move(raster), path);
 }
 
 Image image_of(codec::Raster raster, const std::filesystem::path& path) {

@@ -4,19 +4,23 @@
 #include <filesystem>
 
 #include "pipeline/data/image.h"
+#include "pipeline/readers/codecs.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
 
 namespace hexrelief::readers {
 
-// Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP or HEIC image, recognised by its content, not its
-// name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
-// converted. Grey gives 1 channel, colour 3. Alpha is kept if it is below half at some pixel. EXIF or TIFF
-// orientation is ignored: calibrations and disparity maps belong to the pixels as stored. Colour profiles and
-// gamma are ignored: samples are taken as sRGB. The first of several pages is read. Throws Error(input) if
-// the file is missing, malformed or truncated, has a zero side or more pixels than the limits allow; never
-// allocates more than a valid header within the limits requires.
+// Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP, BMP or HEIC image, recognised by its content, not
+// its name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded,
+// CMYK converted. Float colours are converted as float_colors.h says: TIFF's are sRGB, OpenEXR's linear
+// light. Grey gives 1 channel, colour 3. Alpha is kept if it is below half at some pixel. Pixels are as
+// stored: upright() (exif.h) turns them. Colour profiles and gamma are ignored: samples are taken as sRGB.
+// The first of several pages is read. Throws Error(input) if the file is missing, malformed or truncated, has
+// a zero side or more pixels than the limits allow; never allocates more than a valid header within the
+// limits requires.
 Image read_image(const std::filesystem::path& path, const ReaderLimits& limits = {});
+// Returns the codec that reads the image. Throws Error(input) for other files.
+const codec::Codec& require_image_codec(const std::filesystem::path& path);
 // As read_image(), for samples of an image or of a part of it that have been read
 // already; errors name `path`.
 Image image_of(codec::Raster raster, const std::filesystem::path& path);

@@ -19,13 +19,15 @@ namespace {
 
 constexpr std::uint32_t kHalf = 1u << 16;
 
-// Counts, in 2^16 bins, the map's disparities that are known, above 0 and accepted by `counted`.
+// Counts, in 2^16 bins, the map's disparities that are known, above 0 and accepted by `counted`; and in one
+// more bin all pixels.
 template <typename Counted, typename Bin>
 std::vector<long long> histogram(const MapInStrips& map, const Counted& counted, const Bin& bin) {
     std::vector<std::vector<long long>> parts(static_cast<std::size_t>(map.strips));
-    for (std::vector<long long>& part : parts) part.resize(kHalf);
+    for (std::vector<long long>& part : parts) part.resize(kHalf + 1);
     map.read([&](int strip, const MapWindow& window) {
         long long* const part = parts[static_cast<std::size_t>(strip)].data();
+        part[kHalf] += static_cast<long long>(window.width) * window.height;
         for (int y = 0; y < window.height; ++y) {
             const float* const row = window.row(y);
             for (int x = 0; x < window.width; ++x) {
@@ -35,31 +37,58 @@ std::vector<long long> histogram(const MapInStrips& map, const Counted& counted,
         }
     });
     for (std::size_t k = 1; k < parts.size(); ++k)
-        for (std::size_t i = 0; i < kHalf; ++i) parts[0][i] += parts[k][i];
+        for (std::size_t i = 0; i <= kHalf; ++i) parts[0][i] += parts[k][i];
     return std::move(parts[0]);
 }
 
-// Returns the smallest disparity above 0 that at least `percentile` % of the disparities above 0 do not
-// exceed; 0 if there is none.
-float percentile_above_zero(const MapInStrips& map, double percentile) {
-    // Positive floats are in the order of their bits, so the upper half of the bits is found first, then the
-    // lower half: several times as fast as std::nth_element.
-    const auto upper = histogram(
-        map, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; });
-    const long long count = std::accumulate(upper.begin(), upper.end(), 0LL);
+// The disparities above 0 in ascending order. Positive floats are in the order of their bits, so the upper
+// half of the bits is found first, then the lower half: several times as fast as std::nth_element.
+class AscendingDisparities {
+  public:
+    explicit AscendingDisparities(const MapInStrips& map)
+        : map_(map),
+          upper_(histogram(
+              map, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; })),
+          count_(std::accumulate(upper_.begin(), upper_.end() - 1, 0LL)) {}
+
+    long long count() const { return count_; }
+    long long pixels() const { return upper_.back(); }  // of the whole map
+
+    // Returns the disparity of a rank, which is from 1 to count().
+    float at(long long rank) const {
+        const auto bin_of_rank = [&rank](const std::vector<long long>& counts) {
+            std::uint32_t bin = 0;
+            while (rank > counts[bin]) rank -= counts[bin++];
+            return bin;
+        };
+        const std::uint32_t high = bin_of_rank(upper_);
+        const auto lower = histogram(
+            map_, [&](std::uint32_t bits) { return bits / kHalf == high; },
+            [](std::uint32_t bits) { return bits % kHalf; });
+        return std::bit_cast<float>(high * kHalf + bin_of_rank(lower));
+    }
+
+  private:
+    const MapInStrips& map_;
+    std::vector<long long> upper_;
+    long long count_;
+};
+
+// Returns the smallest disparity above 0 that at least `scale_percentile` % of the disparities above 0 do not
+// exceed; 0 if there is none. For BackgroundMethod::automatic a patch that is less than 0.5 % of the picture
+// and far in front of all else does not count: it is wrong, or a thing in the way.
+float scale_of(const MapInStrips& map, const DensityConfig& config) {
+    constexpr double kLeastPatch = 0.005, kFarInFront = 1.5;
+    const AscendingDisparities disparities(map);
+    const long long count = disparities.count();
     if (count == 0) return 0;
-    auto rank =
-        std::max(1LL, static_cast<long long>(std::ceil(percentile / 100 * static_cast<double>(count))));
-    const auto bin_of_rank = [&rank](const std::vector<long long>& counts) {
-        std::uint32_t bin = 0;
-        while (rank > counts[bin]) rank -= counts[bin++];
-        return bin;
-    };
-    const std::uint32_t high = bin_of_rank(upper);
-    const auto lower = histogram(
-        map, [&](std::uint32_t bits) { return bits / kHalf == high; },
-        [](std::uint32_t bits) { return bits % kHalf; });
-    return std::bit_cast<float>(high * kHalf + bin_of_rank(lower));
+    const float scale = disparities.at(std::max(
+        1LL, static_cast<long long>(std::ceil(config.scale_percentile / 100 * static_cast<double>(count)))));
+    if (config.background_method != BackgroundMethod::automatic) return scale;
+    const auto patch =
+        static_cast<long long>(std::ceil(kLeastPatch * static_cast<double>(disparities.pixels())));
+    const float behind = disparities.at(std::max(1LL, count + 1 - patch));
+    return scale > kFarInFront * behind ? behind : scale;
 }
 
 // Otsu's threshold on 256 bins of the known disparities: the split that maximises the variance
@@ -250,7 +279,7 @@ void mix(std::vector<float>& density, const std::vector<float>& detail, double s
 DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& config) {
     check(config);
     DensityScale found;
-    found.scale_px = percentile_above_zero(map, config.scale_percentile);
+    found.scale_px = scale_of(map, config);
     // Rounded to the float that is handed on, so that every later stage draws the same line.
     if (found.scale_px > 0)
         found.background_px = static_cast<float>(background_threshold(map, config, found.scale_px));

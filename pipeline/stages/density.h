@@ -41,10 +41,10 @@ struct DensityConfig {
 //
 // All densities are 0 if no disparity is known and above 0.
 //
-// BackgroundMethod::automatic removes disparities below `background_fraction` of the scale, but only if they
-// are separated from the rest: along at least 80 % of the border between the two, disparities at least halve
-// from one pixel to the next, and if the rest is at least a tenth of the known pixels. Otherwise nothing is
-// removed, because a threshold would cut through surfaces, or leave next to nothing of the picture.
+// BackgroundMethod::automatic removes disparities below `background_fraction` of the scale, but only if along
+// 80 % of their border with the rest disparities at least halve from one pixel to the next, and the rest is a
+// tenth of the known pixels or more: else it would cut through surfaces, or leave next to nothing. A scale
+// that less than 0.5 % of the picture reaches, and 1.5 times what 0.5 % reach, is the latter instead.
 //
 // Throws Error(usage) if a parameter is out of range.
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads = 1);
@@ -74,7 +74,7 @@ struct MapInStrips {
     std::function<void(const std::function<void(int strip, const MapWindow& window)>& take)> read;
 };
 
-// Returns the scale and background threshold of a map, which is read up to three times. Throws Error(usage)
+// Returns the scale and background threshold of a map, which is read up to four times. Throws Error(usage)
 // if a parameter is out of range, and whatever reading throws.
 DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& config);
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/tiles/tile_plan.h"
 
 namespace hexrelief::tiles {

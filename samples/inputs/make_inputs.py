@@ -3,10 +3,12 @@
 
 usage: make_inputs.py SAMPLES OUT           write them
        make_inputs.py --check SAMPLES OUT   exit with 1 unless OUT holds what would be written
-SAMPLES holds left.png, right.png and disparity.pfm. Needs Debian's python3-numpy and python3-pil."""
+SAMPLES holds left.png, right.png and disparity.pfm. Needs Debian's python3-numpy, python3-pil and
+libheif-examples."""
 import io
 import json
 import struct
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -107,6 +109,79 @@ def write_stereo(out, left, right):
     pair.resize((left.width, left.height), Image.BOX).save(out / "side_by_side_half.jpg", quality=90)
     top_bottom(left, right).save(out / "top_bottom.jpg", quality=90)
     write_mpo(out / "pair.mpo", left, right)
+
+
+def box(kind, content):
+    return struct.pack(">I4s", 8 + len(content), kind) + content
+
+
+def full_box(kind, flags, content):
+    return box(kind, struct.pack(">I", flags) + content)
+
+
+def boxes(content):
+    """ISO/IEC 14496-12: a list of [kind, content]."""
+    found = []
+    while content:
+        size, kind = struct.unpack(">I4s", content[:8])
+        found.append([kind, content[8:size]])
+        content = content[size:]
+    return found
+
+
+def moved(iloc, by):
+    """The places of a file's items, version 1 with numbers of four bytes and one extent each, further behind."""
+    out, count = bytearray(iloc), struct.unpack(">H", iloc[6:8])[0]
+    for at in range(8, 8 + 20 * count, 20):
+        _, method, _, _, _, offset = struct.unpack(">HHHIHI", iloc[at:at + 16])
+        if method == 0:  # counted from the file's beginning
+            out[at + 12:at + 16] = struct.pack(">I", offset + by)
+    return bytes(out)
+
+
+def write_spatial(path, left, right, views):
+    """A spatial photograph: heif-enc's file of two pictures, with a stereo pair group (ISO/IEC 23008-12) and the cameras."""
+    with tempfile.TemporaryDirectory() as folder:
+        names = [str(Path(folder) / name) for name in ("left.png", "right.png", "pair.heic")]
+        left.save(names[0])
+        right.save(names[1])
+        subprocess.run(["heif-enc", "-q", "80", "-o", names[2], *names[:2]], check=True, stdout=subprocess.DEVNULL)
+        head, meta, *rest = boxes(Path(names[2]).read_bytes())
+    inside = dict(boxes(meta[1][4:]))
+    properties = boxes(inside[b"iprp"])
+    count = len(boxes(properties[0][1]))
+    associations = properties[1][1]
+    length = 0x10 << 8  # shares of the picture's sides are whole numbers of 1 / 2^16
+    unit = 1 << 16
+    for i, item in enumerate(views):
+        numbers = (FOCAL_PX / SHRINK / left.width, 0.5, 0.5)
+        properties[0][1] += full_box(b"cmin", length, struct.pack(">3i", *(round(unit * n) for n in numbers)))
+        properties[0][1] += full_box(b"cmex", 1, struct.pack(">i", round(1e6 * BASELINE_M * i)))
+        at = associations.index(struct.pack(">H", item), 8) + 2
+        associations = (associations[:at] + bytes([associations[at] + 2]) + associations[at + 1:at + 1 + associations[at]]
+                        + bytes([count + 2 * i + 1, count + 2 * i + 2]) + associations[at + 1 + associations[at]:])
+    properties[1][1] = associations
+    group = full_box(b"ster", 0, struct.pack(">4I", 99, 2, *views))
+    before = len(meta[1])
+
+    def with_places(by):
+        inside[b"iprp"] = b"".join(box(*one) for one in properties)
+        return b"".join(box(kind, moved(content, by) if kind == b"iloc" else content)
+                        for kind, content in inside.items()) + box(b"grpl", group)
+
+    meta[1] = meta[1][:4] + with_places(4 + len(with_places(0)) - before)
+    path.write_bytes(b"".join(box(*one) for one in (head, meta, *rest)))
+
+
+def write_photographs(out, left, right):
+    """As phones and stereo cameras write them."""
+    write_spatial(out / "spatial.heic", left, right, (2, 4))  # the numbers that heif-enc gives
+    side_by_side(right, left).save(out / "pair.jps", "JPEG", quality=90)  # for crossed eyes
+    exif = Image.Exif()
+    exif[0x112] = 6  # to be turned clockwise
+    left.transpose(Image.ROTATE_90).save(out / "turned.jpg", quality=90, exif=exif)
+    left.quantize(64).save(out / "left.bmp")
+    right.quantize(64).save(out / "right.bmp")
 
 
 def rotation(axis, degrees):
@@ -232,15 +307,25 @@ def make_inputs(samples, out):
     left.save(out / "left.png")
     right.save(out / "right.png")
     write_stereo(out, left, right)
+    write_photographs(out, left, right)
     write_unrectified(out, left, right)
     write_depths(out, disparity, left)
     write_laser(out, disparity)
     write_cameras(out, left.width, left.height)
 
 
+def heic_pictures(path):
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run(["heif-convert", path, Path(folder) / "picture.png"], check=True, stdout=subprocess.DEVNULL)
+        return [np.asarray(Image.open(file), float) for file in sorted(Path(folder).iterdir())]
+
+
 def same(a, b):
     """Bytes, but of pictures and archives what they hold: other versions of the libraries compress otherwise."""
-    if a.suffix in (".png", ".jpg", ".mpo", ".tif"):
+    if a.suffix == ".heic":
+        a, b = (heic_pictures(file) for file in (a, b))
+        return len(a) == len(b) and all(np.abs(x - y).max() <= 2 for x, y in zip(a, b))
+    if a.suffix in (".png", ".jpg", ".jps", ".mpo", ".tif", ".bmp"):
         a, b = (np.asarray(Image.open(file), float) for file in (a, b))
         return a.shape == b.shape and np.abs(a - b).max() <= 2
     if a.suffix == ".npz":

@@ -23,7 +23,9 @@
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/readers/stereo_reader.h"
+#include "pipeline/readers/photographs/contained_pictures.h"
+#include "pipeline/readers/photographs/exif.h"
+#include "pipeline/readers/photographs/stereo_reader.h"
 #include "pipeline/windows/map_windows.h"
 #include "pipeline/windows/picture_windows.h"
 
@@ -87,7 +89,10 @@ void read_stereo(Bytes bytes, const std::string&) {
     for (const readers::StereoLayout layout :
          {readers::StereoLayout::automatic, readers::StereoLayout::half_side_by_side})
         attempt([&] { readers::read_stereo_file(path, {.layout = layout}, kLimits); });
+    attempt([&] { readers::describe_stereo_file(path, kLimits); });
+    attempt([&] { readers::list_pictures(path, kLimits); });
     attempt([&] { readers::read_exif_focal(path, 640, 480); });
+    attempt([&] { readers::read_orientation(path); });
 }
 
 template <typename Windows>
@@ -146,15 +151,13 @@ std::string file_of(Bytes bytes, const std::string& extension) {
 
 const std::vector<Target>& targets() {
     static const std::vector<Target> all = [] {
-        std::vector<Target> list = {{"png", read_raster},      {"pnm", read_raster},
-                                    {"jpeg", read_raster},     {"tiff", read_raster},
-                                    {"webp", read_raster},     {"pfm", read_raster},
-                                    {"npy", read_raster},      {"npz", read_raster},
-                                    {"exr", read_raster},      {"heic", read_raster},
-                                    {"maps", read_raster},     {"stereo", read_stereo},
-                                    {"windows", read_windows}, {"calibration", read_calibrations},
-                                    {"config", read_config},   {"manifest", read_manifests},
-                                    {"run", run_whole}};
+        std::vector<Target> list = {
+            {"png", read_raster},    {"pnm", read_raster},         {"jpeg", read_raster},
+            {"tiff", read_raster},   {"webp", read_raster},        {"bmp", read_raster},
+            {"pfm", read_raster},    {"npy", read_raster},         {"npz", read_raster},
+            {"exr", read_raster},    {"heic", read_raster},        {"maps", read_raster},
+            {"stereo", read_stereo}, {"windows", read_windows},    {"calibration", read_calibrations},
+            {"config", read_config}, {"manifest", read_manifests}, {"run", run_whole}};
         for (const exporters::MeshFormat* format : exporters::mesh_formats())
             list.push_back({format->name(), describe});
         return list;

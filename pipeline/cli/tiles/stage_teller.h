@@ -7,7 +7,7 @@
 
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/terminal/progress_line.h"
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 
 namespace hexrelief::cli {
 

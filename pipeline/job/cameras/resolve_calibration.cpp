@@ -192,6 +192,9 @@ ResolvedCalibration resolve_calibration(const CameraSource& source) {
         resolved.focal_from = resolved.baseline_from = "the calibration file, rectified";
     } else if (!config.file.empty()) {
         camera = camera_of_file(source, resolved);
+    } else if (source.container) {
+        camera = *source.container;
+        resolved.focal_from = resolved.baseline_from = kOwnCamera;
     }
     override_by(camera.focal_px, config.focal_px, "input.calibration.focal_px", resolved.focal_from);
     override_by(camera.focal_px, 0.5 * view.width / std::tan(config.fov_x_deg * std::acos(-1.0) / 360),

@@ -27,6 +27,9 @@ bool same_aspect(ViewSize a, ViewSize b);
 // Returns the camera of the same view at another size of the same aspect.
 Calibration scaled_to(const Calibration& camera, ViewSize size);
 
+// The origin of what a photograph's file says of its camera by itself.
+inline constexpr const char* kOwnCamera = "the photograph's own camera";
+
 // Inputs from which a run's camera is found.
 struct CameraSource {
     const config::CalibrationConfig& config;
@@ -34,6 +37,7 @@ struct CameraSource {
     ViewSize picture;                         // size of the left picture; equal to view without a picture
     const Calibration* rectified = nullptr;   // camera of a rectified pair, instead of the file's
     std::filesystem::path picture_file = {};  // file whose EXIF data may give the focal length; empty = none
+    const Calibration* container = nullptr;   // camera that the pair's file says, used without a calibration
 };
 
 struct ResolvedCalibration {
@@ -41,8 +45,8 @@ struct ResolvedCalibration {
     // principal point is the middle. Metric if focal length and baseline are known.
     Calibration calibration;
     bool is_focal_known = false, is_baseline_known = false;
-    // Their origins: a key, "the calibration file (KITTI)", "EXIF: 28 mm on 35 mm film", or
-    // the assumption made instead.
+    // Their origins: a key, "the calibration file (KITTI)", "EXIF: 28 mm on 35 mm film", "the photograph's
+    // own camera", or the assumption made instead.
     std::string focal_from, baseline_from;
     std::vector<std::string> warnings, decisions;
     std::filesystem::path other_file = {};  // the second calibration file that was read; empty = none

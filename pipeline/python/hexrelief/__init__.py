@@ -191,7 +191,8 @@ def mesh(
 
 
 def read_picture(path: PathLike) -> NDArray[np.uint8]:
-    """(H, W, 3) or (H, W, 1) uint8, with alpha (H, W, 4) or (H, W, 2), of a PNG, JPEG, TIFF, WebP, PPM or PGM."""
+    """(H, W, 3) or (H, W, 1) uint8, with alpha (H, W, 4) or (H, W, 2), of a PNG, JPEG, TIFF, WebP, BMP, HEIC, PPM
+    or PGM; pixels are as stored, not turned by EXIF data."""
     return _core.read_picture(os.fspath(path))
 
 

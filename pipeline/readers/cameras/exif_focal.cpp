@@ -6,13 +6,13 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <string_view>
+#include <vector>
 
-#include "pipeline/readers/source.h"
+#include "pipeline/readers/photographs/exif.h"
 
 namespace hexrelief::readers {
 namespace {
-
-constexpr std::size_t kHead_bytes = 1u << 18;  // APP1 comes first and has at most 64 KiB
 
 struct Release {
     void operator()(ExifData* data) const { exif_data_unref(data); }
@@ -57,19 +57,26 @@ double sensor_width_mm(const Exif& exif, double picture_px) {
 }  // namespace
 
 std::optional<ExifFocal> read_exif_focal(const std::filesystem::path& path, int width, int height) {
-    const codec::SourceFile file = codec::load_head(path, kHead_bytes);
-    if (file.bytes.size() < 4 || file.bytes[0] != 0xff || file.bytes[1] != 0xd8) return std::nullopt;
-    const Exif exif(exif_data_new_from_data(file.bytes.data(), static_cast<unsigned>(file.bytes.size())));
+    std::vector<std::uint8_t> data = read_exif(path);
+    if (data.empty()) return std::nullopt;
+    constexpr std::string_view prefix("Exif\0\0", 6);  // by which libexif recognises them
+    data.insert(data.begin(), prefix.begin(), prefix.end());
+    const Exif exif(exif_data_new_from_data(data.data(), static_cast<unsigned>(data.size())));
     if (!exif) return std::nullopt;
 
+    // A picture that was turned by a quarter has the sensor's width as its height.
+    const double taken_x = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_PIXEL_X_DIMENSION);
+    const double taken_y = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_PIXEL_Y_DIMENSION);
+    const bool is_turned = taken_x > 0 && taken_y > 0 && (taken_x > taken_y) != (width > height);
+    const int side = is_turned ? height : width;
     ExifFocal focal;
     const double film_mm = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH_IN_35MM_FILM);
     const double lens_mm = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_LENGTH);
     if (film_mm > 0) {
         focal = {film_mm * std::hypot(width, height) / std::hypot(36, 24),
                  text("%g mm on 35 mm film", film_mm)};
-    } else if (const double sensor_mm = sensor_width_mm(exif, width); lens_mm > 0 && sensor_mm > 0) {
-        focal = {lens_mm / sensor_mm * width, text("%g mm on a sensor of %.3g mm", lens_mm, sensor_mm)};
+    } else if (const double sensor_mm = sensor_width_mm(exif, side); lens_mm > 0 && sensor_mm > 0) {
+        focal = {lens_mm / sensor_mm * side, text("%g mm on a sensor of %.3g mm", lens_mm, sensor_mm)};
     }
     // Numbers that give an angle of view above 170 or below 0.1 degrees are not those of a lens.
     const double longest = std::max(width, height);

@@ -6,9 +6,9 @@
 
 #include "pipeline/data/module.h"
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/depth/heic_boxes.h"
 #include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/depth/heic_module.h"
-#include "pipeline/readers/depth/iso_boxes.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
@@ -122,30 +122,6 @@ Raster decode_depths(const SourceFile& source) {
     return raster;
 }
 
-// The numbers of a pair's pictures, left and right.
-using PairItems = std::pair<std::uint32_t, std::uint32_t>;
-
-// Returns the first stereo pair group of the file (ISO/IEC 23008-12, 6.8.5).
-std::optional<PairItems> find_pair_items(Bytes file) {
-    std::optional<PairItems> found;
-    const auto look_at = [&](std::string_view type, Bytes group) {
-        if (type != "ster" || found) return;
-        take(group, 8);  // version, flags, number of the group
-        if (take(group, 4) != 2) return;
-        const auto left = static_cast<std::uint32_t>(take(group, 4));
-        const auto right = static_cast<std::uint32_t>(take(group, 4));
-        if (left != 0 && right != 0) found = PairItems{left, right};
-    };
-    each_box(file, [&](std::string_view type, Bytes meta) {
-        if (type != "meta") return;
-        take(meta, 4);  // version and flags
-        each_box(meta, [&](std::string_view child, Bytes groups) {
-            if (child == "grpl") each_box(groups, look_at);
-        });
-    });
-    return found;
-}
-
 Raster picture_of(const SourceFile& source, std::uint32_t item) {
     Heic heic = read_heic(source, false, item);
     return {heic.request.width, heic.request.height, 3, 255, kNoData, std::move(heic.bytes)};
@@ -153,10 +129,10 @@ Raster picture_of(const SourceFile& source, std::uint32_t item) {
 
 }  // namespace
 
-std::optional<std::pair<Raster, Raster>> decode_heic_pair(const SourceFile& source) {
-    const std::optional<PairItems> items = find_pair_items(source.bytes);
-    if (!items) return std::nullopt;
-    return std::pair{picture_of(source, items->first), picture_of(source, items->second)};
+std::optional<HeicPictures> decode_heic_pair(const SourceFile& source) {
+    const std::optional<HeicPair> pair = find_heic_pair(source.bytes);
+    if (!pair) return std::nullopt;
+    return HeicPictures{picture_of(source, pair->left), picture_of(source, pair->right), pair->camera};
 }
 
 FileDescription describe_heic(const SourceFile& source) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "pipeline/data/calibration.h"
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/stages/disparity.h"
 #include "pipeline/windows/picture_windows.h"
 

@@ -158,37 +158,6 @@ TEST(Manifest, CsvMayHaveQuotesLineEndsAndAByteOrderMark) {
     EXPECT_EQ(rows[1].values.size(), 1u);
 }
 
-TEST(Manifest, FoldersGiveTheirPairs) {
-    const TemporaryFolder folder;
-    for (const char* const name :
-         {"b_left.png", "b_right.png", "a_left.jpg", "a_right.jpg", "a_calib.txt", "c_left.png", "notes.txt"})
-        write_text(folder / name, "");
-    const auto units = read_manifest(folder.path(), kOptions);
-    ASSERT_EQ(units.size(), 3u);
-    EXPECT_EQ(units[0].name, "a");
-    EXPECT_EQ(units[0].words,
-              (Words{"--left", folder / "a_left.jpg", "--right", folder / "a_right.jpg", "--calib",
-                     folder / "a_calib.txt", "-o", "out/a.glb", "--report", "out/a.json"}));
-    EXPECT_EQ(units[1].wrong, "");
-    EXPECT_NE(units[2].wrong.find("right image is missing"), std::string::npos);
-}
-
-TEST(Manifest, PatternsMayNameFolders) {
-    const TemporaryFolder folder;
-    for (const std::string name : {"one", "two"}) {
-        std::filesystem::create_directory(folder / name);
-        for (const char* const file : {"left.png", "right.png", "calib.txt"})
-            write_text((folder / name) + "/" + file, "");
-    }
-    const auto units = read_manifest(folder / "{name}/left.png", kOptions);
-    ASSERT_EQ(units.size(), 2u);
-    EXPECT_EQ(units[1].name, "two");
-    EXPECT_EQ(units[1].words[3], folder / "two/right.png");
-    EXPECT_EQ(units[1].words[5], folder / "two/calib.txt");
-    EXPECT_THROW(read_manifest(folder / "{name}.png", kOptions), Error);
-    EXPECT_THROW(read_manifest(folder / "{name}_left.png", kOptions), Error);
-}
-
 TEST(ShellWords, AreReadAndWritten) {
     EXPECT_EQ(words_of_line(R"(-o "a b" c)"), (Words{"-o", "a b", "c"}));
     EXPECT_EQ(shell_line({"a", "b c", "it's", ""}), R"(a 'b c' 'it'\''s' '')");

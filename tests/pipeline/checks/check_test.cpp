@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "mistakes.h"
 #include "pipeline/checks/check_camera.h"
@@ -139,6 +140,38 @@ TEST(CheckMap, NoticesDepthsThatAreNone) {
               List{Mistake::depths_are_inverse});
 }
 
+// Returns depths in whole mm with noise that grows with their square, as depth cameras have it, of a plane
+// with boxes on it. The plane leans by slope_per_row of its inverse depth.
+DisparityMap leaning_scene(double slope_per_row) {
+    DisparityMap map{160, 120, {}};
+    std::uint32_t state = 7;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            state = state * 1664525u + 1013904223u;
+            const bool on_box = (x / 20 + y / 20) % 3 == 0;
+            const double inverse_m = 0.8 + slope_per_row * (y - 60) + (on_box ? 0.1 : 0);
+            const double noise_m = 0.004 * ((state >> 8) / double(1 << 24) - 0.5) / (inverse_m * inverse_m);
+            map.values.push_back(static_cast<float>(std::round(1000 * (1 / inverse_m + noise_m)) / 1000));
+        }
+    return map;
+}
+
+TEST(CheckMap, PlanesTellWhatIsNearWhereverItLies) {
+    const auto inverse = [](const DisparityMap& map) {
+        return mistakes::with_values(map, [](double d) { return 10 / d; });
+    };
+    for (const double slope : {-0.01, 0.01}) {
+        const DisparityMap depths = leaning_scene(slope), disparities = inverse(depths);
+        EXPECT_EQ(mistakes_in(check_map(disparities, {}, MapKind::depth)), List{}) << slope;
+        EXPECT_EQ(found(disparities), List{}) << slope;
+        EXPECT_EQ(mistakes_in(check_map(depths, {}, MapKind::depth)), List{Mistake::depths_are_inverse})
+            << slope;
+        EXPECT_EQ(found(mistakes::with_values(depths, [](double z) { return 10 * z; })),
+                  List{Mistake::values_are_depth})
+            << slope;
+    }
+}
+
 TEST(CheckMap, NoticesAWrongScale) {
     const auto scaled = [](double factor) {
         return found(mistakes::with_values(scene().disparity, [=](double d) { return factor * d; }));
@@ -170,10 +203,23 @@ TEST(CheckMap, NoticesTheGreyOfColorsButNoPartsOfAPixel) {
 
 TEST(CheckMap, NoticesAPictureOfSomethingElse) {
     const Image& left = scene().pair.left;
-    EXPECT_EQ(found(scene().disparity, mistakes::shifted(left, 8, 0)), List{Mistake::color_elsewhere});
+    EXPECT_EQ(found(scene().disparity, mistakes::shifted(left, 12, 0)), List{Mistake::color_elsewhere});
     const Image noise = mistakes::plain(left, 128, 100, 1);
     EXPECT_EQ(found(scene().disparity, noise), List{Mistake::color_unrelated});
     EXPECT_EQ(found(scene().disparity, mistakes::mirrored(left)).size(), 1u);
+}
+
+// Maps as matchers of blocks and networks make them, and pictures whose texture hides the edges of things.
+TEST(CheckMap, SaysNothingOfMapsWithWideEdgesAndOfStrongTexture) {
+    const Image& left = scene().pair.left;
+    const DisparityMap dense = mistakes::filled(scene().disparity);
+    for (const int px : {2, 4}) {
+        EXPECT_EQ(found(mistakes::enlarged(dense, px), left), List{}) << px;
+        EXPECT_EQ(found(mistakes::blurred(dense, px), left), List{}) << px;
+        EXPECT_EQ(found(mistakes::coarse(dense, px), left), List{}) << px;
+    }
+    EXPECT_EQ(found(scene().disparity, mistakes::textured(left, 30, 1)), List{});
+    EXPECT_EQ(found(scene().disparity, mistakes::exposed(left, 1, 0.15)), List{});
 }
 
 TEST(CheckMap, IsSilentOfMapsThatKnowFewPixels) {

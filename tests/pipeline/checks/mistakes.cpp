@@ -74,10 +74,11 @@ Image mirrored(const Image& image) {
     return result;
 }
 
-Image cropped(const Image& image, int width, int height) {
+Image cropped(const Image& image, int width, int height, int x, int y) {
     Image result{width, height, image.channels, {}};
-    for (int y = 0; y < height; ++y)
-        result.pixels.insert(result.pixels.end(), image.at(0, y), image.at(0, y) + width * image.channels);
+    for (int row = y; row < y + height; ++row)
+        result.pixels.insert(result.pixels.end(), image.at(x, row),
+                             image.at(x, row) + width * image.channels);
     return result;
 }
 
@@ -94,6 +95,91 @@ Image plain(const Image& like, int grey, int amplitude, int seed) {
         state = state * 6364136223846793005u + 1442695040888963407u;
         v = to_sample(grey + static_cast<int>((state >> 33) % (2 * amplitude + 1)) - amplitude);
     }
+    return result;
+}
+
+Image textured(const Image& image, int amplitude, int block) {
+    Image result = image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const auto cell = static_cast<std::uint32_t>(y / block * 4099 + x / block);
+            const int added = static_cast<int>((cell * 2654435761u ^ (cell * 40503u) << 9) >> 24) - 128;
+            for (int c = 0; c < image.channels; ++c)
+                result.at(x, y)[c] = to_sample(64 + image.at(x, y)[c] / 2 + added * amplitude / 128);
+        }
+    return result;
+}
+
+DisparityMap filled(DisparityMap map) {
+    for (int y = 0; y < map.height; ++y)
+        for (int first = 0; first < map.width; ++first) {
+            int end = first;
+            while (end < map.width && !DisparityMap::known(map.at(end, y))) ++end;
+            if (end == first) continue;
+            const float left = first > 0 ? map.at(first - 1, y) : INFINITY,
+                        right = end < map.width ? map.at(end, y) : INFINITY;
+            const float value = std::min(left, right);
+            for (int x = first; x < end; ++x) map.at(x, y) = std::isinf(value) ? 1 : value;
+            first = end;
+        }
+    return map;
+}
+
+DisparityMap enlarged(const DisparityMap& map, int px) {
+    DisparityMap rows = map, result = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            for (int i = std::max(0, x - px); i <= std::min(map.width - 1, x + px); ++i)
+                rows.at(x, y) = std::max(rows.at(x, y), map.at(i, y));
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            for (int i = std::max(0, y - px); i <= std::min(map.height - 1, y + px); ++i)
+                result.at(x, y) = std::max(result.at(x, y), rows.at(x, i));
+    return result;
+}
+
+DisparityMap blurred(const DisparityMap& map, int px) {
+    DisparityMap rows = map, result = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            float sum = 0;
+            for (int i = x - px; i <= x + px; ++i) sum += map.at(std::clamp(i, 0, map.width - 1), y);
+            rows.at(x, y) = sum / static_cast<float>(2 * px + 1);
+        }
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            float sum = 0;
+            for (int i = y - px; i <= y + px; ++i) sum += rows.at(x, std::clamp(i, 0, map.height - 1));
+            result.at(x, y) = sum / static_cast<float>(2 * px + 1);
+        }
+    return result;
+}
+
+DisparityMap coarse(const DisparityMap& map, int factor) {
+    const int width = map.width / factor, height = map.height / factor;
+    std::vector<float> small;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            small.push_back(map.at(x * factor + factor / 2, y * factor + factor / 2));
+    DisparityMap result = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const double u = std::clamp((x - factor / 2) / double(factor), 0.0, width - 1.001);
+            const double v = std::clamp((y - factor / 2) / double(factor), 0.0, height - 1.001);
+            const int i = static_cast<int>(u), j = static_cast<int>(v);
+            const auto row = [&](int k) {
+                const float* const values = small.data() + static_cast<std::size_t>(k) * width;
+                return values[i] * (1 - (u - i)) + values[i + 1] * (u - i);
+            };
+            result.at(x, y) = static_cast<float>(row(j) * (1 - (v - j)) + row(j + 1) * (v - j));
+        }
+    return result;
+}
+
+DisparityMap cropped(const DisparityMap& map, int x, int y, int width, int height) {
+    DisparityMap result{width, height, {}};
+    for (int row = y; row < y + height; ++row)
+        for (int column = x; column < x + width; ++column) result.values.push_back(map.at(column, row));
     return result;
 }
 

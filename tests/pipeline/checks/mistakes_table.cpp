@@ -212,7 +212,8 @@ void map_figures(const DisparityMap& map, const Image& left, bool right, const s
     const double straightness = measure_straightness(map);
     if (right || what == "depth")
         table.figure("map: row correlation and straightness", right,
-                     values.row_correlation + std::clamp(straightness, -0.5, 0.5), true, checks::kDepthLike);
+                     values.row_correlation + checks::kStraightnessWeight * straightness, true,
+                     checks::kDepthLike);
     if (right || what == "large")
         table.figure("map: largest of the width", right, values.largest_px / map.width, false,
                      checks::kLargest);
@@ -232,10 +233,11 @@ void map_figures(const DisparityMap& map, const Image& left, bool right, const s
     }
     if (left.empty() || !(right || what == "unrelated")) return;
     const EdgeFit fit = measure_edge_fit(map, left);
-    table.figure("colour: contrast at the steps", right, std::max(fit.columns.here, fit.rows.here), true,
-                 checks::kLeastContrast);
-    table.figure("colour: deviations", right, std::max(fit.columns.farthest, fit.rows.farthest), true,
-                 checks::kLeastDeviations);
+    if (const auto both = fit_of(fit)) table.figure("colour: fit", right, *both, true, checks::kLeastFit);
+    for (const AxisFit& axis : {fit.columns, fit.rows})
+        if (right && axis.steps >= checks::kLeastSteps && std::abs(axis.best_px) >= checks::kLeastShift_px)
+            table.figure("colour: fit gained elsewhere", right, axis.best - axis.here, false,
+                         checks::kShiftedGain);
 }
 
 // Adds sparse maps, and disparities made from depth maps, either metric or relative (up to scale and offset).
@@ -297,18 +299,40 @@ void map_values(const TestScene& scene, Table& table) {
         {Mistake::values_are_colors, Mistake::values_large}, "colors");
 }
 
-void map_colors(const TestScene& scene, const std::vector<TestScene>& scenes, Table& table) {
+// Adds right maps as matchers and networks leave them, and right pictures that show little of the scene's
+// edges.
+void right_colors(const TestScene& scene, Table& table) {
     const Image& left = scene.pair.left;
-    if (left.empty()) return;
-    for (const Exposure& e : kExposures) {
-        const Image other = exposed(left, e.gamma, e.gain);
-        table.add("right map and colour at " + std::string(e.name), scene.name,
-                  judge_map(scene, scene.map, other), {});
-        map_figures(scene.map, other, true, "", table);
-    }
-    const auto add = [&](const std::string& name, const Image& image, const std::vector<Mistake>& expected) {
-        table.add(name, scene.name, check_map(scene.map, image), expected);
-        map_figures(scene.map, image, false,
+    const auto add = [&](const std::string& name, const DisparityMap& map, const Image& image) {
+        table.add("right map, " + name, scene.name, check_map(map, image), {});
+        map_figures(map, image, true, "", table);
+    };
+    for (const Exposure& e : kExposures)
+        add("colour at " + std::string(e.name), scene.map, exposed(left, e.gamma, e.gain));
+    add("colour at gain 0.15", scene.map, exposed(left, 1, 0.15));
+    add("colour grey", scene.map, as_grey(left));
+    for (const int amplitude : {15, 30})
+        for (const int block : {1, 3})
+            add("texture " + std::to_string(amplitude) + " of " + std::to_string(block) + " px", scene.map,
+                textured(left, amplitude, block));
+    const DisparityMap dense = filled(scene.map);
+    for (const int px : {2, 4, 6}) add("enlarged by " + std::to_string(px), enlarged(dense, px), left);
+    for (const int px : {2, 4, 8}) add("blurred by " + std::to_string(px), blurred(dense, px), left);
+    for (const int factor : {4, 8}) add("reduced by " + std::to_string(factor), coarse(dense, factor), left);
+    const int width = left.width / 2, height = left.height / 2;
+    for (const int y : {0, height})
+        for (const int x : {0, width})
+            add("a quarter of the picture", cropped(scene.map, x, y, width, height),
+                cropped(left, width, height, x, y));
+}
+
+void wrong_colors(const TestScene& scene, const std::vector<TestScene>& scenes, const DisparityMap& map,
+                  const std::string& of, Table& table) {
+    const Image& left = scene.pair.left;
+    const auto add = [&](const std::string& name, const Image& image, const std::vector<Mistake>& expected,
+                         const std::string& with = "") {
+        table.add(of + name, scene.name + with, check_map(map, image), expected);
+        map_figures(map, image, false,
                     expected.size() == 1 && expected[0] == Mistake::color_unrelated ? "unrelated" : "",
                     table);
     };
@@ -317,30 +341,38 @@ void map_colors(const TestScene& scene, const std::vector<TestScene>& scenes, Ta
     add("colour 8 px left", shifted(left, -8, 0), either);
     add("colour 8 px higher", shifted(left, 0, -8), either);
     add("colour mirrored", mirrored(left), {Mistake::color_unrelated});
+    add("colour upside down", rotated(mirrored(left), 180), {Mistake::color_unrelated});
     add("colour is the right view", scene.pair.right, either);
     for (const TestScene& other : scenes) {
         const Image& image = other.pair.left;
         if (&other == &scene || image.width < left.width || image.height < left.height) continue;
-        table.add("colour of another scene", scene.name + " with " + other.name,
-                  check_map(scene.map, cropped(image, left.width, left.height)), either);
-        map_figures(scene.map, cropped(image, left.width, left.height), false, "unrelated", table);
+        if (other.name.substr(0, 4) == scene.name.substr(0, 4)) continue;
+        add("colour of another scene", cropped(image, left.width, left.height),
+            {Mistake::color_unrelated, Mistake::color_elsewhere}, " with " + other.name);
     }
 }
 
-void measure(const std::filesystem::path& data, const std::string& wanted) {
+void map_colors(const TestScene& scene, const std::vector<TestScene>& scenes, Table& table) {
+    if (scene.pair.left.empty()) return;
+    right_colors(scene, table);
+    wrong_colors(scene, scenes, scene.map, "", table);
+    wrong_colors(scene, scenes, blurred(filled(scene.map), 2), "blurred, ", table);
+}
+
+void measure(const std::filesystem::path& data, const std::string& wanted, bool maps_alone) {
     const std::vector<TestScene> scenes = load(data, wanted);
     Table table;
     for (const TestScene& scene : scenes) {
         right_maps(scene, table);
         map_values(scene, table);
         map_colors(scene, scenes, table);
-        if (scene.pair.left.empty()) continue;
+        if (scene.pair.left.empty() || maps_alone) continue;
         right_pairs(scene, table);
         wrong_pairs(scene, table);
         ranges(scene, table);
         cameras(scene, table);
     }
-    unrelated_pairs(scenes, table);
+    if (!maps_alone) unrelated_pairs(scenes, table);
     table.print();
 }
 
@@ -348,14 +380,15 @@ void measure(const std::filesystem::path& data, const std::string& wanted) {
 }  // namespace hexrelief::checks::mistakes
 
 int main(int count, char** arguments) {
-    if (count != 2 && count != 3) {
-        std::fprintf(stderr,
-                     "check_mistakes DIR [NAME]: the folder with middlebury2001/ and so on, and a part of "
-                     "the scenes' names\n");
+    if (count < 2 || count > 4) {
+        std::fprintf(
+            stderr,
+            "check_mistakes DIR [NAME [maps]]: the folder with middlebury2001/ and so on, and a part of "
+            "the scenes' names; maps: no pairs\n");
         return 2;
     }
     try {
-        hexrelief::checks::mistakes::measure(arguments[1], count > 2 ? arguments[2] : "");
+        hexrelief::checks::mistakes::measure(arguments[1], count > 2 ? arguments[2] : "", count > 3);
     } catch (const hexrelief::Error& error) {
         std::fprintf(stderr, "%s\n", error.what());
         return static_cast<int>(error.kind());

@@ -134,6 +134,20 @@ TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
     EXPECT_EQ(read_text(folder / "out/n11.glb"), read_text(folder / "out/n0.glb"));
 }
 
+TEST(Batch, ADryRunSaysByWhichRulePairsAreFound) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder / "scene");
+    std::filesystem::copy_file(sample("left.png"), folder / "scene/im0.png");
+    std::filesystem::copy_file(sample("right.png"), folder / "scene/im1.png");
+    const auto dry_run = [&](const std::string& log) {
+        return run_program({"batch", folder.path(), "-o", folder / "out", "--dry-run", "--log", log}).out;
+    };
+    EXPECT_TRUE(dry_run("text").starts_with(
+        "scene: to do, no result yet; found as Middlebury 2014 (im0.* and im1.*)\n"))
+        << dry_run("text");
+    EXPECT_NE(dry_run("jsonl").find(R"x("rule":"Middlebury 2014 (im0.* and im1.*)")x"), std::string::npos);
+}
+
 TEST(Batch, OptionsThatAreNoneAreRefused) {
     const TemporaryFolder folder;
     write_text(folder / "jobs.txt", job(folder / "a.drc"));

@@ -33,9 +33,18 @@ std::vector<std::vector<std::string>> commands_of_table() {
     return commands;
 }
 
-TEST(Inputs, EachRowOfTheReadmeMeshesTheSameScene) {
-    const std::vector<std::vector<std::string>> commands = commands_of_table();
+// The other inputs, with paths.
+std::vector<std::vector<std::string>> more_commands() {
+    const std::string camera = kInputs / "foundation.txt";
+    return {{"--stereo", kInputs / "pair.jps", "--calib", camera},
+            {"--left", kInputs / "left.bmp", "--right", kInputs / "right.bmp", "--calib", camera},
+            {"--depth", kInputs / "depth.npy", "--color", kInputs / "turned.jpg", "--calib", camera}};
+}
+
+TEST(Inputs, EachMeshesTheSameScene) {
+    std::vector<std::vector<std::string>> commands = commands_of_table();
     ASSERT_GE(commands.size(), 12u);
+    for (std::vector<std::string>& command : more_commands()) commands.push_back(std::move(command));
     for (const std::vector<std::string>& options : commands) {
         const TemporaryFolder folder;
         std::vector<std::string> arguments = {"run", "-o", folder / "a.glb", "--report", "-"};
@@ -53,6 +62,36 @@ TEST(Inputs, EachRowOfTheReadmeMeshesTheSameScene) {
         // The nearest sphere, and no nearer.
         EXPECT_NEAR(report["depth_range"][0].get<double>(), 1.29, 0.1) << shown;
     }
+}
+
+TEST(Inputs, ASpatialPhotographTellsItsCameraByItself) {
+    const TemporaryFolder folder;
+    const std::string photograph = kInputs / "spatial.heic";
+    const ProcessResult told = run_program({"info", photograph});
+    if (told.err.find("libheif-dev") != std::string::npos) GTEST_SKIP() << "built without libheif";
+    EXPECT_NE(told.out.find("two views of 80 x 60 px"), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("80 x 60 px, left view"), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("focal 80 px, baseline 0.16 m"), std::string::npos) << told.out;
+    const ProcessResult run =
+        run_program({"run", "--strict", "--stereo", photograph, "-o", folder / "a.glb", "--report", "-"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const nlohmann::json report = nlohmann::json::parse(run.out);
+    EXPECT_TRUE(report["surface"]["metric"].get<bool>());
+    EXPECT_NEAR(report["depth_range"][0].get<double>(), 1.29, 0.1);
+    EXPECT_NE(run.err.find("the photograph's own camera"), std::string::npos) << run.err;
+}
+
+TEST(Inputs, APictureIsTurnedByItsOrientationUnlessThatIsOff) {
+    const std::string left = kInputs / "turned.jpg";
+    EXPECT_NE(run_program({"info", left}).out.find("turned by a quarter clockwise"), std::string::npos);
+    const TemporaryFolder folder;
+    const std::vector<std::string> run = {
+        "run", "--depth",       kInputs / "depth.npy", "--color", left, "--calib", kInputs / "foundation.txt",
+        "-o",  folder / "a.glb"};
+    EXPECT_EQ(run_program(run).exit_code, 0);
+    std::vector<std::string> off = run;
+    off.insert(off.end(), {"--set", "input.exif_orientation=false"});
+    expect_failure(off, 3, "same aspect");
 }
 
 TEST(Inputs, OnePictureTwiceIsAnErrorWhereStrict) {

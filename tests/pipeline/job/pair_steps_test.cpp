@@ -1,6 +1,7 @@
 // What a run makes of a matched pair's map before it is meshed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -52,6 +53,26 @@ TEST(PairSteps, ABackdropEndsAPairAndIsCountedFromInfinity) {
     pair.disparity.map.values[5] = 0;
     count_from_infinity(pair.disparity, camera, false, log);
     EXPECT_FLOAT_EQ(pair.disparity.backdrop->disparity_px, 5);
+}
+
+TEST(PairSteps, MoreBackgroundThanForegroundIsTold) {
+    DisparityMap map{100, 100, std::vector<float>(10000, 2.0f)};
+    const auto fill = [&](int rows) { std::fill_n(map.values.begin(), 100 * rows, 40.0f); };
+    RunLog log;
+    fill(55);
+    density_of(map, {}, 1, log);
+    EXPECT_TRUE(log.warnings().empty());
+    map.values.assign(10000, 2.0f);
+    fill(30);
+    density_of(map, {.background_method = stages::BackgroundMethod::none}, 1, log);
+    density_of(map, {.background_method = stages::BackgroundMethod::fraction}, 1, log);
+    EXPECT_TRUE(log.warnings().empty()) << "as it was asked for";
+    EXPECT_GT(density_of(map, {}, 1, log).background_px, 2);
+    ASSERT_EQ(log.warnings().size(), 1u);
+    EXPECT_EQ(
+        log.warnings()[0],
+        "more goes as background than stays, 70 % of what is known: all that lies farther than 4.0 times "
+        "the nearest; set density.background.method=none to keep it");
 }
 
 }  // namespace

@@ -41,6 +41,34 @@ TEST(ResolveCalibration, ExplicitLengthsAreMetric) {
     EXPECT_EQ(missing_for_metres(resolved), "");
 }
 
+TEST(ResolveCalibration, APhotographsOwnCameraIsTakenUnlessAFileIsGiven) {
+    Calibration own;
+    own.focal_px = 150;
+    own.baseline_m = 0.02;
+    own.cx = 90;
+    own.cy = 60;
+    own.doffs_px = 2;
+    const auto resolved_with = [&](const config::CalibrationConfig& config) {
+        return resolve_calibration({config, {200, 100}, {200, 100}, nullptr, {}, &own});
+    };
+    const ResolvedCalibration alone = resolved_with({});
+    EXPECT_TRUE(alone.calibration.metric);
+    EXPECT_EQ(alone.calibration.focal_px, 150);
+    EXPECT_EQ(alone.calibration.cx, 90);
+    EXPECT_EQ(alone.calibration.doffs_px, 2);
+    EXPECT_EQ(alone.focal_from, kOwnCamera);
+    EXPECT_EQ(alone.baseline_from, kOwnCamera);
+    config::CalibrationConfig config;
+    config.baseline_m = 0.1;
+    EXPECT_EQ(resolved_with(config).calibration.baseline_m, 0.1);
+    EXPECT_EQ(resolved_with(config).calibration.focal_px, 150);
+    const test::TemporaryFolder folder;
+    test::write_text(folder / "K.txt", "100 0 100\n0 100 50\n0 0 1\n");
+    config.file = folder / "K.txt";
+    EXPECT_EQ(resolved_with(config).calibration.focal_px, 100);
+    EXPECT_EQ(resolved_with(config).calibration.doffs_px, 0);
+}
+
 TEST(ResolveCalibration, ExplicitValuesOverrideTheFile) {
     const test::TemporaryFolder folder;
     test::write_text(folder / "calib.txt",

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/readers/float_colors.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {
@@ -281,6 +282,22 @@ TEST(ReadTiff, RefusesWhatIsNoPicture) {
     EXPECT_CONTAINS(error_for(make_tiff(2, 1, bytes_of(std::vector<float>{1, 2}), {.bits = 32, .format = 3})),
                     "float");
     EXPECT_CONTAINS(error_for(make_tiff(2, 1, {1, 2}, {.format = 2})), "signed");
+}
+
+TEST(ReadTiff, FloatColoursAreOfZeroToOne) {
+    const auto of = [](const std::vector<float>& colors) {
+        return make_tiff(2, 1, bytes_of(colors), {.samples = 3, .bits = 32, .format = 3, .photometric = 2});
+    };
+    expect_image(read(of({0, 0.5f, 1, 0.1f, -3, 7})), 2, 1, 3, {0, 128, 255, 26, 0, 255});
+    expect_image(read(of({NAN, INFINITY, 0.0019f, 0.002f, 0, 0})), 2, 1, 3, {0, 255, 0, 1, 0, 0});
+    EXPECT_CONTAINS(error_for(of({0, 0, 200, 180, 90, 100})), "above 1");
+}
+
+TEST(FloatColors, LinearLightIsEncoded) {
+    codec::Raster raster{2, 1, 3};
+    raster.samples = std::vector<float>{0, 0.0002f, 0.2140f, 0.5f, 0.9999f, 1};
+    const codec::Raster bytes = codec::to_bytes(raster, codec::FloatColors::linear, "a.exr");
+    EXPECT_EQ(std::get<Bytes>(bytes.samples), (Bytes{0, 1, 127, 188, 255, 255}));
 }
 
 TEST(ReadTiff, RefusesTruncatedFiles) {

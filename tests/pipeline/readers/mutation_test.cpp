@@ -55,6 +55,12 @@ const Case kCases[] = {
      }},
     {"TiffPalette", [] { return make_tiff(24, 16, noise(384), {.photometric = 3, .compression = 5}); }},
     {"TiffInks", [] { return make_tiff(24, 16, noise(1536), {.samples = 4, .photometric = 5, .tile = 16}); }},
+    {"Bmp",
+     [] {
+         return to_bytes(std::string_view(
+                    "BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\x18\0\0\0\x10\0\0\0\1\0\x18", 29)) +
+                Bytes(25, 0) + noise(1152);
+     }},
     {"Npy", [] { return make_npy("<f4", 24, 16, noise(1536)); }},
     {"NpzDeflate",
      [] {

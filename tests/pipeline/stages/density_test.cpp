@@ -190,6 +190,39 @@ TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
     EXPECT_EQ(compute_density(wrong, largest).background_px, 125);
 }
 
+// A patch of less than 0.5 % of the picture, however near, neither sets the scale nor makes the rest
+// background.
+TEST(Density, ASmallPatchDoesNotSetTheScale) {
+    const auto with_patch = [](double radius, double nearness) {
+        return scene(1, [=](double x, double y) {
+            return std::hypot(x - 20, y - 20) < radius ? nearness : object_or(far_wall(x, y), x, y);
+        });
+    };
+    const DensityMap right = compute_density(with_patch(0, 0), {});
+    EXPECT_GT(right.background_px, 8);
+    for (const double nearness : {100.0, 400.0}) {
+        const DensityMap small = compute_density(with_patch(5, nearness), {});  // 0.4 %
+        EXPECT_NEAR(small.background_px, right.background_px, 0.05 * right.background_px) << nearness;
+        EXPECT_NEAR(small.at(80, 60), right.at(80, 60), 0.1) << nearness;
+    }
+    DensityConfig fraction;
+    fraction.background_method = BackgroundMethod::fraction;
+    EXPECT_EQ(compute_density(with_patch(5, 400), fraction).background_px, 100) << "as it was asked for";
+    DisparityMap half_known = with_patch(6, 400);  // 0.6 % of the picture, 1.2 % of what is known
+    for (int y = 0; y < half_known.height; ++y)
+        for (int x = 100; x < half_known.width; ++x) half_known.at(x, y) = kUnknownDisparity;
+    EXPECT_EQ(
+        find_density_scale({1,
+                            [&](const auto& take) {
+                                take(0, {0, 0, half_known.width, half_known.height, half_known.values.data(),
+                                         static_cast<std::size_t>(half_known.width)});
+                            }},
+                           {})
+            .scale_px,
+        400)
+        << "of the picture";
+}
+
 TEST(Density, RemovesBackgroundBelowAThreshold) {
     DensityConfig config;
     config.background_method = BackgroundMethod::threshold_px;

@@ -8,7 +8,8 @@
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/readers/stereo_reader.h"
+#include "pipeline/readers/photographs/stereo_reader.h"
+#include "tests/pipeline/readers/depth/sample_boxes.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
 namespace hexrelief::readers {
@@ -58,11 +59,11 @@ TEST_F(Heic, ThePictureAndItsDepthsAreRead) {
 TEST_F(Heic, BothPicturesOfASpatialPhotographAreRead) {
     const Folder folder;
     const Bytes file = make_heic_pair({200, 100, 50}, {50, 100, 200});
-    const StereoPair pair = read_stereo_file(folder.write("a.heic", file), {});
+    const StereoPair pair = read_stereo_file(folder.write("a.heic", file), {}).views;
     ASSERT_EQ(pair.left.width, kWidth);
     EXPECT_NEAR(pair.left.at(30, 30)[0], 50, 3);  // the group names the second picture first
     EXPECT_NEAR(pair.right.at(30, 30)[0], 200, 3);
-    const StereoPair swapped = read_stereo_file(folder.write("b.heic", file), {.right_first = true});
+    const StereoPair swapped = read_stereo_file(folder.write("b.heic", file), {.right_first = true}).views;
     EXPECT_NEAR(swapped.left.at(30, 30)[0], 200, 3);
     const auto one = folder.write("c.heic", sample(""));
     EXPECT_CONTAINS(error_of([&] { read_stereo_file(one, {}); }), "with one picture");
@@ -120,17 +121,6 @@ TEST_F(Heic, DamagedFilesReadOrAreRefused) {
                 EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
             }
     }
-}
-
-Bytes big_endian(std::uint64_t value, int count) {
-    Bytes bytes;
-    for (int i = count - 1; i >= 0; --i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
-    return bytes;
-}
-
-// Returns a box; it claims to be longer than it is by `longer`.
-Bytes box(const char* type, const Bytes& content, int longer = 0) {
-    return big_endian(content.size() + 8 + longer, 4) + to_bytes(type) + content;
 }
 
 struct Reference {

@@ -1,4 +1,4 @@
-#include "pipeline/job/run_log.h"
+#include "pipeline/job/log/run_log.h"
 
 #include <algorithm>
 #include <cstdio>

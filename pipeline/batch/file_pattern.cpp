@@ -1,0 +1,124 @@
+#include "pipeline/batch/file_pattern.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief::batch {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 12> kImageEndings = {
+    ".png", ".jpg", ".jpeg", ".ppm", ".pgm", ".pnm", ".tif", ".tiff", ".webp", ".heic", ".heif", ".bmp"};
+
+char lower(char c) {
+    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+}
+
+bool equal_but_for_case(std::string_view a, std::string_view b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool is_letter(char c) {
+    return (lower(c) >= 'a' && lower(c) <= 'z') || static_cast<unsigned char>(c) >= 0x80;
+}
+
+// Returns the rank of a file's ending among those of images; their number if it is no image.
+std::size_t image_rank(const fs::path& file) {
+    const std::string ending = file.extension().string();
+    return static_cast<std::size_t>(
+        std::find_if(kImageEndings.begin(), kImageEndings.end(),
+                     [&](std::string_view known) { return equal_but_for_case(known, ending); }) -
+        kImageEndings.begin());
+}
+
+// One part of a pattern's path.
+struct Part {
+    std::string head, tail;  // before and after {name}; without it, all is in `head`
+    bool has_name = false, any_image = false;
+
+    explicit Part(std::string text) {
+        any_image = text.ends_with(".*");
+        if (any_image) text.erase(text.size() - 2);
+        const std::size_t at = text.find(kName);
+        has_name = at != std::string::npos;
+        head = text.substr(0, at);
+        if (has_name) tail = text.substr(at + kName.size());
+    }
+
+    // Returns the text that stands for {name}, "" if there is none to stand for; nullopt if the name does not
+    // match.
+    std::optional<std::string> match(std::string name, NextToLetters next) const {
+        if (any_image) {
+            if (image_rank(name) == kImageEndings.size()) return std::nullopt;
+            name = fs::path(name).stem().string();
+        }
+        if (!has_name) return equal_but_for_case(name, head) ? std::optional<std::string>("") : std::nullopt;
+        if (name.size() <= head.size() + tail.size()) return std::nullopt;
+        const std::string_view whole = name;
+        const std::string_view text = whole.substr(head.size(), name.size() - head.size() - tail.size());
+        if (!equal_but_for_case(whole.substr(0, head.size()), head) ||
+            !equal_but_for_case(whole.substr(name.size() - tail.size()), tail))
+            return std::nullopt;
+        if (next == NextToLetters::any) return std::string(text);
+        if (!head.empty() && is_letter(head.back()) && is_letter(text.front())) return std::nullopt;
+        if (!tail.empty() && is_letter(tail.front()) && is_letter(text.back())) return std::nullopt;
+        return std::string(text);
+    }
+};
+
+struct Search {
+    std::vector<std::string> parts;
+    NextToLetters next;
+    Listings& listings;
+    std::map<std::string, fs::path> found = {};
+
+    void look(const fs::path& folder, std::size_t index, const std::string& name) {
+        if (index == parts.size()) return take(folder, name);
+        const Part part(parts[index]);
+        if (!part.has_name && !part.any_image) return look(folder / parts[index], index + 1, name);
+        for (const std::string& entry : listings.of(folder.empty() ? "." : folder))
+            if (const auto text = part.match(entry, next))
+                look(folder / entry, index + 1, part.has_name ? *text : name);
+    }
+
+    void take(const fs::path& file, const std::string& name) {
+        std::error_code none;
+        if (!fs::is_regular_file(file, none)) return;
+        const auto [known, is_new] = found.try_emplace(name, file);
+        if (!is_new && image_rank(file) < image_rank(known->second)) known->second = file;
+    }
+};
+
+}  // namespace
+
+const std::vector<std::string>& Listings::of(const fs::path& folder) {
+    const auto [known, is_new] = names_.try_emplace(folder);
+    std::error_code code;
+    if (!is_new || !fs::is_directory(folder, code)) return known->second;
+    for (auto it = fs::directory_iterator(folder, code); it != fs::directory_iterator(); it.increment(code))
+        if (std::string name = it->path().filename().string(); !name.starts_with('.'))
+            known->second.push_back(std::move(name));
+    if (code) throw Error(ErrorKind::input, "cannot list " + folder.string() + ": " + code.message());
+    std::sort(known->second.begin(), known->second.end());
+    return known->second;
+}
+
+std::map<std::string, fs::path> files_like(const fs::path& folder, const std::string& pattern,
+                                           NextToLetters next, Listings& listings) {
+    Search search{{}, next, listings};
+    for (const fs::path& part : fs::path(pattern)) search.parts.push_back(part.string());
+    search.look(folder, 0, "");
+    return std::move(search.found);
+}
+
+std::string filled(std::string pattern, std::string_view name) {
+    const std::size_t at = pattern.find(kName);
+    return at == std::string::npos ? pattern : pattern.replace(at, kName.size(), name);
+}
+
+}  // namespace hexrelief::batch

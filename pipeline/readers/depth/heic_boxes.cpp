@@ -1,0 +1,98 @@
+#include "pipeline/readers/depth/heic_boxes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "pipeline/readers/depth/heic_properties.h"
+
+namespace hexrelief::readers::codec {
+namespace {
+
+// Turned or cropped pictures get no camera: the properties are those of the pictures before.
+Calibration camera_of(const HeicView& left, const HeicView& right) {
+    Calibration camera;
+    if (left.is_turned || right.is_turned || !(left.focal > 0.04) || !(left.focal < 600)) return camera;
+    camera.focal_px = left.focal * left.width;
+    const auto is_inside = [](double share) { return share > 0 && share < 1; };
+    const bool is_centred = is_inside(left.center_x) && is_inside(left.center_y);
+    camera.cx = (is_centred ? left.center_x : 0.5) * left.width;
+    camera.cy = (is_centred ? left.center_y : 0.5) * left.height;
+    if (is_centred && is_inside(right.center_x))
+        camera.doffs_px = (right.center_x - left.center_x) * left.width;
+    if (left.is_placed && right.is_placed) camera.baseline_m = std::abs(right.position_m - left.position_m);
+    camera.width = left.width;
+    camera.height = left.height;
+    return camera;
+}
+
+// Returns the number of the file's EXIF item; 0 if it has none.
+std::uint32_t exif_item(Bytes file) {
+    std::uint32_t found = 0;
+    each_item(file, [&](std::uint32_t item, std::string_view type) {
+        if (type == "Exif" && found == 0) found = item;
+    });
+    return found;
+}
+
+// Returns the item's first extent (ISO/IEC 14496-12, 8.11.3), if it lies in the file by itself.
+Bytes extent_of(Bytes file, std::uint64_t item) {
+    Bytes found;
+    each_box_of_meta(file, [&](std::string_view type, Bytes content) {
+        if (type != "iloc" || item == 0) return;
+        const auto version = take(content, 4) >> 24;
+        const auto sizes = static_cast<unsigned>(take(content, 2));
+        const int offset_bytes = sizes >> 12, length_bytes = sizes >> 8 & 15, base_bytes = sizes >> 4 & 15,
+                  index_bytes = version == 0 ? 0 : sizes & 15, id_bytes = version < 2 ? 2 : 4;
+        for (std::uint64_t items = take(content, id_bytes); items > 0 && !content.empty(); --items) {
+            const std::uint64_t id = take(content, id_bytes);
+            const bool is_in_file = version == 0 || (take(content, 2) & 15) == 0;
+            take(content, 2);
+            const std::uint64_t base = take(content, base_bytes);
+            std::uint64_t extents = take(content, 2);
+            if (offset_bytes + length_bytes + index_bytes == 0) extents = 0;  // none is described
+            for (; extents > 0 && !content.empty(); --extents) {
+                take(content, index_bytes);
+                const std::uint64_t offset = base + take(content, offset_bytes),
+                                    length = take(content, length_bytes);
+                if (id == item && found.empty() && is_in_file && offset < file.size())
+                    found = file.subspan(offset, std::min<std::uint64_t>(length, file.size() - offset));
+            }
+        }
+    });
+    return found;
+}
+
+}  // namespace
+
+std::optional<HeicPair> find_heic_pair(Bytes file) {
+    std::optional<HeicPair> found;
+    each_box_of_meta(file, [&](std::string_view child, Bytes groups) {
+        if (child != "grpl") return;
+        each_box(groups, [&](std::string_view type, Bytes group) {
+            if (type != "ster" || found) return;
+            take(group, 8);  // version, flags, number of the group
+            if (take(group, 4) != 2) return;
+            const auto left = static_cast<std::uint32_t>(take(group, 4));
+            const auto right = static_cast<std::uint32_t>(take(group, 4));
+            if (left != 0 && right != 0) found = HeicPair{left, right};
+        });
+    });
+    if (!found) return found;
+    const HeicView left = heic_view(file, found->left), right = heic_view(file, found->right);
+    found->width = left.width;
+    found->height = left.height;
+    found->camera = camera_of(left, right);
+    return found;
+}
+
+std::vector<std::uint8_t> heic_exif(Bytes file) {
+    Bytes exif = extent_of(file, exif_item(file));
+    if (exif.size() < 4) return {};
+    const std::uint64_t offset = take(exif, 4);
+    if (offset >= exif.size()) return {};
+    exif = exif.subspan(offset);
+    return {exif.begin(), exif.end()};
+}
+
+}  // namespace hexrelief::readers::codec

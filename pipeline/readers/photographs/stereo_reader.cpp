@@ -1,0 +1,215 @@
+#include "pipeline/readers/photographs/stereo_reader.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pipeline/data/crop.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/depth/heic_boxes.h"
+#include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/photographs/exif.h"
+#include "pipeline/readers/photographs/mpo.h"
+
+namespace hexrelief::readers {
+namespace {
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// Returns the picture at twice its width or height, interpolated linearly between the centres of its pixels.
+Image stretched(const Image& image, bool in_x) {
+    Image out{
+        in_x ? 2 * image.width : image.width, in_x ? image.height : 2 * image.height, image.channels, {}};
+    out.pixels.reserve(2 * image.pixels.size());
+    for (int y = 0; y < out.height; ++y) {
+        for (int x = 0; x < out.width; ++x) {
+            const int near_x = in_x ? x / 2 : x, near_y = in_x ? y : y / 2;
+            const int step = (in_x ? x : y) % 2 == 0 ? -1 : 1;
+            const std::uint8_t* near = image.at(near_x, near_y);
+            const std::uint8_t* far = image.at(std::clamp(near_x + (in_x ? step : 0), 0, image.width - 1),
+                                               std::clamp(near_y + (in_x ? 0 : step), 0, image.height - 1));
+            for (int channel = 0; channel < image.channels; ++channel)
+                out.pixels.push_back(static_cast<std::uint8_t>((3 * near[channel] + far[channel] + 2) / 4));
+            if (!image.alpha.empty())
+                out.alpha.push_back(image.alpha[static_cast<std::size_t>(near_y) * image.width + near_x]);
+        }
+    }
+    return out;
+}
+
+StereoPair halved(const std::filesystem::path& path, Image image, StereoLayout layout) {
+    const bool half = layout == StereoLayout::half_side_by_side || layout == StereoLayout::half_top_bottom;
+    const bool in_x = layout == StereoLayout::side_by_side || layout == StereoLayout::half_side_by_side;
+    if ((in_x ? image.width : image.height) < 2)
+        codec::refuse(path,
+                      "its size is " + size_text(image.width, image.height) + ", which has no two halves");
+    const int width = in_x ? image.width / 2 : image.width, height = in_x ? image.height : image.height / 2;
+    StereoPair pair{cropped(image, {0, 0, width, height}),
+                    cropped(image, {image.width - width, image.height - height, width, height})};
+    if (half) pair = {stretched(pair.left, in_x), stretched(pair.right, in_x)};
+    return pair;
+}
+
+// True if the name is that of a side-by-side picture for crossed eyes.
+bool is_cross_eyed_name(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+    return extension == ".jps" || extension == ".pns";
+}
+
+// How a file that is to be halved holds its views.
+struct Halves {
+    StereoLayout layout;
+    bool is_right_first;
+    std::string told;
+};
+
+// Returns the layout and order of the file's own word or name; nullopt if it has none.
+std::optional<Halves> own_halves(const codec::SourceFile& source) {
+    if (const auto jps = codec::find_jps_layout(source)) {
+        const auto [tb, half, left_first] = *jps;
+        const StereoLayout layout =
+            tb ? (half ? StereoLayout::half_top_bottom : StereoLayout::top_bottom)
+               : (half ? StereoLayout::half_side_by_side : StereoLayout::side_by_side);
+        return Halves{layout, !left_first,
+                      std::string(tb ? "one above the other" : "side by side") + (half ? ", squeezed" : "") +
+                          (left_first ? ", left" : ", right") + " view first, by its JPS descriptor"};
+    }
+    if (!is_cross_eyed_name(source.path)) return std::nullopt;
+    return Halves{StereoLayout::side_by_side, true,
+                  "side by side, right view first (cross-eyed), as files named " +
+                      source.path.extension().string() + " have them"};
+}
+
+Halves given_halves(const codec::SourceFile& source, const StereoFileConfig& config) {
+    const auto own = own_halves(source);
+    const bool is_right_first = config.right_first || (own && own->is_right_first);
+    return {config.layout, is_right_first,
+            std::string("as input.stereo.layout says, ") + (is_right_first ? "right" : "left") +
+                " view first" + (is_right_first && !config.right_first ? ": " + own->told : "")};
+}
+
+StereoViews halves_of(codec::SourceFile source, const codec::Codec& codec, const Halves& halves,
+                      int orientation) {
+    const std::filesystem::path path = source.path;
+    Image image = upright(image_of(codec.decode(std::exchange(source, {})), path), orientation);
+    StereoViews read{halved(path, std::move(image), halves.layout), {}, halves.told, halves.is_right_first};
+    if (halves.is_right_first) std::swap(read.views.left, read.views.right);
+    return read;
+}
+
+StereoViews heic_pictures(const codec::SourceFile& source) {
+    auto pictures = codec::decode_heic_pair(source);
+    if (!pictures)
+        codec::refuse(source.path,
+                      "it is a HEIC file with one picture; give a spatial photograph, or --left and --right");
+    return {
+        {image_of(std::move(pictures->left), source.path), image_of(std::move(pictures->right), source.path)},
+        pictures->camera,
+        "both pictures of its stereo group, left first"};
+}
+
+codec::SourceFile second_file(const codec::SourceFile& source, const codec::SecondPicture& second) {
+    const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(second.begin);
+    return {source.path, {first, first + static_cast<std::ptrdiff_t>(second.size)}, {}, false, source.limits};
+}
+
+std::string told_of(const codec::SecondPicture& second) {
+    return second.is_right_first ? "two JPEG pictures, right view first by their numbers"
+                                 : "two JPEG pictures, left view first";
+}
+
+StereoViews jpeg_pictures(const codec::SourceFile& source, const codec::SecondPicture& second,
+                          int orientation) {
+    StereoViews read{
+        {upright(image_of(codec::decode_jpeg(source), source.path), orientation),
+         upright(image_of(codec::decode_jpeg(second_file(source, second)), source.path), orientation)},
+        {},
+        told_of(second),
+        second.is_right_first};
+    if (second.is_right_first) std::swap(read.views.left, read.views.right);
+    return read;
+}
+
+// Returns nullopt also if the file's index is malformed or lists no view, as that of many cameras' previews.
+std::optional<codec::SecondPicture> second_view(const codec::SourceFile& source) {
+    try {
+        return codec::find_second_picture(source);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+// Returns the pictures of a file that holds two, or whose halves are told by itself.
+StereoViews own_views(codec::SourceFile source, const codec::Codec& codec, StereoLayout layout,
+                      int orientation) {
+    const auto own = layout == StereoLayout::mpo ? std::nullopt : own_halves(source);
+    if (codec.format == codec::Format::heic) return heic_pictures(source);
+    if (own) return halves_of(std::move(source), codec, *own, orientation);
+    if (const auto second = codec::find_second_picture(source))
+        return jpeg_pictures(source, *second, orientation);
+    if (layout == StereoLayout::mpo)
+        codec::refuse(source.path,
+                      "it holds no second JPEG picture, as MPO files do; give --layout sbs or tb");
+    codec::refuse(source.path,
+                  "how it holds the two views cannot be told from it; give --layout sbs, sbs-half, tb "
+                  "or tb-half");
+}
+
+}  // namespace
+
+StereoViews read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
+                             const ReaderLimits& limits, bool is_upright) {
+    const codec::Codec& codec = require_image_codec(path);
+    const int orientation = is_upright ? read_orientation(path) : kUpright;
+    codec::SourceFile source = codec::load_raster_file(path, limits);
+    if (config.layout != StereoLayout::automatic && config.layout != StereoLayout::mpo) {
+        const Halves halves = given_halves(source, config);
+        return halves_of(std::move(source), codec, halves, orientation);
+    }
+    StereoViews read = own_views(std::move(source), codec, config.layout, orientation);
+    if (config.right_first && !read.is_right_first) {
+        std::swap(read.views.left, read.views.right);
+        read.camera.doffs_px = -read.camera.doffs_px;
+        read.told += ", exchanged by input.stereo.right_first";
+    }
+    const Image &left = read.views.left, &right = read.views.right;
+    if (left.width != right.width || left.height != right.height)
+        codec::refuse(path, "its pictures have " + size_text(left.width, left.height) + " and " +
+                                size_text(right.width, right.height) +
+                                " px; the views of a pair have one size");
+    if (orientation != kUpright) read.told += "; " + orientation_text(orientation) + " by EXIF";
+    return read;
+}
+
+std::optional<StereoFileDescription> describe_stereo_file(const std::filesystem::path& path,
+                                                          const ReaderLimits& limits) {
+    const codec::Codec* const codec = codec::find_codec(path);
+    if (!codec || codec->format >= codec::Format::pfm) return std::nullopt;
+    const codec::SourceFile source = codec::load_raster_file(path, limits);
+    if (codec->format == codec::Format::heic) {
+        const auto pair = codec::find_heic_pair(source.bytes);
+        if (!pair) return std::nullopt;
+        return StereoFileDescription{pair->width, pair->height, pair->camera,
+                                     "both pictures of its stereo group, left first"};
+    }
+    if (const auto own = own_halves(source)) {
+        const FileDescription whole = codec->describe(source);
+        const bool in_x =
+            own->layout == StereoLayout::side_by_side || own->layout == StereoLayout::half_side_by_side;
+        return StereoFileDescription{
+            in_x ? whole.width / 2 : whole.width, in_x ? whole.height : whole.height / 2, {}, own->told};
+    }
+    const auto second = second_view(source);
+    if (!second) return std::nullopt;
+    const FileDescription first = codec->describe(source),
+                          other = codec->describe(second_file(source, *second));
+    if (first.width != other.width || first.height != other.height) return std::nullopt;
+    return StereoFileDescription{other.width, other.height, {}, told_of(*second)};
+}
+
+}  // namespace hexrelief::readers
