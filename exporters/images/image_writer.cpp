@@ -1,6 +1,8 @@
 #include "exporters/images/image_writer.h"
 
 #include <jpeglib.h>
+// After jpeglib.h.
+#include <jerror.h>
 #include <png.h>
 #include <webp/encode.h>
 
@@ -11,8 +13,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "exporters/core/file_transaction.h"
 #include "pipeline/data/error.h"
@@ -73,12 +77,50 @@ struct JpegErrors {
 
 void jpeg_said(j_common_ptr) {}
 
-// Separate from its caller, as run_png(). *buffer is malloc'ed by libjpeg.
-bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, const Image& image, int quality,
-              unsigned char** buffer, unsigned long* size) {
+// Where libjpeg writes. Its own destination in memory leaves a freed buffer behind if memory ends.
+struct JpegSink {
+    jpeg_destination_mgr manager = {};  // first, so that a pointer to it is also a pointer to JpegSink
+    std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(1 << 16);
+
+    void offer_from(std::size_t written) {
+        manager.next_output_byte = bytes.data() + written;
+        manager.free_in_buffer = bytes.size() - written;
+    }
+};
+
+JpegSink& sink_of(j_compress_ptr jpeg) {
+    return *reinterpret_cast<JpegSink*>(jpeg->dest);
+}
+
+void jpeg_begins(j_compress_ptr jpeg) {
+    sink_of(jpeg).offer_from(0);
+}
+
+boolean jpeg_is_full(j_compress_ptr jpeg) {
+    JpegSink& sink = sink_of(jpeg);
+    const std::size_t written = sink.bytes.size();
+    bool is_grown = true;
+    try {
+        sink.bytes.resize(2 * written);
+    } catch (const std::bad_alloc&) {
+        is_grown = false;  // no jump out of a handler
+    }
+    if (!is_grown) ERREXIT1(jpeg, JERR_OUT_OF_MEMORY, 0);
+    sink.offer_from(written);
+    return TRUE;
+}
+
+void jpeg_ends(j_compress_ptr jpeg) {
+    JpegSink& sink = sink_of(jpeg);
+    sink.bytes.resize(sink.bytes.size() - sink.manager.free_in_buffer);
+}
+
+// Separate from its caller, as run_png().
+bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, JpegSink& sink, const Image& image,
+              int quality) {
     if (setjmp(errors.jump)) return false;
     jpeg_create_compress(&jpeg);
-    jpeg_mem_dest(&jpeg, buffer, size);
+    jpeg.dest = &sink.manager;
     jpeg.image_width = static_cast<JDIMENSION>(image.width);
     jpeg.image_height = static_cast<JDIMENSION>(image.height);
     jpeg.input_components = image.channels;
@@ -127,16 +169,16 @@ std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
     jpeg.err = jpeg_std_error(&errors.manager);
     errors.manager.error_exit = jpeg_failed;
     errors.manager.output_message = jpeg_said;
-    unsigned char* buffer = nullptr;
-    unsigned long size = 0;
-    const bool done = run_jpeg(jpeg, errors, image, quality, &buffer, &size);
-    const std::unique_ptr<unsigned char, decltype(&std::free)> owner(buffer, &std::free);
+    JpegSink sink;
+    sink.manager = {nullptr, 0, jpeg_begins, jpeg_is_full, jpeg_ends};
+    const bool done = run_jpeg(jpeg, errors, sink, image, quality);
     jpeg_destroy_compress(&jpeg);
     if (!done) {
+        if (errors.manager.msg_code == JERR_OUT_OF_MEMORY) throw std::bad_alloc();
         throw Error(ErrorKind::output, std::string("cannot encode the image as JPEG: ") + errors.message +
                                            "; choose PNG textures or a smaller export.texture_max_px");
     }
-    return {buffer, buffer + size};
+    return std::move(sink.bytes);
 }
 
 std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {

@@ -110,8 +110,31 @@ std::string shift_text(int px, const char* positive, const char* negative) {
     return std::to_string(std::abs(px)) + " px " + (px > 0 ? positive : negative);
 }
 
+Image with_flipped_rows(const Image& image) {
+    Image flipped = image;
+    const std::size_t row = static_cast<std::size_t>(image.width) * image.channels;
+    for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y)
+        std::copy_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row), row,
+                    flipped.pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
+    return flipped;
+}
+
+// A map with its rows in the other order fits the picture only if the picture's rows are exchanged, too.
+std::optional<Finding> check_rows(const DisparityMap& map, const Image& left, const EdgeFit& fit) {
+    const std::optional<double> here = fit_of(fit);
+    if (!here || *here >= kLeastFit) return std::nullopt;
+    const std::optional<double> flipped = fit_of(measure_edge_fit(map, with_flipped_rows(left)));
+    if (!flipped || *flipped < kShiftedFit || *flipped - *here < kShiftedGain) return std::nullopt;
+    return Finding{
+        Mistake::rows_flipped,
+        "the map is upside down against the colour image: the picture's edges fit the map's steps by " +
+            figure(*here) + " standard deviations, and by " + figure(*flipped) +
+            " with the rows in the other order; --flip exchanges the map's rows"};
+}
+
 std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
     const EdgeFit fit = measure_edge_fit(map, left);
+    if (auto flipped = check_rows(map, left, fit)) return flipped;
     const bool columns = is_shifted(fit.columns), rows = is_shifted(fit.rows);
     if (columns || rows)
         return Finding{

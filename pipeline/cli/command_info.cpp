@@ -44,6 +44,11 @@ void line(Text& text, const char* name, const std::string& value) {
     text += label + printable(value) + "\n";
 }
 
+// Prints the name before the first value only.
+void lines(Text& text, const char* name, const std::vector<std::string>& values) {
+    for (const std::string& value : values) line(text, &value == values.data() ? name : "", value);
+}
+
 std::string number(double value) {
     char digits[32];
     std::snprintf(digits, sizeof digits, "%.6g", value);
@@ -81,8 +86,8 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     const readers::MapDescription map = readers::describe_map(path, options.key, options.limits());
     if (map.known_share > 0) line(text, "values", number(map.least) + " .. " + number(map.largest));
     line(text, "known", number(100 * map.known_share) + " %");
-    line(text, "as depth", map.as_depth);
-    line(text, "as disparity", map.as_disparity);
+    lines(text, "as depth", map.as_depth);
+    lines(text, "as disparity", map.as_disparity);
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
 }
 
@@ -128,7 +133,7 @@ void tell_picture(const fs::path& path, const readers::FileDescription& raster, 
 // Adds the depths that a file holds beside a photograph.
 void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& text) {
     try {
-        line(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
+        lines(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
     } catch (const Error& error) {
         if (readers::describe_stereo_file(path, options.limits())) return;
         line(text, "as depth", error.what());
@@ -206,6 +211,21 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
         tell_picture(path, raster, options, text);
 }
 
+// Describes a file that may hold several arrays or parts, of which none may be the usual one.
+Text described(const fs::path& path, const RasterOptions& options) {
+    Text text;
+    const std::vector<std::string> contents = readers::list_contents(path, options.limits());
+    lines(text, "holds", contents);
+    try {
+        if (const auto raster = readers::describe_raster(path, options.key, options.limits()))
+            tell_raster(path, *raster, options, text);
+    } catch (const Error& error) {
+        if (contents.empty() || !options.key.empty()) throw;
+        line(text, "as map", error.what());
+    }
+    return text;
+}
+
 // Describes a picture or a map in a process of its own, because other libraries decode them. Files of
 // pictures and maps decode at more than 256 KiB per second. A map takes 8 bytes per pixel here: 1 GiB is
 // enough for 134 megapixels at any packing, and 64 bytes per byte of the file for maps that are packed
@@ -216,9 +236,7 @@ Text raster_text(const fs::path& path, const RasterOptions& options) {
                                      (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
     const inspect::WorkBytes told =
         inspect::run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
-            Text text;
-            if (const auto raster = readers::describe_raster(path, options.key, options.limits()))
-                tell_raster(path, *raster, options, text);
+            const Text text = described(path, options);
             return inspect::WorkBytes(text.begin(), text.end());
         });
     return {told.begin(), told.end()};

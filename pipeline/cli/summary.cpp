@@ -69,6 +69,7 @@ std::string summary_text(const RunSummary& run, const FileRequest& request, doub
     if (run.lacks_color) summary += " without colours (--color gives some)";
     summary +=
         text(", depth %.3g to %.3g%s; ", run.nearest, run.farthest, run.is_metric ? " m" : " (relative)");
+    if (!run.read_as.empty()) summary += "read as " + run.read_as + "; ";
     summary += shares_text(run);
     if (!run.support.empty()) summary += "; support by the pair: " + run.support;
     if (run.is_filled)

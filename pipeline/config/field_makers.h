@@ -123,7 +123,8 @@ inline void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));
 }
 
-// Returns the rows of export_fields.cpp.
+// Return the rows of input_fields.cpp and export_fields.cpp.
+std::vector<Field> input_fields();
 std::vector<Field> export_fields();
 
 }  // namespace hexrelief::config

@@ -12,8 +12,11 @@
 #include "pipeline/job/cameras/rectify_by_file.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/maps/depth_input.h"
+#include "pipeline/job/maps/disparity_input.h"
+#include "pipeline/job/maps/fit_map.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/pairs/align_pair.h"
+#include "pipeline/job/pairs/dark_strips.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -27,11 +30,10 @@ namespace fs = std::filesystem;
 
 template <typename Raster>
 ViewSize size_of(const Raster& raster) {
-    return {raster.width, raster.height};
-}
-
-ViewSize size_of(const readers::DepthFile& depth) {
-    return size_of(depth.map);
+    if constexpr (requires { raster.map; })
+        return size_of(raster.map);
+    else
+        return {raster.width, raster.height};
 }
 
 struct HashedImage : readers::OrientedPicture {
@@ -60,8 +62,11 @@ void take_picture(Image image, const fs::path& path, ViewSize view, const fs::pa
     input.picture = std::move(image);
 }
 
-// Returns the mask at the view's size. Throws Error(input) if the aspects differ; path is for the message.
-readers::PixelMask fitted(const readers::PixelMask& mask, ViewSize view, const fs::path& path) {
+// Returns the mask at the view's size; a mask of a rounded map is fitted to the picture as the map was.
+// Throws Error(input) if the aspects differ; path is for the message.
+readers::PixelMask fitted(readers::PixelMask mask, ViewSize view, const Image& picture,
+                          const fs::path& path) {
+    if (!picture.empty()) fit_to_picture(mask, picture.width, picture.height);
     const ViewSize size{mask.width, mask.height};
     if (size == view) return mask;
     if (!same_aspect(size, view))
@@ -69,13 +74,6 @@ readers::PixelMask fitted(const readers::PixelMask& mask, ViewSize view, const f
                                           size_text(view) +
                                           "; both must show the left view, with the same aspect");
     return readers::resampled(mask, view.width, view.height);
-}
-
-// Returns the share of pixels with this value, in percent.
-std::string percent_text(const readers::PixelMask& mask, std::uint8_t value) {
-    return fixed(100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
-                     static_cast<double>(mask.kept.size()),
-                 1);
 }
 
 // A mask or confidences, from a file or from an array; empty = none.
@@ -133,6 +131,7 @@ class InputReader {
                                               "; rectified images have one size");
         RunInput input{InputPair{std::move(source.views)}};
         find_camera(input, size, {});
+        hide_strips(input);
         input.mask = read_masks(input, size, {}, {});
         tell_camera(input);
         return input;
@@ -151,11 +150,17 @@ class InputReader {
         for (const std::string& warning : turning.warnings) log_.warn(warning);
         for (const std::string& decision : turning.decisions) log_.decide(decision);
     }
-    DisparityMap values_of(const DisparityFiles& source) const {
-        return readers::read_disparity_map(source.map, config_.disparity, limits_);
+    readers::DisparityFile values_of(const DisparityFiles& source) const {
+        return readers::read_disparity_file(source.map, before_doffs(config_.disparity), limits_);
     }
     readers::DepthFile values_of(const DepthFiles& source) const {
         return readers::read_depth_map(source.map, config_.depth, limits_);
+    }
+
+    template <typename MapFile>
+    void fit(MapFile& file, ViewSize picture) {
+        if (const auto done = fit_to_picture(file.map, picture.width, picture.height); !done.empty())
+            log_.warn(done);
     }
 
     template <typename Files>
@@ -169,6 +174,7 @@ class InputReader {
         if (reading_color.valid()) {
             HashedImage color = reading_color.get();
             tell(turn_to_fit(color, size_of(values).width, size_of(values).height));
+            fit(values, size_of(color.image));
             take_picture(std::move(color.image), source.color, size_of(values), source.map,
                          std::get<InputMap>(input.views));
             input.files.push_back(std::move(color.file));
@@ -180,9 +186,11 @@ class InputReader {
     template <typename Arrays>
     RunInput take_map(Arrays& source, const char* role) {
         RunInput input{InputMap{}};
-        if (!source.color.empty())
+        if (!source.color.empty()) {
+            fit(source.map, size_of(source.color));
             take_picture(std::move(source.color), "color", size_of(source.map), role,
                          std::get<InputMap>(input.views));
+        }
         return complete_map(std::move(input), std::move(source.map), {}, {{}, std::move(source.mask)},
                             {{}, std::move(source.confidence)});
     }
@@ -192,17 +200,23 @@ class InputReader {
         rectify_pair(input);
         const ResolvedCalibration camera = find_camera(input, size_of(input.color()), photograph);
         if (has_to_be_looked_at(config_)) align(input, camera, {config_, name, is_rig, !mask.empty()});
+        hide_strips(input);
         input.mask = read_masks(input, size_of(input.color()), {mask}, {});
         tell_camera(input);
         warn_of_scale(camera);
         return input;
     }
 
-    RunInput complete_map(RunInput input, DisparityMap map, const fs::path& photograph, MaskSource mask,
-                          MaskSource confidence) {
-        const ResolvedCalibration camera = find_camera(input, size_of(map), photograph);
-        hide(map.values, read_masks(input, size_of(map), std::move(mask), std::move(confidence)));
-        std::get<InputMap>(input.views).disparities = std::move(map);
+    RunInput complete_map(RunInput input, readers::DisparityFile file, const fs::path& photograph,
+                          MaskSource mask, MaskSource confidence) {
+        const ResolvedCalibration camera = find_camera(input, size_of(file), photograph);
+        for (const std::string& warning : keep_in_front(file, camera.calibration.doffs_px))
+            log_.warn(warning);
+        hide(file.map.values, read_masks(input, size_of(file), std::move(mask), std::move(confidence)));
+        InputMap& map = std::get<InputMap>(input.views);
+        map.disparities = std::move(file.map);
+        map.read_as = std::move(file.believed);
+        if (!map.read_as.empty()) log_.decide("disparity: " + map.read_as);
         tell_camera(input);
         warn_of_scale(camera);
         return input;
@@ -219,11 +233,12 @@ class InputReader {
     }
 
     void rectify_pair(RunInput& input);
+    void hide_strips(RunInput& input);
     void align(RunInput& input, const ResolvedCalibration& camera, const PairToAlign& given);
     ResolvedCalibration find_camera(RunInput& input, ViewSize view, const fs::path& photograph);
     readers::PixelMask read_masks(RunInput& input, ViewSize view, MaskSource mask, MaskSource confidence);
     void take_depths_of(readers::DepthFile depth, const ResolvedCalibration& resolved, RunInput& input);
-    void tell_camera(const RunInput& input) { log_.decide("calibration: " + camera_text(input)); }
+    void tell_camera(const RunInput& input) { log_.decide("calibration: " + input.camera_text()); }
     void warn_of_scale(const ResolvedCalibration& camera) {
         if (const std::string missing = missing_for_metres(camera); !missing.empty()) log_.warn(missing);
     }
@@ -270,6 +285,13 @@ void InputReader::align(RunInput& input, const ResolvedCalibration& camera, cons
     pair.alignment = std::move(done.found);
 }
 
+void InputReader::hide_strips(RunInput& input) {
+    const readers::PixelMask bright = without_dark_strips(input.color());
+    if (bright.empty()) return;
+    log_.decide("dark strips along the sides: " + percent_text(bright, 0) + " % of the picture, unknown");
+    input.mask = both(std::move(input.mask), bright);
+}
+
 // Finds the calibration and adds its file to the input. photograph: the file whose EXIF data describe the
 // left view's lens; empty = none.
 ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, const fs::path& photograph) {
@@ -309,13 +331,15 @@ readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskS
     }
     if (!mask.file.empty()) mask.array = readers::read_mask(mask.file, config_.mask, limits_);
     if (!mask.array.empty())
-        input.mask = both(std::move(input.mask), fitted(mask.array, view, mask.name("mask")));
+        input.mask =
+            both(std::move(input.mask), fitted(mask.array, view, input.texture(), mask.name("mask")));
     if (!mask.file.empty()) input.files.push_back(hashed("mask", mask.file));
     readers::PixelMask kept = input.mask;
     if (!confidence.file.empty())
         confidence.array = readers::read_confidence(confidence.file, config_.confidence, limits_);
     if (!confidence.array.empty())
-        kept = both(std::move(kept), fitted(confidence.array, view, confidence.name("confidence")));
+        kept = both(std::move(kept),
+                    fitted(confidence.array, view, input.texture(), confidence.name("confidence")));
     if (!confidence.file.empty()) input.files.push_back(hashed("confidence", confidence.file));
     if (!kept.empty()) log_.decide("mask: keeps " + percent_text(kept, 1) + " % of the picture");
     return kept;
@@ -330,8 +354,10 @@ void InputReader::take_depths_of(readers::DepthFile depth, const ResolvedCalibra
         log_.warn(
             "the focal length is not known and taken to be the picture's width, so depths may be stretched; "
             "give --calib FILE, --fov-x DEG or input.calibration.focal_px");
+    if (!depth.doubt.empty()) log_.warn(depth.doubt);
     InputMap& map = std::get<InputMap>(input.views);
-    map.depth_read_as = depth.believed + (config_.depth.ray ? ", along the ray" : "");
+    map.is_depth = true;
+    map.read_as = depth.believed + (config_.depth.ray ? ", along the ray" : "");
     DepthInput taken = take_depths(std::move(depth), config_.depth, resolved.is_focal_known, camera);
     map.disparities = std::move(taken.map);
     if (taken.is_baseline_chosen) input.baseline_from = "the nearest distance";
@@ -339,14 +365,6 @@ void InputReader::take_depths_of(readers::DepthFile depth, const ResolvedCalibra
 }
 
 }  // namespace
-
-std::string camera_text(const RunInput& input) {
-    const Calibration& camera = input.calibration;
-    return "focal " + fixed(camera.focal_px, 2) + " px, baseline " + fixed(camera.baseline_m, 4) +
-           (camera.metric ? " m" : " (relative)") + ", principal point (" + fixed(camera.cx, 2) + ", " +
-           fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px; focal by " +
-           input.focal_from + ", baseline by " + input.baseline_from;
-}
 
 const std::vector<fs::path>& rectified_file_names() {
     static const std::vector<fs::path> names = {"left_rectified.png", "right_rectified.png", "calib.txt"};

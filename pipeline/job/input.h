@@ -10,6 +10,7 @@
 #include "pipeline/alignment/alignment.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/log/run_log.h"
 #include "pipeline/job/request.h"
 #include "pipeline/readers/depth/mask_reader.h"
@@ -31,11 +32,10 @@ struct InputPair {
 // A supplied disparity map, or a supplied depth map converted to disparities.
 struct InputMap {
     DisparityMap disparities;
-    Image color;    // the left picture at the map's size; empty = none
-    Image picture;  // the left picture at its own size, if that differs from the map's; else empty
-    std::string depth_read_as;  // how a depth map was read: "16-bit integers, mm"; empty = not a depth map
-
-    bool is_depth() const { return !depth_read_as.empty(); }
+    Image color;               // the left picture at the map's size; empty = none
+    Image picture;             // the left picture at its own size, if that differs from the map's; else empty
+    std::string read_as = {};  // how its samples were read: "16-bit integers, mm"; empty = it was in memory
+    bool is_depth = false;     // true if it was a depth map
 };
 
 struct RunInput {
@@ -51,6 +51,8 @@ struct RunInput {
     bool is_aligned() const {
         return pair() && pair()->alignment && pair()->alignment->verdict == alignment::Verdict::aligned;
     }
+    // Returns the calibration in effect as text, with the origins of focal length and baseline.
+    std::string camera_text() const { return job::camera_text(calibration, focal_from, baseline_from); }
     const InputPair* pair() const { return std::get_if<InputPair>(&views); }
     const InputMap* map() const { return std::get_if<InputMap>(&views); }
     // color(): the left picture at the view's size; texture(): the same at its original size. Empty = none.
@@ -70,9 +72,6 @@ struct RunInput {
 // Returns the names of the files that save_rectified()
 // writes: left_rectified.png right_rectified.png calib.txt.
 const std::vector<std::filesystem::path>& rectified_file_names();
-
-// Returns the calibration in effect as text, with the origins of focal length and baseline.
-std::string camera_text(const RunInput& input);
 
 // Reads a source's files, or moves its arrays out of it. Warns of a missing calibration, except
 // for a pair in memory. Throws Error(input)

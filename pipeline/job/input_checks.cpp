@@ -19,6 +19,7 @@ bool leaves_disparities(const checks::Finding& finding) {
     return finding.mistake == checks::Mistake::range_wide ||
            finding.mistake == checks::Mistake::range_ends_low ||
            finding.mistake == checks::Mistake::rows_differ ||
+           finding.mistake == checks::Mistake::rows_flipped ||
            finding.mistake == checks::Mistake::color_elsewhere ||
            finding.mistake == checks::Mistake::color_unrelated;
 }
@@ -31,7 +32,7 @@ void check_input(const RunInput& input, const stages::FoundRange& range, const c
     const InputMap* const map = input.map();
     // The matcher refuses a blank picture; any other finding would be spurious.
     if (pair && (checks::is_blank(pair->views.left) || checks::is_blank(pair->views.right))) return;
-    const bool is_depth = map && map->is_depth();
+    const bool is_depth = map && map->is_depth;
     std::vector<checks::Finding> findings;
     if (pair) {
         const stages::DisparityConfig& searched = range.config;

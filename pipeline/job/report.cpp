@@ -94,8 +94,11 @@ Json input_json(const RunReport& report) {
     json["calibration"] = calibration_json(report.relief->pair_camera);
     json["believed"]["focal"] = input.focal_from;
     json["believed"]["baseline"] = input.baseline_from;
-    const bool is_depth = input.map() && input.map()->is_depth();
-    json["believed"]["depth"] = is_depth ? Json(input.map()->depth_read_as) : Json(nullptr);
+    for (const bool is_depth : {true, false}) {
+        const bool is_it = input.map() && input.map()->is_depth == is_depth && !input.map()->read_as.empty();
+        json["believed"][is_depth ? "depth" : "disparity"] =
+            is_it ? Json(input.map()->read_as) : Json(nullptr);
+    }
     json["alignment"] = alignment_json(input);
     json["known_share"] = report.shares.known();
     json["densified"] = filling_json(disparity);
@@ -277,7 +280,7 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map) {
 PictureShares shares_of(const Relief& relief) {
     PictureShares shares = share_picture(relief.disparity.meshed(), relief.density.background_px,
                                          relief.surface.mesh, relief.surface.mesh.left_triangles());
-    if (const InputMap* const map = relief.input.map(); map && map->is_depth())
+    if (const InputMap* const map = relief.input.map(); map && map->is_depth)
         shares.unknown += std::exchange(shares.occluded, 0);
     return shares;
 }

@@ -37,7 +37,7 @@ struct PairArrays {
     StereoPair views;
 };
 struct DisparityArrays {
-    DisparityMap map;
+    readers::DisparityFile map;
     Image color = {};
     readers::PixelMask mask = {}, confidence = {};
 };

@@ -98,8 +98,8 @@ Image image_of(const ImageView& view, const std::string& name) {
     return image;
 }
 
-DisparityMap map_of(const MapView& view, const readers::DisparityFileConfig& config) {
-    return readers::disparities_of(raster_of(view, "disparity"), "disparity", config);
+readers::DisparityFile map_of(const MapView& view, const readers::DisparityFileConfig& config) {
+    return readers::disparities_of(raster_of(view, "disparity"), "disparity", readers::before_doffs(config));
 }
 
 readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig& config) {

@@ -14,7 +14,7 @@ namespace hexrelief::library {
 // Returns a copy. `name` is for messages. Throws Error(input) unless there are 1 to 4 channels.
 Image image_of(const ImageView& view, const std::string& name);
 // Returns the disparities that the samples stand for. Throws Error(input) as read_disparity_map().
-DisparityMap map_of(const MapView& view, const readers::DisparityFileConfig& config);
+readers::DisparityFile map_of(const MapView& view, const readers::DisparityFileConfig& config);
 
 // Return what the readers of files return for the same samples, and throw Error(input) as those readers do.
 readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig& config);

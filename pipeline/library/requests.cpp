@@ -109,11 +109,12 @@ RunSummary summary_of(const job::RunReport& report) {
     summary.farthest = surface.farthest();
     summary.is_metric = surface.mesh.metric;
     const job::RunInput& input = relief.input;
+    if (input.map()) summary.read_as = input.map()->read_as;
     if (input.is_aligned())
         summary.alignment =
             job::alignment_text(*input.pair()->alignment, input.calibration.focal_px, input.focal_from);
     if (input.focal_from == job::kOwnCamera || input.baseline_from == job::kOwnCamera)
-        summary.camera = job::camera_text(input);
+        summary.camera = input.camera_text();
     summary.meshed = report.shares.meshed;
     summary.background = report.shares.background;
     summary.unknown = report.shares.unknown;

@@ -52,6 +52,7 @@ struct RunSummary {
     double percent_cost = 0;  // how unequal the lattice's cells are
     double nearest = 0, farthest = 0;
     bool is_metric = false;
+    std::string read_as = {};  // how a map's samples were read: "16-bit integers, mm"; empty without a map
     double meshed = 0, background = 0, unknown = 0, occluded = 0;
     std::string alignment = {};  // what was done to a pair whose rows were off; empty = nothing
     std::string camera = {};     // the camera that a photograph says itself; empty = it says none

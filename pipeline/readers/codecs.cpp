@@ -67,7 +67,7 @@ bool is_tiff(std::span<const std::uint8_t> head) {
            begins(head, "MM\0+"sv);
 }
 
-constexpr std::array<Codec, 11> kCodecs{{
+constexpr std::array<Codec, 12> kCodecs{{
     {Format::png, "PNG", is_png, describe_png, decode_png},
     {Format::jpeg, "JPEG", is_jpeg, describe_jpeg, decode_jpeg},
     {Format::tiff, "TIFF", is_tiff, describe_tiff, decode_tiff},
@@ -79,6 +79,7 @@ constexpr std::array<Codec, 11> kCodecs{{
     {Format::npy, "NPY", is_npy, describe_npy, decode_npy},
     {Format::npz, "NPZ", is_zip, describe_npz, decode_npz},
     {Format::exr, "OpenEXR", is_exr, describe_exr, decode_exr},
+    {Format::float_map, "depth map", is_float_map, describe_float_map, decode_float_map},
 }};
 
 const Codec* match(std::span<const std::uint8_t> head) {
@@ -88,7 +89,23 @@ const Codec* match(std::span<const std::uint8_t> head) {
     return nullptr;
 }
 
+// Files that are told by name, because another program can save them as one that is read.
+struct Unread {
+    std::string_view magic;
+    const char* told;
+};
+constexpr Unread kUnread[] = {
+    {"\x89HDF\r\n", "it is HDF5 (.h5, .dsp5, newer .mat), which is not read; save its data set as NPY"},
+    {"MATLAB", "it is MATLAB's .mat, which is not read; save the array as NPY"},
+    {"\x1f\x8b", "it is packed by gzip; unpack it first"},
+    {"ply\n", "it is a PLY mesh or point cloud, not a map"},
+    {"# .PCD", "it is a point cloud, not a map"},
+    {"GIF8", "it is a GIF, whose palette holds no map"},
+};
+
 std::string looks_like(std::span<const std::uint8_t> head) {
+    for (const Unread& unread : kUnread)
+        if (begins(head, unread.magic)) return unread.told;
     if (head.empty()) return "the file is empty";
     if (netpbm_kind(head, "12347")) {
         return std::string("Netpbm kind P") + static_cast<char>(head[1]) +

@@ -8,6 +8,7 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/describe_raster.h"
+#include "pipeline/readers/packing.h"
 #include "pipeline/readers/source.h"
 
 namespace hexrelief::readers::codec {
@@ -39,6 +40,13 @@ FileDescription describe_npz(const SourceFile& source);
 Raster decode_npz(const SourceFile& source);
 FileDescription describe_exr(const SourceFile& source);
 Raster decode_exr(const SourceFile& source);
+// Return a line for each array or part: its names, types and sizes.
+std::vector<std::string> list_npz(const SourceFile& source);
+std::vector<std::string> list_exr(const SourceFile& source);
+// COLMAP's, OpenMVS's and Sintel's depths, and optical flow.
+bool is_float_map(std::span<const std::uint8_t> head);
+FileDescription describe_float_map(const SourceFile& source);
+Raster decode_float_map(const SourceFile& source);
 // HEIC: the picture of a photograph, or its depths if SourceFile::is_map.
 FileDescription describe_heic(const SourceFile& source);
 Raster decode_heic(const SourceFile& source);
@@ -50,7 +58,7 @@ struct HeicPictures {
 // HEIC.
 std::optional<HeicPictures> decode_heic_pair(const SourceFile& source);
 
-enum class Format { png, jpeg, tiff, webp, bmp, pnm, heic, pfm, npy, npz, exr };
+enum class Format { png, jpeg, tiff, webp, bmp, pnm, heic, pfm, npy, npz, exr, float_map };
 
 struct Codec {
     Format format;
@@ -71,6 +79,8 @@ const Codec& require_codec(const std::filesystem::path& path, const char* wanted
 struct MapWords {
     const char *map, *samples;
     const char* several = "name one by --key";  // as in SourceFile
+    Wanted wanted = Wanted::map;
+    Packing packing = Packing::none;
 };
 
 // Reads the one channel of a map; a colour picture with only grey pixels is accepted as well. `key` names the

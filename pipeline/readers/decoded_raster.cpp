@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/packed_map.h"
 
 namespace hexrelief::readers::codec {
 namespace {
@@ -14,9 +15,16 @@ template <typename Sample>
 void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) {
     const std::size_t pixels = samples.size() / 3;
     for (std::size_t i = 0; i < pixels; ++i) {
-        if (samples[3 * i] != samples[3 * i + 1] || samples[3 * i] != samples[3 * i + 2])
-            refuse(path, "it is a colour picture, a map has one channel; save it as grey");
-        samples[i] = samples[3 * i];
+        const Sample *const pixel = samples.data() + 3 * i, first = pixel[0];
+        const bool is_grey = (pixel[1] == first && pixel[2] == first) ||
+                             (pixel[0] != pixel[0] && pixel[1] != pixel[1] && pixel[2] != pixel[2]);  // NaN
+        if (!is_grey)
+            refuse(
+                path,
+                "it is a colour picture, and a map has one channel; if red, green and blue together are one "
+                "number, --packed carla or sintel reads them (input.depth.packed, input.disparity.packed), "
+                "and colours for the eye cannot be read");
+        samples[i] = first;
     }
     samples.resize(pixels);
 }
@@ -42,6 +50,42 @@ std::vector<std::uint8_t> take_last(std::vector<Sample>& samples, std::size_t ch
 }
 
 }  // namespace
+
+std::string samples_name(const Raster& raster) {
+    if (raster.are_floats()) return "floats";
+    const bool are_bytes = std::holds_alternative<std::vector<std::uint8_t>>(raster.samples);
+    return (raster.is_signed ? "signed " : "") +
+           std::to_string(raster.integer_bits > 0 ? raster.integer_bits
+                          : are_bytes             ? 8
+                                                  : 16) +
+           "-bit integers";
+}
+
+void hold_integers(Raster& raster, std::vector<float> values, int bits, bool is_signed) {
+    if (std::ranges::all_of(values, [](float value) { return value >= 0 && value <= 65535; })) {
+        raster.max_value = 0;
+        raster.samples = std::vector<std::uint16_t>(values.begin(), values.end());
+        return;
+    }
+    raster.integer_bits = bits;
+    raster.is_signed = is_signed;
+    raster.samples = std::move(values);
+}
+
+void flip_rows(std::vector<float>& values, int width) {
+    for (auto top = values.begin(), end = values.end(); end - top >= 2 * width; top += width, end -= width)
+        std::swap_ranges(top, top + width, end - width);
+}
+
+float float_of_half(std::uint16_t half) {
+    const std::uint32_t sign = (half & 0x8000u) << 16, exponent = half >> 10 & 31, fraction = half & 1023u;
+    if (exponent == 0) {
+        const float tiny = static_cast<float>(fraction) * 0x1p-24f;
+        return sign ? -tiny : tiny;
+    }
+    const std::uint32_t wide = exponent == 31 ? 255 : exponent + 112;
+    return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+}
 
 void split_alpha(Raster& raster) {
     std::visit(
@@ -77,22 +121,23 @@ void refuse_byte_order(const std::filesystem::path& path) {
 Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
                        const ReaderLimits& limits) {
     const Codec& codec = require_codec(
-        path, (std::string(words.map) + " as PNG, PGM (P5), PFM, TIFF, NPY, NPZ, EXR or HEIC").c_str());
+        path, (std::string(words.map) +
+               " as PNG, PGM (P5), PFM, TIFF, NPY, NPZ, EXR, HEIC, COLMAP's, OpenMVS's or Sintel's")
+                  .c_str());
     if (codec.format == Format::jpeg || codec.format == Format::webp)
         refuse(path, std::string(codec.name) + " does not keep " + words.samples +
                          " exactly; give the map as PNG, PGM, PFM, TIFF, NPY or EXR");
     SourceFile source = load_raster_file(path, limits);
     source.key = key;
     source.several = words.several;
+    source.wanted = words.wanted;
     source.is_map = true;
     Raster raster = codec.decode(source);
-    if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples))
-        refuse(path, std::string("it has three channels of floats, ") + words.map +
-                         " has one; save it as grey (PFM: Pf)");
+    unpack(raster, words.packing, path);
     if (raster.channels == 3) std::visit([&](auto& values) { keep_grey(values, path); }, raster.samples);
     raster.channels = 1;
-    if (const auto* floats = std::get_if<std::vector<float>>(&raster.samples))
-        if (in_other_order(*floats)) refuse_byte_order(path);
+    if (raster.are_floats() && in_other_order(std::get<std::vector<float>>(raster.samples)))
+        refuse_byte_order(path);
     return raster;
 }
 

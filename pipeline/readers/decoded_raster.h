@@ -22,8 +22,8 @@ inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
 
 // A format's own statement about a depth map's samples.
 struct StatedDepth {
-    // depth: metres; inverse_depth: 1 / metres.
-    enum class Kind { nothing, depth, inverse_depth, relative_inverse };
+    // depth: metres; inverse_depth: 1 / metres; relative_depth: in the units of a reconstruction.
+    enum class Kind { nothing, depth, inverse_depth, relative_inverse, relative_depth };
     Kind kind = Kind::nothing;
     double step = 0;        // between adjacent samples, if these were converted to floats
     std::string told = {};  // the source of this information
@@ -40,13 +40,34 @@ struct Raster {
     int width = 0;
     int height = 0;
     int channels = 1;
-    unsigned max_value = 255;  // value of full white in integer samples, 1..65535; unused for floats
+    // Value of full white in integer samples, 1..65535; 0 = they are a map's. Unused for floats.
+    unsigned max_value = 255;
     // Sample value that the file itself declares to mean "unknown"; NaN = none.
     double nodata = kNoData;
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
     std::vector<std::uint8_t> alpha = {};  // 0..255 per pixel; empty = all are opaque
     StatedDepth stated = {};
+    // Width of integers that are held as floats, because they are negative or above 65535; 0 = there are
+    // none.
+    int integer_bits = 0;
+    bool is_signed = false;  // these integers' type
+
+    bool are_floats() const {
+        return integer_bits == 0 && std::holds_alternative<std::vector<float>>(samples);
+    }
 };
+
+// Returns "floats", "16-bit integers", "signed 16-bit integers".
+std::string samples_name(const Raster& raster);
+
+// Puts integers of any type into the raster: as unsigned ones of 16 bits if all of them fit.
+void hold_integers(Raster& raster, std::vector<float> values, int bits, bool is_signed);
+
+// Exchanges the first row with the last, and so on.
+void flip_rows(std::vector<float>& values, int width);
+
+// Returns the value of an IEEE number of 16 bits.
+float float_of_half(std::uint16_t half);
 
 // Moves the last of the raster's 2 or 4 channels, of 8 or 16 bits, to its alpha, which stays empty if
 // no pixel is transparent.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/readers/limits.h"
 
@@ -25,5 +26,9 @@ struct FileDescription {
 // than the limits allow.
 std::optional<FileDescription> describe_raster(const std::filesystem::path& path, const std::string& key = {},
                                                const ReaderLimits& limits = {});
+
+// Returns a line for each array of an NPZ file, or each part of an EXR file: names, types, sizes. Empty for
+// other files. Throws Error(input) if the file is malformed.
+std::vector<std::string> list_contents(const std::filesystem::path& path, const ReaderLimits& limits = {});
 
 }  // namespace hexrelief::readers

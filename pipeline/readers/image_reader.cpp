@@ -45,6 +45,9 @@ Image read_image(const std::filesystem::path& path, const ReaderLimits& limits) 
 }
 
 Image image_of(codec::Raster raster, const std::filesystem::path& path) {
+    if (raster.max_value == 0 && !raster.are_floats())
+        codec::refuse(path,
+                      "its integers are signed or of 32 bits; save it with 8 or 16 bits without a sign");
     Image image;
     image.width = raster.width;
     image.height = raster.height;

@@ -12,6 +12,9 @@
 
 namespace hexrelief::readers::codec {
 
+// What an array or a channel is searched for, if a file holds several.
+enum class Wanted { map, confidence, mask };
+
 struct SourceFile {
     std::filesystem::path path;
     std::vector<std::uint8_t> bytes;  // all bytes, or only the first ones if `file` is open
@@ -21,6 +24,7 @@ struct SourceFile {
     std::shared_ptr<std::FILE> file = {};       // gives access to further bytes
     std::uint64_t file_size = 0;                // size of an open file
     const char* several = "name one by --key";  // advice if there are several and none is named
+    Wanted wanted = Wanted::map;
 
     std::uint64_t size() const { return file ? file_size : bytes.size(); }
     // Copies up to `count` bytes at `offset` of the file, and returns how many there were.

@@ -14,7 +14,6 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kCoarseColumns = 160, kFineColumns = 320;
 constexpr int kCoarseSpeckle = 12, kFineSpeckle = 40;  // largest speckles, in pixels
 // The larger match searches up to this many times the largest disparity of the coarse match.
 constexpr double kFineReach = 1.6;
@@ -104,8 +103,8 @@ double quantile(std::vector<float>& values, double share) {
 
 }  // namespace
 
-SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads) {
-    ReducedPair coarse = reduced(pair, kCoarseColumns);
+SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads, int columns) {
+    ReducedPair coarse = reduced(pair, columns);
     const matching::DisparityRange range{floor_of(min_px, coarse),
                                          entries(std::max(0, min_px), pair.left.width, coarse)};
     return match_small(std::move(coarse), range, kCoarseSpeckle, threads);

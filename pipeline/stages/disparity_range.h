@@ -23,9 +23,11 @@ struct SmallMatch {
     matching::MatchedMap map;
 };
 
-// Matches the pair at 160 columns (or at its own width if that is less), from min_px on over its whole width.
-// Both images must have one size and at least 16 columns.
-SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads);
+inline constexpr int kCoarseColumns = 160, kFineColumns = 320;
+
+// Matches the pair at so many columns (or at its own width if that is less), from min_px on over its whole
+// width. Both images must have one size and at least 16 columns.
+SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads, int columns = kCoarseColumns);
 
 // Chooses how many disparities from min_px on cover the pair: a multiple of 16, at most the width. The pair
 // is matched again at a larger size, over somewhat more than the range that the coarse match found. The

@@ -7,6 +7,8 @@ namespace hexrelief::windows {
 namespace {
 
 std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const MapWindowConfig& config) {
+    if (config.disparity.flip)
+        readers::codec::refuse(path, "rows in the other order are not read in windows; flip the map before");
     if (config.raw) return raw_windows(std::make_shared<MapFile>(path), *config.raw);
     const readers::codec::Codec& codec =
         readers::codec::require_codec(path, "a disparity map as TIFF, BigTIFF or PFM");

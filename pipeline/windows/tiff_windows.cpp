@@ -112,6 +112,9 @@ std::unique_ptr<WindowSource> plain_windows(std::shared_ptr<const MapFile> file,
                                             std::unique_ptr<OpenTiff> tiff,
                                             const readers::codec::TiffLayout& layout) {
     readers::codec::check_samples(layout, tiff->source);
+    if (readers::codec::are_wide_integers(layout))
+        readers::codec::refuse(
+            file->path(), "signed integers and those of 32 bits are not read in windows; save it as float32");
     if (auto rows = plain_strips(file, *tiff, layout)) return rows;
     return std::make_unique<TiffWindows>(std::move(file), std::move(tiff), layout);
 }

@@ -71,8 +71,11 @@ void read_raster(Bytes bytes, const std::string& name) {
     const bool is_map = name == "maps";
     if (!codec) return;
     attempt([&] { readers::describe_raster(path, {}, kLimits); });
+    attempt([&] { readers::list_contents(path, kLimits); });
     if (is_map) {
         attempt([&] { readers::read_disparity_map(path, {}, kLimits); });
+        attempt([&] { readers::read_disparity_map(path, {.key = "[0]", .flip = true}, kLimits); });
+        attempt([&] { readers::read_depth_map(path, {.packing = readers::Packing::carla}, kLimits); });
         attempt([&] { readers::read_depth_map(path, {}, kLimits); });
         attempt(
             [&] { readers::read_depth_map(path, {.kind = readers::DepthKind::affine_inverse}, kLimits); });

@@ -7,6 +7,7 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 
 namespace hexrelief::job {
@@ -160,6 +161,14 @@ bool same_aspect(ViewSize a, ViewSize b) {
     if (a.width > b.width) std::swap(a, b);
     const double width = 1.0 * a.height * b.width / b.height, height = 1.0 * a.width * b.height / b.width;
     return std::abs(width - a.width) <= 1 || std::abs(height - a.height) <= 1;
+}
+
+std::string camera_text(const Calibration& camera, const std::string& focal_from,
+                        const std::string& baseline_from) {
+    return "focal " + fixed(camera.focal_px, 2) + " px, baseline " + fixed(camera.baseline_m, 4) +
+           (camera.metric ? " m" : " (relative)") + ", principal point (" + fixed(camera.cx, 2) + ", " +
+           fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px; focal by " + focal_from +
+           ", baseline by " + baseline_from;
 }
 
 Calibration scaled_to(const Calibration& camera, ViewSize size) {

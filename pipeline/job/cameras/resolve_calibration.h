@@ -30,6 +30,10 @@ Calibration scaled_to(const Calibration& camera, ViewSize size);
 // The origin of what a photograph's file says of its camera by itself.
 inline constexpr const char* kOwnCamera = "the photograph's own camera";
 
+// Returns a camera as text, with the origins of its focal length and baseline.
+std::string camera_text(const Calibration& camera, const std::string& focal_from,
+                        const std::string& baseline_from);
+
 // Inputs from which a run's camera is found.
 struct CameraSource {
     const config::CalibrationConfig& config;

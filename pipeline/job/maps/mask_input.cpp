@@ -1,6 +1,7 @@
 #include "pipeline/job/maps/mask_input.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "pipeline/data/error.h"
 
@@ -32,6 +33,14 @@ readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b) {
     if (a.empty()) return b;
     for (std::size_t i = 0; i < b.kept.size(); ++i) a.kept[i] &= b.kept[i];
     return a;
+}
+
+std::string percent_text(const readers::PixelMask& mask, std::uint8_t value) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%.1f",
+                  100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
+                      static_cast<double>(mask.kept.size()));
+    return text;
 }
 
 }  // namespace hexrelief::job

@@ -1,6 +1,8 @@
 // Applies masks and confidences to maps.
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "pipeline/data/disparity_map.h"
@@ -21,5 +23,8 @@ readers::PixelMask opaque_part(const Image& image);
 
 // Returns the mask of the pixels that both masks keep. An empty mask keeps all.
 readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b);
+
+// Returns the share of pixels with this value, in percent with one decimal.
+std::string percent_text(const readers::PixelMask& mask, std::uint8_t value);
 
 }  // namespace hexrelief::job

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipeline/alignment/resample.h"
+#include "pipeline/checks/occluded_edges.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::job {
@@ -79,13 +80,27 @@ void take_aligned(StereoPair& views, PairAlignment& pair, int threads) {
     pair.decisions.push_back(alignment_text(pair.found, calibration.focal_px, camera.focal_from));
 }
 
-void leave_rectified(PairAlignment& pair, bool is_rig) {
+// True if views of which nearly all lies behind infinity are shifted and not exchanged.
+bool are_shifted(const StereoPair& views, const DisparityBounds& bounds, int threads) {
+    const double spread = bounds.largest_px - bounds.least_px;
+    const int least = static_cast<int>(std::floor(bounds.least_px - kFarMargin * spread - kFarMargin_px));
+    return checks::is_surely_left(stages::match_coarsely(views, least, threads, stages::kFineColumns));
+}
+
+void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
     DisparityBounds& bounds = pair.found.disparities;
     pair.decisions.push_back("alignment: none, rows are off by " +
                              digits(pair.found.estimate.before.median_px, 2) + " px in the median of " +
                              std::to_string(pair.found.matches) + " points");
-    // Two files whose points nearly all lie behind infinity are exchanged, which the checks tell.
-    if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) bounds = {};
+    // Two files whose points nearly all lie behind infinity may be exchanged, which the checks tell.
+    if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) {
+        if (are_shifted(views, bounds, threads))
+            pair.warnings.emplace_back(
+                "all that both pictures show lies behind infinity: taken for a pair shifted for a stereo "
+                "window; if the mesh is inside out, give the pictures the other way round");
+        else
+            bounds = {};
+    }
     if (!is_partly_negative(pair.found)) return;
     pair.camera.calibration.doffs_px = -bounds.infinity_px;
     set_unit(pair.camera, bounds);
@@ -112,7 +127,7 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
                                           "; give --calib, or --rectify never if it is rectified");
     if (found.verdict == Verdict::unclear)
         pair.decisions.push_back("alignment: " + found.reason + ", so the pair is taken as it is");
-    if (found.verdict == Verdict::rectified) leave_rectified(pair, given.is_rig);
+    if (found.verdict == Verdict::rectified) leave_rectified(views, pair, given.is_rig, threads);
     if (found.verdict == Verdict::aligned) {
         if (given.has_mask)
             throw Error(ErrorKind::input,

@@ -16,7 +16,6 @@ namespace hexrelief::readers {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLargestWide = 65535;
 // The assumed ratio of depths if nothing says how far a network's relative depths reach.
 constexpr double kFarthestToNearest = 10;
 // Share of the samples at either end that are ignored when the ends are determined.
@@ -34,13 +33,19 @@ std::string number(double value) {
 // The samples as floats; those that mean "unknown" are NaN.
 struct Samples {
     std::vector<float> values;
-    int bits = 32;  // 8 and 16 are integers, 32 are floats
-
-    bool are_integers() const { return bits < 32; }
-    double step = are_integers() ? 1 : 0;
-
-    std::string name() const { return are_integers() ? std::to_string(bits) + "-bit integers" : "floats"; }
+    bool are_bytes = false, are_integers = true;
+    double step = are_integers ? 1 : 0;
 };
+
+bool is_affine(DepthKind kind) {
+    return kind == DepthKind::affine_inverse || kind == DepthKind::affine_depth;
+}
+
+// Returns the largest number of the raster's type of integers, which cameras write for "too far".
+double largest_integer(const codec::Raster& raster) {
+    if (raster.integer_bits == 0) return 65535;
+    return std::ldexp(1.0, raster.integer_bits - (raster.is_signed ? 1 : 0)) - 1;
+}
 
 template <typename Sample>
 std::vector<float> without(const std::vector<Sample>& raw, std::array<double, 3> unknown) {
@@ -57,15 +62,15 @@ std::vector<float> without(const std::vector<Sample>& raw, std::array<double, 3>
 
 Samples samples_of(const codec::Raster& raster, const DepthFileConfig& config) {
     const bool given = !std::isnan(config.unknown);
-    const double zero = config.kind == DepthKind::affine_inverse ? kNone : 0,
-                 of_integers = given ? config.unknown : zero,
-                 largest = config.kind == DepthKind::depth && !given ? kLargestWide : kNone;
+    const double of_integers = given || is_affine(config.kind) ? config.unknown : 0,
+                 largest = config.kind == DepthKind::depth && !given ? largest_integer(raster) : kNone;
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&raster.samples))
-        return {without(*bytes, {of_integers, raster.nodata, kNone}), 8};
+        return {without(*bytes, {of_integers, raster.nodata, kNone}), true};
     if (const auto* wide = std::get_if<std::vector<std::uint16_t>>(&raster.samples))
-        return {without(*wide, {of_integers, raster.nodata, largest}), 16};
-    return {without(std::get<std::vector<float>>(raster.samples), {config.unknown, raster.nodata, kNone}),
-            32};
+        return {without(*wide, {of_integers, raster.nodata, largest})};
+    const auto& floats = std::get<std::vector<float>>(raster.samples);
+    if (raster.integer_bits > 0) return {without(floats, {of_integers, raster.nodata, largest})};
+    return {without(floats, {config.unknown, raster.nodata, kNone}), false, false};
 }
 
 struct Unit {
@@ -83,12 +88,12 @@ std::optional<Unit> parse_unit(const std::string& text) {
 
 Unit unit_of(const std::filesystem::path& path, const Samples& samples, const DepthFileConfig& config) {
     if (!config.unit.empty()) return parse_unit(config.unit).value();
-    if (!samples.are_integers() || config.kind == DepthKind::affine_inverse) return {1, "m"};
+    if (!samples.are_integers || is_affine(config.kind)) return {1, "m"};
     if (config.kind == DepthKind::inverse_depth)
         codec::refuse(path,
                       "integers of inverse depth do not say how many are one over a metre; give --depth-unit "
                       "(input.depth.unit)");
-    if (samples.bits == 8)
+    if (samples.are_bytes)
         codec::refuse(path,
                       "an 8-bit depth map does not say how many of its levels are a metre; give --depth-unit "
                       "(input.depth.unit), or --depth-kind affine_inverse for the picture of a network's "
@@ -96,12 +101,14 @@ Unit unit_of(const std::filesystem::path& path, const Samples& samples, const De
     return {1000, "mm"};
 }
 
-// The coefficients of depth = 1 / (shift + scale * sample).
+// The coefficients of shift + scale * sample, which is the depth or 1 / depth.
 struct Affine {
     double shift, scale;
     bool is_given = true;
 };
 
+// Returns the given coefficients, or those by which the samples, without outliers, go from 1 / 10 to 1 for
+// affine_inverse and from 1 to 10 for affine_depth.
 Affine affine_of(const std::vector<float>& samples, const DepthFileConfig& config) {
     const bool has_shift = !std::isnan(config.affine_shift), has_scale = !std::isnan(config.affine_scale);
     if (has_shift || has_scale)
@@ -116,10 +123,11 @@ Affine affine_of(const std::vector<float>& samples, const DepthFileConfig& confi
         std::nth_element(known.begin(), known.begin() + rank, known.end());
         return static_cast<double>(known[rank]);
     };
-    const double farthest = at(cut), nearest = at(static_cast<std::ptrdiff_t>(known.size()) - 1 - cut);
-    if (!(nearest > farthest)) return {1, 0, false};
-    const double scale = (1 - 1 / kFarthestToNearest) / (nearest - farthest);
-    return {1 - scale * nearest, scale, false};
+    const double least = at(cut), largest = at(static_cast<std::ptrdiff_t>(known.size()) - 1 - cut);
+    if (!(largest > least)) return {1, 0, false};
+    const double top = config.kind == DepthKind::affine_depth ? kFarthestToNearest : 1;
+    const double scale = (top - top / kFarthestToNearest) / (largest - least);
+    return {top - scale * largest, scale, false};
 }
 
 float usable(double depth) {
@@ -151,12 +159,32 @@ DepthFile from_inverse_depths(Samples samples, const Unit& unit) {
     return file;
 }
 
+// Ends the description of an affine map: by its unit, or by what is near and the kind with the other sense.
+std::string affine_sense(const Affine& affine, const Unit& unit, const char* near, const char* other) {
+    if (affine.is_given) return ", " + unit.name;
+    return std::string(", relative, the ") + near + " samples nearest (if farthest: --depth-kind " + other +
+           ")";
+}
+
+DepthFile from_affine_depth(Samples samples, const Unit& unit, const DepthFileConfig& config) {
+    const Affine affine = affine_of(samples.values, config);
+    const double per_m = affine.is_given ? unit.per_m : 1;
+    DepthFile file;
+    file.believed = "depth = " + number(affine.shift) + " + " + number(affine.scale) + " * sample" +
+                    affine_sense(affine, unit, "smallest", "affine_inverse");
+    file.map.metric = affine.is_given;
+    file.map.step = samples.step * std::abs(affine.scale) / per_m;
+    file.map.values = depths(std::move(samples.values),
+                             [&](double sample) { return (affine.shift + affine.scale * sample) / per_m; });
+    return file;
+}
+
 DepthFile from_affine_inverse(Samples samples, const Unit& unit, const DepthFileConfig& config) {
     const Affine affine = affine_of(samples.values, config);
     const double per_m = affine.is_given ? unit.per_m : 1;
     DepthFile file;
-    file.believed = "depth = 1 / (" + number(affine.shift) + " + " + number(affine.scale) + " * sample), " +
-                    (affine.is_given ? unit.name : "relative");
+    file.believed = "depth = 1 / (" + number(affine.shift) + " + " + number(affine.scale) + " * sample)" +
+                    affine_sense(affine, unit, "largest", "affine_depth");
     file.map.metric = affine.is_given;
     file.map.is_inverse = true;
     file.map.step = samples.step * std::abs(affine.scale) * per_m;
@@ -167,6 +195,21 @@ DepthFile from_affine_inverse(Samples samples, const Unit& unit, const DepthFile
     return file;
 }
 
+// Returns a warning if floats that are taken for metres are whole numbers as large as millimetres.
+std::string doubt_of(const Samples& samples, const DepthFileConfig& config) {
+    constexpr float far_m = 200;
+    if (samples.are_integers || config.kind != DepthKind::depth || !config.unit.empty()) return {};
+    float largest = 0;
+    for (const float sample : samples.values) {
+        if (std::isnan(sample)) continue;
+        if (sample != std::floor(sample)) return {};
+        largest = std::max(largest, sample);
+    }
+    if (largest < far_m || largest >= kSky_m) return {};
+    return "the depths are whole numbers up to " + number(largest) +
+           ", read as metres; if they are millimetres, give --depth-unit mm (input.depth.unit)";
+}
+
 DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& config) {
     switch (config.kind) {
         case DepthKind::depth:
@@ -175,6 +218,8 @@ DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& co
             return from_inverse_depths(std::move(samples), unit);
         case DepthKind::affine_inverse:
             return from_affine_inverse(std::move(samples), unit, config);
+        case DepthKind::affine_depth:
+            return from_affine_depth(std::move(samples), unit, config);
     }
     return {};
 }
@@ -204,8 +249,10 @@ DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfi
                          const ReaderLimits& limits) {
     if (const std::string wrong = wrong_depth_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
-    return depths_of(codec::read_map_raster(path, {"a depth map", "depths"}, config.key, limits), path,
-                     config);
+    return depths_of(
+        codec::read_map_raster(path, {.map = "a depth map", .samples = "depths", .packing = config.packing},
+                               config.key, limits),
+        path, config);
 }
 
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
@@ -213,10 +260,17 @@ DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& pa
     const DepthFileConfig config = with_stated(given, raster.stated);
     Samples samples = samples_of(raster, config);
     if (raster.stated.step > 0) samples.step = raster.stated.step;
-    const std::string name = raster.stated.told.empty() ? samples.name() : raster.stated.told;
+    const std::string name = raster.stated.told.empty() ? codec::samples_name(raster) : raster.stated.told;
     const Unit unit = unit_of(path, samples, config);
+    const std::string doubt = raster.stated.told.empty() ? doubt_of(samples, config) : "";
     DepthFile file = to_depths(std::move(samples), unit, config);
     file.believed = name + ", " + file.believed;
+    file.doubt = doubt;
+    if (raster.stated.kind == codec::StatedDepth::Kind::relative_depth && given.unit.empty()) {
+        file.map.metric = false;
+        file.believed = name + ", in units of the reconstruction";
+    }
+    if (config.flip) codec::flip_rows(file.map.values, raster.width);
     file.map.width = raster.width;
     file.map.height = raster.height;
     if (std::none_of(file.map.values.begin(), file.map.values.end(), DepthMap::known))

@@ -8,10 +8,11 @@
 #include "pipeline/data/depth_map.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
+#include "pipeline/readers/packing.h"
 
 namespace hexrelief::readers {
 
-enum class DepthKind { depth, inverse_depth, affine_inverse };
+enum class DepthKind { depth, inverse_depth, affine_inverse, affine_depth };
 
 // The meaning of the samples of a depth map's file.
 struct DepthFileConfig {
@@ -22,20 +23,23 @@ struct DepthFileConfig {
     bool ray = false;   // distances are along each pixel's ray instead of the optical axis
     double near_m = 0;  // depths below near_m or above far_m are unknown; 0 = no limit
     double far_m = 0;
-    // affine_inverse: depth = 1 / (shift + scale * sample). NaN = not given: if one of the two is given, the
-    // other is a shift of 0 or a scale of 1; if neither is, they are such that the farthest is ten times as
-    // far as the nearest.
+    // affine_inverse: depth = 1 / (shift + scale * sample), affine_depth: depth = shift + scale * sample.
+    // NaN = not given: if one of the two is given, the other is a shift of 0 or a scale of 1; if neither is,
+    // they are such that the farthest is ten times as far as the nearest.
     double affine_shift = std::numeric_limits<double>::quiet_NaN();
     double affine_scale = std::numeric_limits<double>::quiet_NaN();
     // Sample value that means "unknown". NaN = the format's own: 0 in integer maps of depth and inverse
-    // depth, and also 65535, the end of the range, in 16-bit maps of depth.
+    // depth, and also the end of the range (65535) in maps of depth with 16-bit and wider integers.
     double unknown = std::numeric_limits<double>::quiet_NaN();
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
+    Packing packing = Packing::none;  // of maps in a picture's colours
+    bool flip = false;                // the rows are stored in the other order
 };
 
 struct DepthFile {
-    DepthMap map;          // neither projected on the axis nor clipped: ray, near_m and far_m are ignored
-    std::string believed;  // the assumed meaning of the samples: "16-bit integers, mm"
+    DepthMap map;            // neither projected on the axis nor clipped: ray, near_m and far_m are ignored
+    std::string believed;    // the assumed meaning of the samples: "16-bit integers, mm"
+    std::string doubt = {};  // a warning, if another meaning is as likely; empty = none
 };
 
 // Returns the error in a configuration, beginning with its key: an invalid unit, a scale of 0, or limits that

@@ -3,18 +3,20 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "pipeline/readers/limits.h"
 
 namespace hexrelief::readers {
 
 struct MapDescription {
-    // Over the stored samples that are finite, above 0 and not the format's own value for "unknown".
+    // Over the stored samples that are finite, not 0 and not the format's own value for "unknown".
     double least = 0, largest = 0;
     double known_share = 0;
-    // The interpretation without options: "16-bit integers, mm: 0.52 .. 7.31 m, 93.1 % known", or why
-    // the file is refused.
-    std::string as_depth, as_disparity;
+    // First the interpretation without options: "16-bit integers, mm: 0.52 .. 7.31 m, 93.1 % known", or why
+    // the file is refused. Then those of usual options that give usual depths or disparities:
+    // "--depth-unit 5000: 0.104 .. 1.46 m, 93.1 % known".
+    std::vector<std::string> as_depth, as_disparity;
     bool may_be_mask = false;  // integers with at most one value besides 0
 };
 

@@ -1,244 +1,300 @@
-// Reads OpenEXR by its C library: one channel of the first part.
+// Reads OpenEXR: one channel of one part, or three of colours, in the display window.
 #include "pipeline/readers/codecs.h"
 
 #ifdef HEXRELIEF_HAS_OPENEXR
-#include <openexr.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfPartType.h>
+#include <ImfTileDescription.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <cmath>
-#include <cstring>
-#include <memory>
 
+#include "pipeline/readers/depth/map_names.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {
 
+using Imath::Box2i;
+
 // The largest half float; renderers write it for pixels where no surface is hit.
 constexpr float kLargestHalf = 65504;
+constexpr int kBandRows = 64;
+constexpr std::size_t kMostBandSamples = 1 << 24;
 
-int64_t on_read(exr_const_context_t, void* user, void* to, uint64_t count, uint64_t offset,
-                exr_stream_error_func_ptr_t) {
-    const auto& source = *static_cast<const SourceFile*>(user);
-    if (offset > source.size()) return -1;
-    return static_cast<int64_t>(source.read_at(offset, to, count));
-}
-
-int64_t on_size(exr_const_context_t, void* user) {
-    return static_cast<int64_t>(static_cast<const SourceFile*>(user)->size());
-}
-
-void on_error(exr_const_context_t, exr_result_t, const char*) {}
-
-struct Closer {
-    void operator()(exr_context_t context) const { exr_finish(&context); }
-};
-using Context = std::unique_ptr<std::remove_pointer_t<exr_context_t>, Closer>;
-
-void check(const SourceFile& source, exr_result_t result) {
-    if (result != EXR_ERR_SUCCESS)
-        refuse(source.path, std::string("malformed or truncated EXR: ") +
-                                exr_get_default_error_message(result) + "; copy or save it again");
-}
-
-Context open(const SourceFile& source) {
-    exr_context_initializer_t setup = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    setup.user_data = const_cast<SourceFile*>(&source);
-    setup.read_fn = on_read;
-    setup.size_fn = on_size;
-    setup.error_handler_fn = on_error;
-    exr_context_t context = nullptr;
-    check(source, exr_start_read(&context, "file", &setup));
-    return Context(context);
-}
-
-struct Layout {
-    exr_storage_t storage = EXR_STORAGE_LAST_TYPE;
-    int left = 0, top = 0, width = 0, height = 0;
-    int channels = 0;
-    std::string name;  // name of the channel
-    exr_pixel_type_t type = EXR_PIXEL_FLOAT;
-};
-
-std::string lower_case(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
-
-// Returns the channel that the key names, the only one, or the first with one of the usual names for maps,
-// with or without a layer's name in front.
-const exr_attr_chlist_entry_t& chosen_channel(const SourceFile& source, const exr_attr_chlist_t& list) {
-    const auto* const first = list.entries;
-    const auto* const last = first + list.num_channels;
-    const auto find = [&](auto is_wanted) {
-        return std::find_if(first, last, [&](const auto& entry) { return is_wanted(entry.name.str); });
-    };
-    std::string names;
-    for (const auto* entry = first; entry != last; ++entry)
-        names += (names.empty() ? "" : ", ") + std::string(entry->name.str);
-    names = printable(names, 400);
-    if (!source.key.empty()) {
-        const auto* const found = find([&](const char* name) { return source.key == name; });
-        if (found == last)
-            refuse(source.path, "it has no channel " + excerpt(source.key) + "; it has " + names);
-        return *found;
-    }
-    if (list.num_channels == 1) return *first;
-    for (const char* const usual : {"z", "depth", "disparity", "y", "r"}) {
-        const auto* const found = find([&](const std::string& name) {
-            return lower_case(name.substr(name.rfind('.') + 1)) == usual || lower_case(name) == usual;
-        });
-        if (found != last) return *found;
-    }
-    refuse(source.path, "it has several channels; " + std::string(source.several) + ": " + names);
-}
-
-Layout read_layout(const SourceFile& source, exr_const_context_t context) {
-    Layout layout;
-    exr_attr_box2i_t window{};
-    const exr_attr_chlist_t* channels = nullptr;
-    check(source, exr_get_storage(context, 0, &layout.storage));
-    check(source, exr_get_data_window(context, 0, &window));
-    check(source, exr_get_channels(context, 0, &channels));
-    if (layout.storage != EXR_STORAGE_SCANLINE && layout.storage != EXR_STORAGE_TILED)
-        refuse(source.path, "it holds deep samples; save it with one depth for each pixel");
-    const long long width = 1LL + window.max.x - window.min.x, height = 1LL + window.max.y - window.min.y;
-    check_size(source, static_cast<unsigned long long>(std::max(width, 0LL)),
-               static_cast<unsigned long long>(std::max(height, 0LL)));
-    if (channels->num_channels < 1) refuse(source.path, "it has no channels");
-    const exr_attr_chlist_entry_t& channel = chosen_channel(source, *channels);
-    if (channel.x_sampling != 1 || channel.y_sampling != 1)
-        refuse(source.path, "its channel is subsampled; save it with a sample for each pixel");
-    layout.left = window.min.x;
-    layout.top = window.min.y;
-    layout.width = static_cast<int>(width);
-    layout.height = static_cast<int>(height);
-    layout.channels = channels->num_channels;
-    layout.name = channel.name.str;
-    layout.type = channel.pixel_type;
-    return layout;
-}
-
-// Decodes the layout's channel chunk by chunk.
-class ChunkReader {
+class Stream : public Imf::IStream {
   public:
-    ChunkReader(const SourceFile& source, exr_const_context_t context, const Layout& layout)
-        : source_(source), context_(context), layout_(layout) {}
-    ChunkReader(const ChunkReader&) = delete;
-    ChunkReader& operator=(const ChunkReader&) = delete;
-    ~ChunkReader() {
-        if (is_started_) exr_decoding_destroy(context_, &pipeline_);
+    explicit Stream(const SourceFile& source) : IStream("the file"), source_(source) {}
+    bool read(char to[], int count) override {
+        const auto wanted = static_cast<std::size_t>(std::max(count, 0));
+        if (source_.read_at(at_, to, wanted) != wanted) throw Iex::InputExc("it ends too early");
+        at_ += wanted;
+        return at_ < source_.size();
     }
-
-    // Returns the chunk's pixels, row by row.
-    const std::vector<float>& read(const exr_chunk_info_t& chunk) {
-        check(source_, is_started_ ? exr_decoding_update(context_, 0, &chunk, &pipeline_)
-                                   : exr_decoding_initialize(context_, 0, &chunk, &pipeline_));
-        is_started_ = true;
-        const std::size_t area = static_cast<std::size_t>(chunk.width) * chunk.height;
-        if (area * pipeline_.channel_count > (std::size_t{1} << 30))
-            refuse(source_.path, "its chunks and channels are too many; save the map's channel alone");
-        // All channels are decoded: the library's fastest routines crash if one is left out.
-        others_.resize(area * pipeline_.channel_count);
-        pixels_.resize(area);
-        for (int i = 0; i < pipeline_.channel_count; ++i) {
-            exr_coding_channel_info_t& channel = pipeline_.channels[i];
-            float* const to =
-                layout_.name == channel.channel_name ? pixels_.data() : others_.data() + i * area;
-            channel.decode_to_ptr = reinterpret_cast<std::uint8_t*>(to);
-            channel.user_pixel_stride = sizeof(float);
-            channel.user_line_stride = static_cast<int>(sizeof(float)) * chunk.width;
-            channel.user_bytes_per_element = sizeof(float);
-            channel.user_data_type = EXR_PIXEL_FLOAT;
-        }
-        check(source_, exr_decoding_choose_default_routines(context_, 0, &pipeline_));
-        check(source_, exr_decoding_run(context_, 0, &pipeline_));
-        return pixels_;
-    }
+    std::uint64_t tellg() override { return at_; }
+    void seekg(std::uint64_t at) override { at_ = at; }
 
   private:
     const SourceFile& source_;
-    exr_const_context_t context_;
-    const Layout& layout_;
-    exr_decode_pipeline_t pipeline_ = EXR_DECODE_PIPELINE_INITIALIZER;
-    bool is_started_ = false;
-    std::vector<float> pixels_, others_;
+    std::uint64_t at_ = 0;
 };
 
-void put(const std::vector<float>& pixels, const exr_chunk_info_t& chunk, int x, int y, const Layout& layout,
-         std::vector<float>& samples) {
-    for (int row = 0; row < chunk.height && y + row < layout.height; ++row)
-        std::copy_n(pixels.begin() + static_cast<std::ptrdiff_t>(row) * chunk.width,
-                    std::min(chunk.width, layout.width - x),
-                    samples.begin() + static_cast<std::ptrdiff_t>(y + row) * layout.width + x);
+// Calls read(), and refuses the file if the library does.
+template <typename Read>
+auto guarded(const SourceFile& source, Read read) {
+    try {
+        return read();
+    } catch (const Iex::BaseExc& error) {
+        refuse(source.path,
+               "malformed or truncated EXR: " + printable(error.what(), 200) + "; copy or save it again");
+    }
 }
 
-void check_chunk(const SourceFile& source, const exr_chunk_info_t& chunk, const Layout& layout) {
-    if (chunk.width < 1 || chunk.height < 1 || chunk.width > layout.width || chunk.height > layout.height)
-        refuse(source.path, "malformed EXR: impossible chunk; save it again");
+// One channel of a part with a sample for each pixel.
+struct Channel {
+    int part = 0;
+    std::string name;       // in the file
+    std::string full_name;  // with the part's name, if there are several parts
+    Imf::PixelType type = Imf::FLOAT;
+    bool is_subsampled = false;
+};
+
+std::string part_name(const Imf::Header& header, int part) {
+    return header.hasName() ? header.name() : std::to_string(part);
 }
 
-std::vector<float> read_scanlines(const SourceFile& source, exr_const_context_t context, const Layout& layout,
-                                  std::vector<float> samples) {
-    std::int32_t rows = 0;
-    check(source, exr_get_scanlines_per_chunk(context, 0, &rows));
-    if (rows < 1) refuse(source.path, "malformed EXR: no rows in a chunk");
-    ChunkReader reader(source, context, layout);
-    for (int y = 0; y < layout.height; y += rows) {
-        exr_chunk_info_t chunk;
-        check(source, exr_read_scanline_chunk_info(context, 0, layout.top + y, &chunk));
-        check_chunk(source, chunk, layout);
-        put(reader.read(chunk), chunk, 0, y, layout, samples);
+std::vector<Channel> channels_of(const SourceFile& source, const Imf::MultiPartInputFile& file) {
+    std::vector<Channel> channels;
+    for (int part = 0; part < file.parts(); ++part) {
+        const Imf::Header& header = file.header(part);
+        if (header.hasType() && Imf::isDeepData(header.type())) continue;
+        const std::string before = file.parts() > 1 ? part_name(header, part) + "." : "";
+        for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+            const Imf::Channel& kind = channel.channel();
+            channels.push_back({part, channel.name(), before + channel.name(), kind.type,
+                                kind.xSampling != 1 || kind.ySampling != 1});
+        }
+    }
+    if (channels.empty())
+        refuse(source.path, "it has no channels but deep ones; save it with one depth for each pixel");
+    return channels;
+}
+
+// Returns red, green and blue if a part has them; else nothing.
+std::vector<Channel> colors_of(const std::vector<Channel>& channels) {
+    for (const Channel& first : channels) {
+        std::vector<Channel> colors;
+        for (const char* const name : {"R", "G", "B"})
+            for (const Channel& channel : channels)
+                if (channel.part == first.part && channel.name == name) colors.push_back(channel);
+        if (colors.size() == 3) return colors;
+    }
+    return {};
+}
+
+// Returns the channel that the key names, the only one, or the one with the most usual name; three if there
+// are only colours.
+std::vector<Channel> chosen_channels(const SourceFile& source, const std::vector<Channel>& channels) {
+    std::vector<std::string> names(channels.size());
+    std::ranges::transform(channels, names.begin(), &Channel::full_name);
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    text = printable(text, 400);
+    if (!source.key.empty()) {
+        auto found = std::ranges::find(channels, source.key, &Channel::full_name);
+        if (found == channels.end()) found = std::ranges::find(channels, source.key, &Channel::name);
+        if (found == channels.end())
+            refuse(source.path, "it has no channel " + excerpt(source.key) + "; it has " + text);
+        return {*found};
+    }
+    if (channels.size() == 1) return channels;
+    if (const auto usual = usual_name(names, source.wanted)) return {channels[*usual]};
+    if (std::vector<Channel> colors = colors_of(channels); !colors.empty()) return colors;
+    for (const char* const name : {"Y", "R"})
+        if (const auto found = std::ranges::find(channels, name, &Channel::name); found != channels.end())
+            return {*found};
+    refuse(source.path, "it has several channels; " + std::string(source.several) + ": " + text);
+}
+
+struct Layout {
+    std::vector<Channel> channels;
+    Box2i data, display;
+    int band_rows = kBandRows;  // rows that are decoded at once
+    std::size_t all_channels = 0;
+
+    static long long width(const Box2i& box) { return 1LL + box.max.x - box.min.x; }
+    static long long height(const Box2i& box) { return 1LL + box.max.y - box.min.y; }
+};
+
+void check_box(const SourceFile& source, const Box2i& box) {
+    check_size(source, static_cast<unsigned long long>(std::max(Layout::width(box), 0LL)),
+               static_cast<unsigned long long>(std::max(Layout::height(box), 0LL)));
+}
+
+Layout layout_of(const SourceFile& source, const Imf::MultiPartInputFile& file) {
+    Layout layout;
+    layout.channels = chosen_channels(source, channels_of(source, file));
+    const Imf::Header& header = file.header(layout.channels.front().part);
+    layout.data = header.dataWindow();
+    layout.display = header.displayWindow();
+    check_box(source, layout.data);
+    check_box(source, layout.display);
+    if (!layout.data.intersects(layout.display))
+        refuse(source.path, "its data window lies outside of its display window; crop or save it again");
+    for (const Channel& channel : layout.channels)
+        if (channel.is_subsampled)
+            refuse(source.path, "its channel is subsampled; save it with a sample for each pixel");
+    for (auto one = header.channels().begin(); one != header.channels().end(); ++one) ++layout.all_channels;
+    std::uint64_t chunk = static_cast<std::uint64_t>(Layout::width(layout.data)) * 256;  // the highest is 256
+    if (header.hasTileDescription()) {
+        const Imf::TileDescription& tiles = header.tileDescription();
+        chunk = std::uint64_t{tiles.xSize} * tiles.ySize;
+        layout.band_rows = static_cast<int>(std::min<std::uint64_t>(tiles.ySize, 4096));
+    }
+    if (chunk * layout.all_channels > (std::uint64_t{1} << 28))
+        refuse(source.path, "its chunks and channels are too many; save the map's channel alone");
+    return layout;
+}
+
+// Reads bands of rows of the data window.
+class BandReader {
+  public:
+    BandReader(Imf::MultiPartInputFile& file, const Layout& layout)
+        : part_(file, layout.channels.front().part), layout_(layout) {
+        const auto row = static_cast<std::size_t>(Layout::width(layout.data)) * layout.channels.size();
+        rows_ = static_cast<int>(
+            std::clamp<std::size_t>(kMostBandSamples / row, 1, static_cast<std::size_t>(layout.band_rows)));
+    }
+
+    // Returns the row's samples, channels interleaved.
+    const float* row(int y) {
+        const auto stride = static_cast<std::size_t>(Layout::width(layout_.data)) * layout_.channels.size();
+        if (band_.empty() || y < top_ || y >= top_ + rows_) read(y, stride);
+        return band_.data() + static_cast<std::size_t>(y - top_) * stride;
+    }
+
+  private:
+    void read(int y, std::size_t stride) {
+        const int first = layout_.data.min.y;
+        top_ = first + (y - first) / rows_ * rows_;
+        const int last = std::min(top_ + rows_ - 1, layout_.data.max.y);
+        band_.resize(stride * static_cast<std::size_t>(rows_));
+        Imf::FrameBuffer frame;
+        for (std::size_t i = 0; i < layout_.channels.size(); ++i)
+            frame.insert(layout_.channels[i].name,
+                         Imf::Slice::Make(Imf::FLOAT, band_.data() + i, Imath::V2i(layout_.data.min.x, top_),
+                                          Layout::width(layout_.data), last - top_ + 1,
+                                          sizeof(float) * layout_.channels.size(), sizeof(float) * stride));
+        part_.setFrameBuffer(frame);
+        part_.readPixels(top_, last);
+    }
+
+    Imf::InputPart part_;
+    const Layout& layout_;
+    int rows_ = 1, top_ = 0;
+    std::vector<float> band_;
+};
+
+// Returns the samples of the display window; those outside of the data window are NaN.
+std::vector<float> read_display(Imf::MultiPartInputFile& file, const Layout& layout) {
+    const std::size_t channels = layout.channels.size();
+    const Box2i &data = layout.data, &display = layout.display;
+    const int left = std::max(data.min.x, display.min.x), right = std::min(data.max.x, display.max.x);
+    const auto at = [&](int x, const Box2i& box) {
+        return static_cast<std::size_t>(x - box.min.x) * channels;
+    };
+    std::vector<float> samples;
+    samples.reserve(static_cast<std::size_t>(Layout::width(display) * Layout::height(display)) * channels);
+    BandReader reader(file, layout);
+    const auto fill = [&](std::size_t count) {
+        samples.insert(samples.end(), count, static_cast<float>(kNoData));
+    };
+    for (int y = display.min.y; y <= display.max.y; ++y) {
+        if (y < data.min.y || y > data.max.y) {
+            fill(at(display.max.x + 1, display));
+            continue;
+        }
+        const float* const row = reader.row(y);
+        fill(at(left, display));
+        samples.insert(samples.end(), row + at(left, data), row + at(right + 1, data));
+        fill(at(display.max.x, display) - at(right, display));
     }
     return samples;
 }
 
-std::vector<float> read_tiles(const SourceFile& source, exr_const_context_t context, const Layout& layout,
-                              std::vector<float> samples) {
-    std::int32_t width = 0, height = 0;
-    check(source, exr_get_tile_sizes(context, 0, 0, 0, &width, &height));
-    if (width < 1 || height < 1) refuse(source.path, "malformed EXR: empty tiles");
-    ChunkReader reader(source, context, layout);
-    for (int y = 0; y < layout.height; y += height)
-        for (int x = 0; x < layout.width; x += width) {
-            exr_chunk_info_t chunk;
-            check(source, exr_read_tile_chunk_info(context, 0, x / width, y / height, 0, 0, &chunk));
-            check_chunk(source, chunk, layout);
-            put(reader.read(chunk), chunk, x, y, layout, samples);
-        }
-    return samples;
+std::string box_text(const Box2i& box) {
+    return std::to_string(Layout::width(box)) + " x " + std::to_string(Layout::height(box)) + " px at " +
+           std::to_string(box.min.x) + "," + std::to_string(box.min.y);
+}
+
+const char* type_text(Imf::PixelType type) {
+    return type == Imf::HALF ? "half" : type == Imf::FLOAT ? "float" : "uint";
 }
 
 }  // namespace
 
 FileDescription describe_exr(const SourceFile& source) {
-    const Context context = open(source);
-    const Layout layout = read_layout(source, context.get());
-    const bool is_half = layout.type == EXR_PIXEL_HALF;
-    return {"exr",           layout.width,      layout.height,
-            layout.channels, is_half ? 16 : 32, layout.type != EXR_PIXEL_UINT};
+    return guarded(source, [&]() -> FileDescription {
+        Stream stream(source);
+        const Imf::MultiPartInputFile file(stream, 0, false);
+        const Layout layout = layout_of(source, file);
+        const Imf::PixelType type = layout.channels.front().type;
+        return {"exr",
+                static_cast<int>(Layout::width(layout.display)),
+                static_cast<int>(Layout::height(layout.display)),
+                static_cast<int>(layout.all_channels),
+                type == Imf::HALF ? 16 : 32,
+                type != Imf::UINT};
+    });
+}
+
+std::vector<std::string> list_exr(const SourceFile& source) {
+    return guarded(source, [&] {
+        Stream stream(source);
+        const Imf::MultiPartInputFile file(stream, 0, false);
+        std::vector<std::string> lines;
+        for (int part = 0; part < file.parts(); ++part) {
+            const Imf::Header& header = file.header(part);
+            std::string line = file.parts() > 1 ? "part " + part_name(header, part) + ": " : "";
+            const char* separator = "";
+            for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+                line += std::string(separator) + channel.name() + " " + type_text(channel.channel().type);
+                separator = ", ";
+            }
+            if (header.dataWindow() != header.displayWindow())
+                line += "; data window " + box_text(header.dataWindow()) + ", display window " +
+                        box_text(header.displayWindow());
+            lines.push_back(line);
+        }
+        return lines;
+    });
 }
 
 Raster decode_exr(const SourceFile& source) {
-    const Context context = open(source);
-    const Layout layout = read_layout(source, context.get());
-    // A map with a single value compresses well, but not without limit.
-    constexpr unsigned best_ratio = 65536;
-    const std::size_t pixels = static_cast<std::size_t>(layout.width) * layout.height;
-    check_length(source, pixels * sizeof(float), best_ratio);
-    std::vector<float> samples(pixels);
-    samples = layout.storage == EXR_STORAGE_TILED
-                  ? read_tiles(source, context.get(), layout, std::move(samples))
-                  : read_scanlines(source, context.get(), layout, std::move(samples));
-    Raster raster;
-    raster.width = layout.width;
-    raster.height = layout.height;
-    raster.max_value = 0;
-    if (layout.type == EXR_PIXEL_HALF) raster.nodata = kLargestHalf;
-    raster.samples = std::move(samples);
-    return raster;
+    return guarded(source, [&] {
+        Stream stream(source);
+        Imf::MultiPartInputFile file(stream, 0, false);
+        const Layout layout = layout_of(source, file);
+        // A map with a single value compresses well, but not without limit.
+        constexpr unsigned best_ratio = 65536;
+        for (const Box2i& box : {layout.data, layout.display})
+            check_length(
+                source,
+                static_cast<unsigned long long>(Layout::width(box) * Layout::height(box)) * sizeof(float),
+                best_ratio);
+        Raster raster;
+        raster.width = static_cast<int>(Layout::width(layout.display));
+        raster.height = static_cast<int>(Layout::height(layout.display));
+        raster.channels = static_cast<int>(layout.channels.size());
+        raster.max_value = 0;
+        if (layout.channels.front().type == Imf::HALF) raster.nodata = kLargestHalf;
+        raster.samples = read_display(file, layout);
+        return raster;
+    });
 }
 
 }  // namespace hexrelief::readers::codec
@@ -258,6 +314,10 @@ namespace {
 }  // namespace
 
 FileDescription describe_exr(const SourceFile& source) {
+    refuse_unbuilt(source);
+}
+
+std::vector<std::string> list_exr(const SourceFile& source) {
     refuse_unbuilt(source);
 }
 

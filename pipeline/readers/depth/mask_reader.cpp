@@ -49,6 +49,7 @@ PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config,
     const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
     codec::SourceFile source = codec::load_raster_file(path, limits);
     source.several = "give a file that has one alone";
+    source.wanted = codec::Wanted::mask;
     codec::Raster raster = codec.decode(source);
     if (codec.format == codec::Format::jpeg || codec.format == codec::Format::webp)
         for (std::uint8_t& sample : std::get<std::vector<std::uint8_t>>(raster.samples))
@@ -69,7 +70,9 @@ PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config,
                           const ReaderLimits& limits) {
     return confidence_of(
-        codec::read_map_raster(path, {"a confidence map", "confidences", "name one by input.confidence.key"},
+        codec::read_map_raster(path,
+                               {"a confidence map", "confidences", "name one by input.confidence.key",
+                                codec::Wanted::confidence},
                                config.key, limits),
         path, config);
 }

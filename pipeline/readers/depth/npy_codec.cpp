@@ -1,4 +1,4 @@
-// Reads numpy's arrays: .npy, and .npz, which is a ZIP archive of them.
+// Reads numpy's arrays: .npy.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -11,15 +11,13 @@
 #include <utility>
 
 #include "pipeline/readers/codecs.h"
-#include "pipeline/readers/depth/zip_archive.h"
-#include "pipeline/readers/limits.h"
+#include "pipeline/readers/depth/npy_shape.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::size_t kMagicBytes = 8;
-constexpr std::size_t kLongestHeader = 1 << 16;
 
 struct NpyHeader {
     char kind = 0;  // 'u', 'i', 'f' or 'b'
@@ -28,6 +26,8 @@ struct NpyHeader {
     bool column_major = false;
     std::vector<unsigned long long> shape;
     unsigned long long width = 0, height = 0;  // of a map
+    unsigned long long maps = 1, map = 0;      // number of maps, and the one that is read
+    bool are_interleaved = false;              // the maps are the last dimension of the shape, not the first
     std::size_t samples_at = 0;
 };
 
@@ -99,17 +99,45 @@ void take_type(const SourceFile& source, std::string_view type, NpyHeader& heade
     header.item_bytes = static_cast<unsigned>(*bytes);
 }
 
+std::string shape_text(const std::vector<unsigned long long>& shape) {
+    std::string text;
+    for (const unsigned long long side : shape) text += (text.empty() ? "" : ", ") + std::to_string(side);
+    return "(" + text + ")";
+}
+
+// Returns the number in brackets at the key's end: 2 for "depth[2]".
+std::optional<double> index_of(const std::string& key) {
+    const std::size_t open = key.rfind('[');
+    if (open == std::string::npos || !key.ends_with(']')) return std::nullopt;
+    return parse_number(std::string_view(key).substr(open + 1, key.size() - open - 2));
+}
+
+// Takes one of several maps, (N, H, W), or the channels of pixels, (H, W, N).
+void take_map(const SourceFile& source, std::vector<unsigned long long>& sides, NpyHeader& header) {
+    constexpr unsigned long long most_channels = 4;
+    header.are_interleaved = sides[2] <= most_channels && sides[0] > most_channels;
+    header.maps = header.are_interleaved ? sides[2] : sides[0];
+    const std::optional<double> index = index_of(source.key);
+    if (!index || !(*index >= 0) || *index >= static_cast<double>(header.maps) || header.column_major)
+        refuse(source.path,
+               "its shape is " + shape_text(header.shape) + "; a map has two dimensions, height and width: " +
+                   (header.column_major ? "save one of them alone"
+                                        : "name one of its " + std::to_string(header.maps) +
+                                              " by a number in brackets, --key " +
+                                              source.key.substr(0, source.key.find('[')) + "[0]"));
+    header.map = static_cast<unsigned long long>(*index);
+    sides.erase(header.are_interleaved ? sides.end() - 1 : sides.begin());
+}
+
 // Takes the two sides of the shape; further sides of 1, such as networks' batches and channels, are ignored.
 void take_shape(const SourceFile& source, NpyHeader& header) {
     std::vector<unsigned long long> sides = header.shape;
     for (auto side = sides.begin(); sides.size() > 2 && side != sides.end();)
         side = *side == 1 ? sides.erase(side) : side + 1;
-    if (sides.size() != 2) {
-        std::string text;
-        for (const unsigned long long side : header.shape)
-            text += (text.empty() ? "" : ", ") + std::to_string(side);
-        refuse(source.path, "its shape is (" + text + "); a map has two dimensions, height and width");
-    }
+    if (sides.size() == 3) take_map(source, sides, header);
+    if (sides.size() != 2)
+        refuse(source.path,
+               "its shape is " + shape_text(header.shape) + "; a map has two dimensions, height and width");
     header.height = sides[0];
     header.width = sides[1];
     check_size(source, header.width, header.height);
@@ -167,7 +195,7 @@ NpyHeader read_any_header(const SourceFile& source) {
     std::size_t length = 0;
     for (std::size_t i = length_bytes; i-- > 0;) length = length << 8 | bytes[kMagicBytes + i];
     header.samples_at = kMagicBytes + length_bytes + length;
-    if (length > kLongestHeader || header.samples_at > bytes.size()) refuse_header(source);
+    if (length > kLongestNpyHeader || header.samples_at > bytes.size()) refuse_header(source);
     read_dictionary(
         source, {reinterpret_cast<const char*>(bytes.data()) + kMagicBytes + length_bytes, length}, header);
     return header;
@@ -180,23 +208,15 @@ NpyHeader read_header(const SourceFile& source) {
 }
 
 void check_samples(const SourceFile& source, const NpyHeader& header) {
-    const unsigned long long promised = header.width * header.height * header.item_bytes,
+    const unsigned long long of_map = header.width * header.height * header.item_bytes,
                              found = source.size() - header.samples_at;
-    if (found != promised)
-        refuse(source.path, (found < promised ? "truncated: " : "malformed: ") +
-                                std::string("the header promises ") + std::to_string(promised) +
-                                " bytes of samples, " + std::to_string(found) +
+    const bool is_truncated = header.maps > found / of_map;  // the product of all might wrap
+    if (is_truncated || found != header.maps * of_map)
+        refuse(source.path, (is_truncated ? "truncated: " : "malformed: ") +
+                                std::string("the header promises ") +
+                                (header.maps == 1 ? "" : std::to_string(header.maps) + " times ") +
+                                std::to_string(of_map) + " bytes of samples, " + std::to_string(found) +
                                 " are there; copy or save it again");
-}
-
-float float_of_half(std::uint16_t half) {
-    const std::uint32_t sign = (half & 0x8000u) << 16, exponent = half >> 10 & 31, fraction = half & 1023u;
-    if (exponent == 0) {
-        const float tiny = static_cast<float>(fraction) * 0x1p-24f;
-        return sign ? -tiny : tiny;
-    }
-    const std::uint32_t wide = exponent == 31 ? 255 : exponent + 112;
-    return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
 }
 
 template <typename Stored>
@@ -214,22 +234,11 @@ void each_sample(const SourceFile& source, const NpyHeader& header, Put put) {
     const std::uint8_t* const first = source.bytes.data() + header.samples_at;
     for (std::size_t y = 0; y < header.height; ++y)
         for (std::size_t x = 0; x < header.width; ++x) {
-            const std::size_t stored = header.column_major ? x * header.height + y : y * header.width + x;
+            std::size_t stored = header.column_major ? x * header.height + y : y * header.width + x;
+            stored = header.are_interleaved ? stored * header.maps + header.map
+                                            : stored + header.map * header.width * header.height;
             put(y * header.width + x, stored_at<Stored>(first + stored * sizeof(Stored), swap));
         }
-}
-
-// Converts integers of any width to 16 bits; refuses those that do not fit.
-template <typename Stored>
-std::vector<std::uint16_t> integers(const SourceFile& source, const NpyHeader& header) {
-    std::vector<std::uint16_t> samples(header.width * header.height);
-    each_sample<Stored>(source, header, [&](std::size_t i, Stored value) {
-        if (std::cmp_less(value, 0) || std::cmp_greater(value, 65535))
-            refuse(source.path, "it holds the integer " + std::to_string(value) +
-                                    "; maps of integers have 0 to 65535, save it as float32");
-        samples[i] = static_cast<std::uint16_t>(value);  // NOLINT(bugprone-signed-char-misuse): at least 0
-    });
-    return samples;
 }
 
 template <typename Stored, typename Sample = float>
@@ -242,6 +251,14 @@ std::vector<Sample> floats(const SourceFile& source, const NpyHeader& header) {
             samples[i] = static_cast<Sample>(value);
     });
     return samples;
+}
+
+template <typename Stored>
+void read_integers(const SourceFile& source, const NpyHeader& header, Raster& raster) {
+    std::vector<float> values(header.width * header.height);
+    each_sample<Stored>(source, header,
+                        [&](std::size_t i, Stored value) { values[i] = static_cast<float>(value); });
+    hold_integers(raster, std::move(values), 8 * sizeof(Stored), std::is_signed_v<Stored>);
 }
 
 Raster read_samples(const SourceFile& source, const NpyHeader& header) {
@@ -259,16 +276,16 @@ Raster read_samples(const SourceFile& source, const NpyHeader& header) {
         each_sample<std::uint8_t>(source, header, [&](std::size_t i, std::uint8_t v) { samples[i] = v; });
         raster.samples = std::move(samples);
     } else if (header.item_bytes == 1) {
-        raster.samples = integers<std::int8_t>(source, header);
+        read_integers<std::int8_t>(source, header, raster);
     } else if (header.item_bytes == 2) {
-        raster.samples =
-            is_signed ? integers<std::int16_t>(source, header) : integers<std::uint16_t>(source, header);
+        is_signed ? read_integers<std::int16_t>(source, header, raster)
+                  : read_integers<std::uint16_t>(source, header, raster);
     } else if (header.item_bytes == 4) {
-        raster.samples =
-            is_signed ? integers<std::int32_t>(source, header) : integers<std::uint32_t>(source, header);
+        is_signed ? read_integers<std::int32_t>(source, header, raster)
+                  : read_integers<std::uint32_t>(source, header, raster);
     } else {
-        raster.samples =
-            is_signed ? integers<std::int64_t>(source, header) : integers<std::uint64_t>(source, header);
+        is_signed ? read_integers<std::int64_t>(source, header, raster)
+                  : read_integers<std::uint64_t>(source, header, raster);
     }
     return raster;
 }
@@ -276,37 +293,6 @@ Raster read_samples(const SourceFile& source, const NpyHeader& header) {
 FileDescription description(const NpyHeader& header) {
     return {"npy", static_cast<int>(header.width),          static_cast<int>(header.height),
             1,     static_cast<int>(8 * header.item_bytes), header.kind == 'f'};
-}
-
-constexpr std::string_view kEnding = ".npy";
-
-std::string array_name(const ZipMember& member) {
-    return member.name.substr(0, member.name.size() - kEnding.size());
-}
-
-// Returns the array that the key names, or the only one.
-SourceFile chosen_array(const SourceFile& source) {
-    std::vector<ZipMember> arrays = list_members(source);
-    std::erase_if(arrays, [](const ZipMember& member) { return !member.name.ends_with(kEnding); });
-    if (arrays.empty()) refuse(source.path, "it is a ZIP archive without numpy arrays (.npy)");
-    std::string names;
-    for (const ZipMember& member : arrays) names += (names.empty() ? "" : ", ") + array_name(member);
-    const auto chosen = source.key.empty() ? arrays.begin()
-                                           : std::find_if(arrays.begin(), arrays.end(), [&](const auto& one) {
-                                                 return array_name(one) == source.key;
-                                             });
-    names = printable(names, 400);
-    if (chosen == arrays.end())
-        refuse(source.path, "it has no array " + excerpt(source.key) + "; it has " + names);
-    if (source.key.empty() && arrays.size() > 1)
-        refuse(source.path, "it has several arrays; " + std::string(source.several) + ": " + names);
-    const std::uint64_t most_bytes =
-        static_cast<std::uint64_t>(source.limits.max_pixels) * 8 + kLongestHeader + 64;
-    return {source.path.string() + ":" + printable(array_name(*chosen), 40),
-            unpack(source, *chosen, most_bytes),
-            {},
-            false,
-            source.limits};
 }
 
 }  // namespace
@@ -328,7 +314,7 @@ std::vector<double> read_npy_numbers(const SourceFile& source) {
     std::vector<unsigned long long> sides = header.shape;
     std::erase(sides, 1);
     if (sides.size() > 4 || (header.column_major && sides.size() > 2) ||
-        std::any_of(sides.begin(), sides.end(), [](auto side) { return side > 4096; }))
+        std::any_of(sides.begin(), sides.end(), [](auto side) { return side == 0 || side > 4096; }))
         refuse(source.path, "its shape is not of numbers or of a matrix");
     header.width = sides.empty() ? 1 : sides.back();
     header.height = 1;
@@ -346,14 +332,13 @@ std::vector<double> read_npy_numbers(const SourceFile& source) {
     refuse(source.path, "its numbers must be floats or signed integers");
 }
 
-FileDescription describe_npz(const SourceFile& source) {
-    FileDescription found = describe_npy(chosen_array(source));
-    found.format = "npz";
-    return found;
-}
-
-Raster decode_npz(const SourceFile& source) {
-    return decode_npy(chosen_array(source));
+NpyShape read_npy_shape(const SourceFile& source) {
+    const NpyHeader header = read_any_header(source);
+    const char* const kind = header.kind == 'f'   ? "float"
+                             : header.kind == 'i' ? "int"
+                             : header.kind == 'u' ? "uint"
+                                                  : "bool";
+    return {header.shape, header.kind == 'b' ? kind : kind + std::to_string(8 * header.item_bytes)};
 }
 
 }  // namespace hexrelief::readers::codec

@@ -57,19 +57,21 @@ ZipMember member_at(const SourceFile& archive, std::uint64_t at) {
     return member;
 }
 
-std::vector<std::uint8_t> inflate_all(const SourceFile& archive, const std::uint8_t* packed,
-                                      const ZipMember& member) {
-    std::vector<std::uint8_t> bytes(member.bytes);
+// Inflates a member, or its first bytes.
+std::vector<std::uint8_t> inflated(const SourceFile& archive, const std::uint8_t* packed,
+                                   const ZipMember& member, std::size_t count) {
+    std::vector<std::uint8_t> bytes(count);
     z_stream stream{};
     if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) refuse(archive.path, "zlib could not be started");
     stream.next_in = const_cast<Bytef*>(packed);
     stream.next_out = bytes.data();
     stream.avail_in = static_cast<uInt>(member.packed_bytes);
-    stream.avail_out = static_cast<uInt>(member.bytes);
-    const int status = inflate(&stream, Z_FINISH);
+    stream.avail_out = static_cast<uInt>(count);
+    const bool is_whole = count == member.bytes;
+    const int status = inflate(&stream, is_whole ? Z_FINISH : Z_SYNC_FLUSH);
     const std::uint64_t got = stream.total_out;
     inflateEnd(&stream);
-    if (status != Z_STREAM_END || got != member.bytes) refuse_damaged(archive);
+    if (got != count || (is_whole && status != Z_STREAM_END)) refuse_damaged(archive);
     return bytes;
 }
 
@@ -100,19 +102,39 @@ std::vector<ZipMember> list_members(const SourceFile& archive) {
     return members;
 }
 
-std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& member,
-                                 std::uint64_t most_bytes) {
+namespace {
+
+// Returns where the member's packed bytes begin.
+const std::uint8_t* packed_bytes(const SourceFile& archive, const ZipMember& member) {
     if (number_at(archive, member.header_at, 4) != kMemberMark) refuse_damaged(archive);
     const std::uint64_t start = member.header_at + kMemberBytes +
                                 number_at(archive, member.header_at + 26, 2) +
                                 number_at(archive, member.header_at + 28, 2);
     const std::uint64_t size = archive.bytes.size();
     if (start > size || size - start < member.packed_bytes) refuse_damaged(archive);
+    return archive.bytes.data() + start;
+}
+
+std::vector<std::uint8_t> first_bytes(const SourceFile& archive, const std::uint8_t* packed,
+                                      const ZipMember& member, std::size_t count) {
+    return member.method == kDeflated ? inflated(archive, packed, member, count)
+                                      : std::vector<std::uint8_t>(packed, packed + count);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> unpack_start(const SourceFile& archive, const ZipMember& member,
+                                       std::size_t count) {
+    const std::uint8_t* const packed = packed_bytes(archive, member);
+    check_promise(archive, member, member.bytes);
+    return first_bytes(archive, packed, member, std::min<std::size_t>(count, member.bytes));
+}
+
+std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& member,
+                                 std::uint64_t most_bytes) {
+    const std::uint8_t* const packed = packed_bytes(archive, member);
     check_promise(archive, member, most_bytes);
-    const std::uint8_t* const packed = archive.bytes.data() + start;
-    std::vector<std::uint8_t> bytes = member.method == kDeflated
-                                          ? inflate_all(archive, packed, member)
-                                          : std::vector<std::uint8_t>(packed, packed + member.bytes);
+    std::vector<std::uint8_t> bytes = first_bytes(archive, packed, member, member.bytes);
     uLong checksum = crc32(0, nullptr, 0);
     for (std::size_t done = 0; done < bytes.size();) {
         const auto part = static_cast<uInt>(std::min<std::size_t>(bytes.size() - done, 1u << 30));

@@ -28,4 +28,7 @@ std::vector<ZipMember> list_members(const SourceFile& archive);
 std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& member,
                                  std::uint64_t most_bytes);
 
+// Returns at most the first `count` bytes of a member, which are not checked against its checksum.
+std::vector<std::uint8_t> unpack_start(const SourceFile& archive, const ZipMember& member, std::size_t count);
+
 }  // namespace hexrelief::readers::codec

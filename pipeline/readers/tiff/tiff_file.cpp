@@ -68,12 +68,26 @@ Stored stored_at(const std::uint8_t* row, std::size_t index) {
     return value;
 }
 
+// Returns a sample of 8 to 64 bits as a float.
+float number_at(const std::uint8_t* row, std::size_t index, const TiffLayout& layout) {
+    if (layout.format == SAMPLEFORMAT_IEEEFP) {
+        if (layout.bits == 16) return float_of_half(stored_at<std::uint16_t>(row, index));
+        return layout.bits == 64 ? static_cast<float>(stored_at<double>(row, index))
+                                 : stored_at<float>(row, index);
+    }
+    if (layout.format != SAMPLEFORMAT_INT) return static_cast<float>(stored_at<std::uint32_t>(row, index));
+    if (layout.bits == 8) return stored_at<std::int8_t>(row, index);
+    if (layout.bits == 16) return stored_at<std::int16_t>(row, index);
+    return static_cast<float>(stored_at<std::int32_t>(row, index));
+}
+
 // Returns a sample; libtiff has already converted the bytes to the machine's order.
 template <typename Sample>
-Sample sample_at(const std::uint8_t* row, std::size_t index, unsigned bits) {
+Sample sample_at(const std::uint8_t* row, std::size_t index, const TiffLayout& layout) {
     if constexpr (std::is_same_v<Sample, float>) {
-        return bits == 64 ? static_cast<float>(stored_at<double>(row, index)) : stored_at<float>(row, index);
+        return number_at(row, index, layout);
     } else {
+        const unsigned bits = layout.bits;
         if (bits == 8 * sizeof(Sample)) return stored_at<Sample>(row, index);
         const std::size_t bit = index * bits;
         return static_cast<Sample>(row[bit / 8] >> (8 - bits - bit % 8) & ((1u << bits) - 1));
@@ -166,7 +180,8 @@ class PlainReader {
     bool is_stored_as_wanted() const {
         return layout_.bits == 8 * sizeof(Sample) && !layout_.planes &&
                layout_.samples == layout_.channels() &&
-               (std::is_same_v<Sample, float> || layout_.photometric != PHOTOMETRIC_MINISWHITE);
+               (std::is_same_v<Sample, float> ? layout_.format == SAMPLEFORMAT_IEEEFP
+                                              : layout_.photometric != PHOTOMETRIC_MINISWHITE);
     }
 
     // Stores the window's part of a run of `count` pixels of the file that begins at x, y.
@@ -185,8 +200,7 @@ class PlainReader {
         }
         for (std::size_t i = first; i < last; ++i) {
             for (int c = from; c < to; ++c) {
-                Sample value =
-                    sample_at<Sample>(row, (i - x) * stride + (layout_.planes ? 0 : c), layout_.bits);
+                Sample value = sample_at<Sample>(row, (i - x) * stride + (layout_.planes ? 0 : c), layout_);
                 if constexpr (!std::is_same_v<Sample, float>) {
                     if (layout_.photometric == PHOTOMETRIC_MINISWHITE) {
                         value = static_cast<Sample>(((1u << layout_.bits) - 1) - value);
@@ -258,6 +272,12 @@ bool stored_plainly(const TiffLayout& layout) {
            (layout.photometric == PHOTOMETRIC_RGB && layout.samples >= 3);
 }
 
+bool are_wide_integers(const TiffLayout& layout) {
+    return layout.format == SAMPLEFORMAT_INT ||
+           (layout.bits == 32 && layout.format != SAMPLEFORMAT_IEEEFP &&
+            layout.format != SAMPLEFORMAT_COMPLEXINT && layout.format != SAMPLEFORMAT_COMPLEXIEEEFP);
+}
+
 void check_samples(const TiffLayout& layout, const TiffSource& source) {
     const bool whole = layout.format == SAMPLEFORMAT_UINT || layout.format == SAMPLEFORMAT_VOID;
     const bool real = layout.format == SAMPLEFORMAT_IEEEFP;
@@ -265,12 +285,16 @@ void check_samples(const TiffLayout& layout, const TiffSource& source) {
         (layout.bits == 1 || layout.bits == 2 || layout.bits == 4 || layout.bits == 8 || layout.bits == 16)) {
         return;
     }
-    if (real && (layout.bits == 32 || layout.bits == 64)) return;
+    if (real && (layout.bits == 16 || layout.bits == 32 || layout.bits == 64)) return;
+    if (are_wide_integers(layout) &&
+        (layout.bits == 32 || (!whole && (layout.bits == 8 || layout.bits == 16))))
+        return;
     refuse(source.path, "its TIFF samples are " + std::to_string(layout.bits) + "-bit " +
-                            (whole  ? "unsigned"
-                             : real ? "float"
-                                    : "signed or complex") +
-                            "; save it as 8 or 16-bit unsigned or 32-bit float");
+                            (whole                               ? "unsigned"
+                             : real                              ? "float"
+                             : layout.format == SAMPLEFORMAT_INT ? "signed"
+                                                                 : "complex") +
+                            "; save it as 8 or 16-bit integers or 32-bit float");
 }
 
 // Reads GDAL's tag, a number as text.
@@ -295,6 +319,9 @@ Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, co
     raster.max_value = layout.bits <= 16 ? (1u << layout.bits) - 1 : 0;
     if (layout.format == SAMPLEFORMAT_IEEEFP) {
         raster.samples = PlainReader<float>(tiff, layout, source, window).read();
+    } else if (are_wide_integers(layout)) {
+        hold_integers(raster, PlainReader<float>(tiff, layout, source, window).read(), layout.bits,
+                      layout.format == SAMPLEFORMAT_INT);
     } else if (layout.bits == 16) {
         raster.samples = PlainReader<std::uint16_t>(tiff, layout, source, window).read();
     } else {

@@ -51,7 +51,10 @@ struct TiffLayout {
 TiffLayout read_layout(TIFF* tiff, const TiffSource& source);
 // True for grey or RGB; false for palettes, YCbCr and inks.
 bool stored_plainly(const TiffLayout& layout);
-// Refuses samples other than unsigned ones of up to 16 bits and floats of 32 or 64.
+// True for signed integers, and for unsigned ones of 32 bits, which are read as floats unless they fit 16
+// bits.
+bool are_wide_integers(const TiffLayout& layout);
+// Refuses samples other than integers of up to 32 bits and floats of 16 to 64.
 void check_samples(const TiffLayout& layout, const TiffSource& source);
 // Returns GDAL's nodata tag; NaN if there is none.
 double nodata_of(TIFF* tiff);

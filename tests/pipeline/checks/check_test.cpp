@@ -7,6 +7,7 @@
 #include "pipeline/checks/check_camera.h"
 #include "pipeline/checks/check_map.h"
 #include "pipeline/checks/check_pair.h"
+#include "pipeline/checks/occluded_edges.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 
@@ -51,6 +52,18 @@ TEST(CheckPair, SaysNothingOfARightPair) {
     EXPECT_EQ(found(scene().pair), List{});
     EXPECT_EQ(found({left, mistakes::exposed(right, 1.4, 1)}), List{});
     EXPECT_EQ(found(scene().pair, {0, 48}, stages::RangeOrigin::given), List{});
+}
+
+TEST(OccludedEdges, TellALeftViewWhateverTheSignOfItsDisparities) {
+    const auto& [left, right] = scene().pair;
+    const auto is_left = [](const StereoPair& pair) {
+        return is_surely_left(stages::match_coarsely(pair, -40, 1, stages::kFineColumns));
+    };
+    EXPECT_TRUE(is_left(scene().pair));
+    EXPECT_FALSE(is_left({right, left}));
+    EXPECT_TRUE(is_left({left, mistakes::shifted(right, 20, 0)})) << "all disparities are below 0";
+    EXPECT_FALSE(is_left({mistakes::shifted(right, 20, 0), left}));
+    EXPECT_FALSE(is_left({left, left})) << "nothing is hidden";
 }
 
 TEST(CheckPair, NoticesSwappedViews) {
@@ -220,6 +233,15 @@ TEST(CheckMap, SaysNothingOfMapsWithWideEdgesAndOfStrongTexture) {
     }
     EXPECT_EQ(found(scene().disparity, mistakes::textured(left, 30, 1)), List{});
     EXPECT_EQ(found(scene().disparity, mistakes::exposed(left, 1, 0.15)), List{});
+}
+
+TEST(CheckMap, NoticesRowsInTheOtherOrder) {
+    const DisparityMap& map = scene().disparity;
+    DisparityMap flipped = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) flipped.at(x, y) = map.at(x, map.height - 1 - y);
+    const List seen = found(flipped, scene().pair.left);
+    EXPECT_NE(std::find(seen.begin(), seen.end(), Mistake::rows_flipped), seen.end());
 }
 
 TEST(CheckMap, IsSilentOfMapsThatKnowFewPixels) {

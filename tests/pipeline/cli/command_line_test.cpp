@@ -360,13 +360,14 @@ TEST(CommandLine, InfoTellsWhatAMapIsTakenFor) {
         EXPECT_NE(text.find(part), std::string::npos) << text;
     };
     expect(info({"depth_mm.png"}), "as depth      16-bit integers, mm: 1.");
-    expect(info({"depth_mm.png"}), "as disparity  16-bit integers, KITTI's 1/256 px: ");
+    expect(info({"depth_mm.png"}), "as disparity  16-bit integers, 1/256 px as KITTI's: ");
     expect(info({"depth.pfm"}), "as depth      floats, m: 1.");
     expect(info({"depth.tif"}), " % known");
     expect(info({"mask.png"}), "as mask       keeps");
     expect(info({"mask.png"}), "as depth      refused: an 8-bit depth map");
     expect(info({"cut_out.png"}), " % transparent");
-    expect(run_program({"info", sample("inputs/depth.npz")}).err, "name one by --key");
+    expect(info({"depth.npz"}), "holds         ");
+    expect(info({"depth_mm.png"}), "              --depth-unit 5000: ");
     expect(info({"depth.npz", "--key", "depth"}), "as depth      floats, m: 1.");
     expect(info({"K.npy"}), "format        calibration, camera matrix\nfocal");
 }

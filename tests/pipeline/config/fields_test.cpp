@@ -44,8 +44,8 @@ std::size_t fields_below(const std::string& section) {
 }
 
 TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
-    EXPECT_EQ(fields_below("input.disparity") + 2, member_count<readers::DisparityFileConfig>() + 1)
-        << "two are what messages advise; densify is a member of InputConfig";
+    EXPECT_EQ(fields_below("input.disparity") + 3, member_count<readers::DisparityFileConfig>() + 1)
+        << "two are what messages advise, one is the caller's; densify is a member of InputConfig";
     EXPECT_EQ(fields_below("input.depth"), member_count<readers::DepthFileConfig>());
     EXPECT_EQ(fields_below("input.mask"), member_count<readers::MaskConfig>());
     EXPECT_EQ(fields_below("input.confidence"), member_count<readers::ConfidenceConfig>());

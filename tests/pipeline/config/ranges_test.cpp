@@ -45,6 +45,7 @@ bool stages_take(const Field& field, double number) {
         readers::codec::Raster raster;
         raster.width = 1, raster.height = 1;
         raster.samples = std::vector<float>{5};
+        config.input.disparity.beyond_px = -1e9;  // a scale or an offset below 0 gives such disparities
         readers::disparities_of(raster, "map", config.input.disparity);
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::usage) << error.what();

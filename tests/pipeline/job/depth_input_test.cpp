@@ -203,16 +203,16 @@ TEST(MaskInput, WhatIsTransparentInThePictureIsUnknown) {
     // The picture has twice the map's size; its left half is transparent.
     Image picture{4, 2, 1, std::vector<std::uint8_t>(8, 100), {0, 127, 128, 255, 0, 0, 255, 255}};
     const DisparityMap map{2, 1, {5, 6}};
-    const RunInput input = read(DisparityArrays{map, picture});
+    const RunInput input = read(DisparityArrays{{map}, picture});
     EXPECT_EQ(input.map()->disparities.values, (std::vector<float>{kUnknownDisparity, 6}));
     EXPECT_EQ(input.mask.kept, (std::vector<std::uint8_t>{0, 1}));
     EXPECT_EQ(read(PairArrays{{picture, picture}}).mask.kept,
               (std::vector<std::uint8_t>{0, 0, 1, 1, 0, 0, 1, 1}));
     config.mask.alpha = false;
-    EXPECT_EQ(read(DisparityArrays{map, picture}).map()->disparities.values, map.values);
+    EXPECT_EQ(read(DisparityArrays{{map}, picture}).map()->disparities.values, map.values);
     config.mask.alpha = true;
     picture.alpha.assign(8, 0);
-    EXPECT_THROW(read(DisparityArrays{map, picture}), Error);
+    EXPECT_THROW(read(DisparityArrays{{map}, picture}), Error);
 }
 
 TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {

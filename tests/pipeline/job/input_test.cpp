@@ -1,9 +1,11 @@
-// What a run reads is held against its limits.
+// Tests the limits of what a run reads, and what becomes of a pair.
 #include "pipeline/job/input.h"
 
 #include <gtest/gtest.h>
 
 #include "pipeline/data/error.h"
+#include "pipeline/job/pairs/align_pair.h"
+#include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::job {
@@ -41,6 +43,32 @@ TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
                 << i << ": " << error.what();
         }
     }
+}
+
+Image columns(const Image& image, int first, int count) {
+    Image part{count, image.height, image.channels, {}};
+    for (int y = 0; y < image.height; ++y)
+        part.pixels.insert(part.pixels.end(), image.at(first, y),
+                           image.at(first, y) + count * image.channels);
+    return part;
+}
+
+TEST(AlignPair, APairShiftedForAStereoWindowIsNotExchanged) {
+    constexpr int shift = 40;
+    const Image left = readers::read_image(test::sample("left.png")),
+                right = readers::read_image(test::sample("right.png"));
+    const auto doffs_of = [](const Image& first, const Image& second) {
+        const config::InputConfig config;
+        StereoPair views{first, second};
+        return align_pair(views, {Calibration{.focal_px = 300}}, {config, "pair"}, 1)
+            .camera.calibration.doffs_px;
+    };
+    const int width = left.width - shift;
+    const Image window_left = columns(left, shift, width), window_right = columns(right, 0, width);
+    EXPECT_GT(doffs_of(window_left, window_right), shift - 5) << "the least disparity of the sample is 5 px";
+    EXPECT_EQ(doffs_of(window_right, window_left), 0) << "above 0 px, the pair is inside out";
+    EXPECT_EQ(doffs_of(right, left), 0) << "exchanged, which the checks tell";
+    EXPECT_EQ(doffs_of(left, right), 0);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/readers/depth/depth_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {
@@ -66,8 +67,117 @@ TEST(ReadDisparity, RawNumbersAreNotStretched) {
 
 TEST(ReadDisparity, AnotherUnknownReplacesZero) {
     const Bytes file = make_pgm(3, 1, 255, {0, 4, 255});
-    EXPECT_EQ(read(file, {.scale = 1, .unknown = 255}).values, (Values{0, 4, kInf}));
-    EXPECT_EQ(read(file, {.scale = 1, .offset_px = -1, .unknown = 4}).values, (Values{-1, kInf, 254}));
+    EXPECT_EQ(read(file, {.scale = 1, .offset_px = 1, .unknown = 255}).values, (Values{1, 5, kInf}));
+    EXPECT_EQ(read(file, {.scale = 1, .unknown = 255}).values, (Values{kInf, 4, kInf}))
+        << "0 px has no depth";
+    EXPECT_EQ(read(file, {.scale = 1, .offset_px = -1, .unknown = 4, .beyond_px = -9}).values,
+              (Values{-1, kInf, 254}));
+}
+
+TEST(ReadDisparity, SamplesBelowZeroAreDisparities) {
+    const Bytes both = make_pfm(5, 1, {-41, 30, 0, -7.5f, kNan});
+    EXPECT_EQ(read(both, {.offset_px = 50}).values, (Values{9, 80, 50, 42.5f, kInf}));
+    EXPECT_EQ(read(both, {.beyond_px = -100}).values, (Values{-41, 30, 0, -7.5f, kInf}));
+    EXPECT_EQ(read(both).values, (Values{kInf, 30, kInf, kInf, kInf}));
+    EXPECT_EQ(read(both, {.scale = -1}).values, (Values{41, kInf, kInf, 7.5f, kInf}));
+    EXPECT_EQ(read(both, {.offset_px = 50, .unknown = 30}).values, (Values{9, kInf, 50, 42.5f, kInf}));
+    EXPECT_CONTAINS(error_for(make_pfm(2, 1, {-3, -4})), "-1 if the sign is turned");
+}
+
+TEST(ReadDisparity, ASingleValueBelowZeroIsUnknown) {
+    EXPECT_EQ(read(make_pfm(4, 1, {-1, 3, 0, -1}), {.offset_px = 5}).values, (Values{kInf, 8, 5, kInf}));
+    EXPECT_EQ(read(make_pfm(3, 1, {0, 3, 4}), {.offset_px = 5}).values, (Values{kInf, 8, 9}))
+        << "0 is then not";
+}
+
+TEST(ReadDisparity, TheLeastValueIsUnknownIfItStandsAlone) {
+    const DisparityFileConfig moved{.offset_px = 50};
+    // StereoSGBM's in px, for a search from -16 px on.
+    EXPECT_EQ(read(make_pfm(5, 1, {-17, -15.5f, 0, 4, -17}), moved).values,
+              (Values{kInf, 34.5f, 50, 54, kInf}));
+    EXPECT_EQ(read(make_pfm(4, 1, {-17, -16, 4, -17}), moved).values, (Values{33, 34, 54, 33}))
+        << "as far apart as whole px";
+    EXPECT_EQ(read(make_pfm(3, 1, {-17, -12, 4}), moved).values, (Values{33, 38, 54})) << "a single pixel";
+}
+
+TEST(ReadDisparity, SignedIntegersAndHalvesOfTiff) {
+    const auto tiff = [](auto samples, int bits, int format) {
+        return make_tiff(static_cast<int>(samples.size()), 1, bytes_of(samples),
+                         {.bits = bits, .format = format});
+    };
+    const DisparityFileConfig moved{.scale = 1, .offset_px = 50};
+    const Values expected{9, 80, 43};
+    EXPECT_EQ(read(tiff(std::vector<std::int8_t>{-41, 30, -7}, 8, 2), moved).values, expected);
+    EXPECT_EQ(read(tiff(std::vector<std::int16_t>{-41, 30, -7}, 16, 2), moved).values, expected);
+    EXPECT_EQ(read(tiff(std::vector<std::int32_t>{-41, 30, -7}, 32, 2), moved).values, expected);
+    EXPECT_EQ(read(tiff(std::vector<std::uint32_t>{70000, 0, 256}, 32, 1), {.scale = 256}).values,
+              (Values{70000 / 256.f, kInf, 1}));
+    EXPECT_EQ(read(tiff(std::vector<std::uint16_t>{0x3c00, 0x4000}, 16, 3)).values, (Values{1, 2}))
+        << "halves";
+    EXPECT_EQ(read(make_tiff(2, 1, bytes_of(std::vector<std::int16_t>{-32768, 5}),
+                             {.bits = 16, .format = 2, .nodata = "-32768"}),
+                   moved)
+                  .values,
+              (Values{kInf, 55}));
+}
+
+TEST(ReadDisparity, StereoSgbmIsKnownByItsTypeAndItsUnknown) {
+    const Folder folder;
+    const auto file_of = [&](const std::vector<std::int16_t>& samples,
+                             const DisparityFileConfig& config = {}) {
+        return read_disparity_file(
+            folder.write("d.tiff", make_tiff(static_cast<int>(samples.size()), 1, bytes_of(samples),
+                                             {.bits = 16, .format = 2})),
+            config);
+    };
+    const DisparityFile file = file_of({-16, 0, 24, 160});
+    EXPECT_EQ(file.map.values, (Values{kInf, kInf, 1.5f, 10}));
+    EXPECT_EQ(file.believed, "signed 16-bit integers, 1/16 px as StereoSGBM's, -16 unknown");
+    EXPECT_TRUE(file.is_scale_assumed);
+    // The least disparity searched is -4 px.
+    EXPECT_EQ(file_of({-80, -64, 24, -30}, {.beyond_px = -9}).map.values, (Values{kInf, -4, 1.5f, -1.875f}));
+    EXPECT_FALSE(file_of({-16, 24}, {.scale = 16}).is_scale_assumed);
+    EXPECT_EQ(file_of({-16, 24}, {.scale = 8}).map.values, (Values{kInf, 3}));
+    EXPECT_CONTAINS(error_of([&] { file_of({-41, 30, -16}); }), "does not say how many are one pixel");
+}
+
+TEST(ReadDisparity, SaysWhatItAssumes) {
+    const Folder folder;
+    const auto said = [&](const Bytes& bytes, const DisparityFileConfig& config) {
+        return read_disparity_file(folder.write("d", bytes), config).believed;
+    };
+    EXPECT_EQ(said(make_png(1, 1, {1, 0}, {.bits = 16}), {}), "16-bit integers, 1/256 px as KITTI's");
+    EXPECT_EQ(said(make_png(1, 1, {1, 0}, {.bits = 16}), {.scale = 16}), "16-bit integers, 1/16 px");
+    EXPECT_EQ(said(make_pfm(1, 1, {4}), {}), "floats, px");
+    EXPECT_EQ(said(make_pfm(2, 1, {-4, -5}), {.scale = -1, .offset_px = 2.5}),
+              "floats, px, sign turned, +2.5 px");
+}
+
+TEST(ReadDisparity, ColoursArePackedNumbers) {
+    const Bytes picture = make_png(3, 1, {1, 64, 64, 0, 0, 0, 3, 128, 0}, {.colour_type = 2});
+    EXPECT_EQ(read(picture, {.packing = Packing::sintel}).values, (Values{5.00390625f, kInf, 14}));
+    EXPECT_CONTAINS(error_for(picture), "--packed carla or sintel");
+    EXPECT_CONTAINS(error_for(make_pfm(1, 1, {4}), {.packing = Packing::sintel}), "leave --packed out");
+    const Folder folder;
+    const Bytes carla = make_png(3, 1, {0, 0, 1, 255, 255, 255, 16, 39, 0}, {.colour_type = 2});
+    const DepthFile depth = read_depth_map(folder.write("d.png", carla), {.packing = Packing::carla});
+    EXPECT_FLOAT_EQ(depth.map.values[0], 65536 * 1000 / 16777215.f);
+    EXPECT_EQ(depth.map.values[1], kInf) << "the sky";
+    EXPECT_FLOAT_EQ(depth.map.values[2], 10000 * 1000 / 16777215.f);
+    EXPECT_EQ(depth.believed, "CARLA's 24 bits, m");
+}
+
+TEST(ReadDisparity, RowsMayBeStoredInTheOtherOrder) {
+    EXPECT_EQ(read(make_pfm(2, 3, {1, 2, 3, 4, 5, 6}), {.flip = true}).values, (Values{1, 2, 3, 4, 5, 6}));
+    const Folder folder;
+    EXPECT_EQ(read_depth_map(folder.write("d", make_pfm(2, 2, {1, 2, 3, 4})), {.flip = true}).map.values,
+              (Values{1, 2, 3, 4}));
+}
+
+TEST(ReadDisparity, FilesOfOtherKindsAreNamed) {
+    EXPECT_CONTAINS(error_for(to_bytes("\x89HDF\r\n\x1a\n........")), "it is HDF5");
+    EXPECT_CONTAINS(error_for(to_bytes("MATLAB 5.0 MAT-file")), "MATLAB's .mat");
+    EXPECT_CONTAINS(error_for(to_bytes("ply\nformat ascii 1.0\n")), "PLY");
 }
 
 TEST(ReadDisparity, PfmIsBottomRowFirstAndItsScaleOnlyASign) {
@@ -101,13 +211,16 @@ TEST(ReadDisparity, FloatTiffInEveryLayout) {
     EXPECT_EQ(read(make_tiff(37, 21, bytes_of(doubles), {.bits = 64, .format = 3})).values, raw);
 }
 
-TEST(ReadDisparity, EqualIntegerChannelsAreGreyOthersAnError) {
+TEST(ReadDisparity, EqualChannelsAreGreyOthersAnError) {
     EXPECT_EQ(read(make_pgm(2, 1, 255, {3, 3, 3, 8, 8, 8}, '6'), {.scale = 1}).values, (Values{3, 8}));
     EXPECT_CONTAINS(error_for(make_pgm(2, 1, 255, {3, 3, 3, 8, 9, 8}, '6'), {.scale = 1}), "colour");
     const Bytes grey = make_pfm(3, 2, Values{7, 7, 7, kNan, kNan, kNan, 1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4});
     const Bytes header = to_bytes("PF\n3 2\n-1\n");
     const auto samples = [&](const Bytes& file) { return Bytes(file.end() - 72, file.end()); };
-    EXPECT_CONTAINS(error_for(header + samples(grey)), "three channels of floats");
+    EXPECT_EQ(read(header + samples(grey)).values, (Values{2, 3, 4, 7, kInf, 1}));
+    Bytes colours = header + samples(grey);
+    colours[colours.size() - 1] ^= 1;
+    EXPECT_CONTAINS(error_for(colours), "colour");
 }
 
 TEST(ReadDisparity, RefusesTheWrongByteOrder) {
@@ -146,14 +259,15 @@ TEST(ReadDisparity, RefusesMapsWithNothingKnown) {
 TEST(ReadDisparity, RefusesFormatsThatKeepNoDisparity) {
     EXPECT_CONTAINS(error_for(make_jpeg(8, 8, Bytes(64, 9), JpegKind::grey), {.scale = 1}), "JPEG");
     EXPECT_CONTAINS(error_for(make_webp(1, 1, {1, 1, 1, 255}, true), {.scale = 1}), "WebP");
-    EXPECT_CONTAINS(error_for(make_tiff(2, 1, {1, 0, 2, 0}, {.bits = 16, .format = 2})), "signed");
+    EXPECT_CONTAINS(error_for(make_tiff(2, 1, Bytes(16), {.bits = 64, .format = 2})), "signed");
+    EXPECT_CONTAINS(error_for(make_tiff(2, 1, Bytes(16), {.bits = 64, .format = 6})), "complex");
     EXPECT_CONTAINS(error_for(to_bytes("1 2 3\n4 5 6\n")), "text");
 }
 
 TEST(ReadDisparity, RefusesAnImpossibleConfig) {
     const Folder folder;
     const auto path = folder.write("map.pgm", make_pgm(2, 1, 255, {1, 2}));
-    for (double scale : {-1.0, std::nan(""), double(kInf)}) {
+    for (double scale : {-65537.0, std::nan(""), double(kInf)}) {
         const auto action = [&] { read_disparity_map(path, {.scale = scale}); };
         EXPECT_CONTAINS(error_of(action, ErrorKind::usage), "input.disparity.scale");
     }

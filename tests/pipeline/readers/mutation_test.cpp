@@ -70,6 +70,15 @@ const Case kCases[] = {
      [] {
          return make_zip({{"a.npy", make_npy("<f2", 24, 16, noise(768))}}, false);
      }},
+    {"NpySigned", [] { return make_npy("<i2", 24, 16, noise(768)); }},
+    {"ColmapMap", [] { return to_bytes("24&16&1&") + noise(1536); }},
+    {"OpenMvsMap",
+     [] {
+         return Bytes{'D', 'R', 1, 0, 24, 0, 0, 0, 16, 0, 0, 0, 24, 0, 0, 0, 16, 0, 0, 0} + Bytes(8) +
+                Bytes{1, 0, 'a', 1, 0, 0, 0, 7, 0, 0, 0} + Bytes(168) + noise(1536);
+     }},
+    {"SintelMap", [] { return to_bytes("PIEH") + Bytes{24, 0, 0, 0, 16, 0, 0, 0} + noise(1536); }},
+    {"TiffSigned", [] { return make_tiff(24, 16, noise(768), {.bits = 16, .format = 2, .compression = 5}); }},
 #ifdef HEXRELIEF_HAS_OPENEXR
     {"Exr",
      [] {

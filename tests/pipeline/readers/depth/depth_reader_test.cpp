@@ -100,6 +100,35 @@ TEST(DepthReader, AffineInverseWithoutShiftAndScaleIsRelative) {
     EXPECT_EQ(flat.map.values, (std::vector<float>{1, 1}));
 }
 
+TEST(DepthReader, AffineDepthTakesShiftAndScale) {
+    DepthFileConfig config{.kind = DepthKind::affine_depth, .affine_shift = 0.5, .affine_scale = 2};
+    const DepthFile file = read_floats({0, 1, -1, kNaN}, config);
+    EXPECT_EQ(file.map.values, (std::vector<float>{0.5f, 2.5f, kInf, kInf}));
+    EXPECT_TRUE(file.map.metric);
+    EXPECT_EQ(file.believed, "floats, depth = 0.5 + 2 * sample, m");
+    EXPECT_EQ(read_bytes_map({2, 0}, config).map.values, (std::vector<float>{4.5f, 0.5f})) << "0 is a sample";
+    config.unit = "mm";
+    EXPECT_FLOAT_EQ(read_floats({1}, config).map.values[0], 0.0025f);
+}
+
+TEST(DepthReader, AffineDepthWithoutShiftAndScaleIsRelative) {
+    const DepthFile file = read_bytes_map({255, 0, 85}, {.kind = DepthKind::affine_depth});
+    EXPECT_FALSE(file.map.metric);
+    EXPECT_FLOAT_EQ(file.map.values[0], 10);
+    EXPECT_FLOAT_EQ(file.map.values[1], 1);
+    EXPECT_FLOAT_EQ(file.map.values[2], 4);
+    EXPECT_CONTAINS(file.believed, "the smallest samples nearest (if farthest: --depth-kind affine_inverse)");
+    const DepthFile inverse = read_bytes_map({255, 0, 85}, {.kind = DepthKind::affine_inverse});
+    EXPECT_CONTAINS(inverse.believed, "the largest samples nearest (if farthest: --depth-kind affine_depth)");
+}
+
+TEST(DepthReader, WholeNumbersOfFloatsMayBeMillimetres) {
+    EXPECT_CONTAINS(read_floats({1500, 0, 700}).doubt, "give --depth-unit mm");
+    EXPECT_EQ(read_floats({1500, 700}, {.unit = "m"}).doubt, "");
+    EXPECT_EQ(read_floats({1500.5f, 700}).doubt, "");
+    EXPECT_EQ(read_floats({15, 7}).doubt, "");
+}
+
 TEST(DepthReader, AnUnknownSampleReplacesTheFormatsOwn) {
     EXPECT_EQ(read_wide({1000, 0, 65535, 7}, {.unknown = 7}).map.values,
               (std::vector<float>{1, kInf, 65.535f, kInf}))

@@ -1,6 +1,7 @@
 // Tests NPY, NPZ and EXR, and TIFF's unknown samples, as disparity and depth maps.
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -72,6 +73,47 @@ TEST(Npy, ShapesOfOneMapAndBothOrders) {
               rows);
 }
 
+TEST(Npy, IntegersOfAnySignAndSizeAreRead) {
+    const DisparityFileConfig moved{.scale = 1, .offset_px = 50};
+    const auto bytes = [](auto kind) { return bytes_of(std::vector<decltype(kind)>{-41, 30, 0, -7}); };
+    const std::vector<float> expected = {9, 80, 50, 43};
+    EXPECT_EQ(values_of(make_npy("|i1", 4, 1, bytes(std::int8_t())), moved), expected);
+    EXPECT_EQ(values_of(make_npy("<i2", 4, 1, bytes(std::int16_t())), moved), expected);
+    EXPECT_EQ(values_of(make_npy("<i4", 4, 1, bytes(std::int32_t())), moved), expected);
+    EXPECT_EQ(values_of(make_npy("<i8", 4, 1, bytes(std::int64_t())), moved), expected);
+    const Bytes wide = make_npy("<u4", 3, 1, bytes_of(std::vector<std::uint32_t>{70000, 0, 0xffffffff}));
+    EXPECT_EQ(values_of(wide, {.scale = 100}), (std::vector<float>{700, kInf, kInf}));
+    const Folder folder;
+    const DepthFile depth = read_depth_map(folder.write("d.npy", wide), {});
+    EXPECT_EQ(depth.map.values, (std::vector<float>{70, kInf, kInf})) << "mm; the largest number is none";
+    EXPECT_EQ(depth.believed, "32-bit integers, mm");
+    EXPECT_CONTAINS(error_in(make_npy("<i4", 4, 1, bytes(std::int32_t()))),
+                    "signed 32-bit integers does not say");
+}
+
+TEST(Npy, OneOfSeveralMapsIsNamedByItsNumber) {
+    const Bytes samples = bytes_of(std::vector<float>{1, 2, 3, 4, 5, 6});
+    const Bytes planes = make_npy(npy_header("<f4", "(3, 1, 1, 2)"), samples);
+    EXPECT_EQ(values_of(make_npy(npy_header("<f4", "(3, 2, 1)"), samples)),
+              (std::vector<float>{1, 2, 3, 4, 5, 6}));
+    const Bytes maps = make_npy(npy_header("<f4", "(2, 3, 5)"), bytes_of([] {
+                                    std::vector<float> all(30);
+                                    for (int i = 0; i < 30; ++i)
+                                        all[static_cast<std::size_t>(i)] = static_cast<float>(i + 1);
+                                    return all;
+                                }()));
+    EXPECT_EQ(values_of(maps, {.key = "[1]"}).front(), 16);
+    const Bytes archive = make_zip({{"depths.npy", maps}, {"K.npy", planes}}, true);
+    EXPECT_EQ(values_of(archive, {.key = "depths[0]"}).back(), 15);
+    EXPECT_CONTAINS(error_in(archive), "--key depths[0]");
+    EXPECT_CONTAINS(error_in(archive, {.key = "depths[2]"}), "name one of its 2");
+    // Channels of pixels: 7 x 2 pixels of three.
+    std::vector<float> pixels(42);
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<float>(i % 3 + 1);
+    EXPECT_EQ(values_of(make_npy(npy_header("<f4", "(7, 2, 3)"), bytes_of(pixels)), {.key = "[2]"}),
+              std::vector<float>(14, 3));
+}
+
 TEST(Npy, MalformedFilesAreRefused) {
     const Bytes samples = bytes_of(std::vector<float>{1, 2, 3, 4, 5, 6});
     const auto error = [&](const std::string& header) { return error_in(make_npy(header, samples)); };
@@ -91,14 +133,20 @@ TEST(Npy, MalformedFilesAreRefused) {
                     "structured");
     EXPECT_CONTAINS(error(npy_header("<f4", "(6,)")), "its shape is (6)");
     EXPECT_CONTAINS(error(npy_header("<f4", "(3, 2, 5)")), "its shape is (3, 2, 5)");
+    EXPECT_CONTAINS(error(npy_header("<f4", "(3, 2, 5)")), "name one of its 3 by a number in brackets");
+    EXPECT_CONTAINS(error(npy_header("<f4", "(9, 2, 3)", true)), "save one of them alone");
+    EXPECT_CONTAINS(error(npy_header("<f4", "(2, 2, 2, 2)")), "its shape is (2, 2, 2, 2)");
+    EXPECT_CONTAINS(error_in(make_npy(npy_header("<f4", "(99999999, 1, 99999999)"), samples), {.key = "[2]"}),
+                    "more than the limit");
+    EXPECT_CONTAINS(error_in(make_npy(npy_header("<f4", "(17592186044416, 512, 512)"), {}), {.key = "[0]"}),
+                    "truncated: the header promises 17592186044416 times 1048576 bytes")
+        << "2^64 bytes";
     EXPECT_CONTAINS(error(npy_header("<f4", "(0, 3)")), "both sides must be at least 1");
     EXPECT_CONTAINS(error(npy_header("<f4", "(99999, 99999)")), "more than the limit");
     EXPECT_CONTAINS(error(npy_header("<f4", "(2, 4)")), "truncated");
     EXPECT_CONTAINS(error(npy_header("<f4", "(2, 2)")), "promises 16 bytes");
     EXPECT_CONTAINS(error_in(make_npy(npy_header("<f4", "(2, 3)"), samples, 9)), "version 9");
     EXPECT_CONTAINS(error_in(to_bytes("\x93NUMPY\1")), "malformed NPY header");
-    EXPECT_CONTAINS(error_in(make_npy("<i4", 1, 1, bytes_of(std::vector<int>{70000}))), "integer 70000");
-    EXPECT_CONTAINS(error_in(make_npy("<i2", 1, 1, bytes_of(std::vector<std::int16_t>{-1}))), "integer -1");
     EXPECT_CONTAINS(error_in(make_npy("<f4", 1, 1, bytes_of(std::vector<float>{kInf}))),
                     "no pixel of the map");
     const Folder folder;
@@ -116,7 +164,9 @@ TEST(Npz, TheArrayIsTheOnlyOneOrNamed) {
         const Bytes two = make_zip(
             {{"note.txt", to_bytes("x")}, {"depth.npy", array({3})}, {"conf.npy", array({9})}}, deflated);
         EXPECT_EQ(values_of(two, {.key = "conf"}), (std::vector<float>{9}));
-        EXPECT_CONTAINS(error_in(two), "name one by --key: depth, conf");
+        EXPECT_EQ(values_of(two), (std::vector<float>{3})) << "a usual name";
+        EXPECT_CONTAINS(error_in(make_zip({{"a.npy", array({3})}, {"b.npy", array({9})}}, deflated)),
+                        "name one by --key: a, b");
         EXPECT_CONTAINS(error_in(two, {.key = "z"}), "no array 'z'; it has depth, conf");
     }
     const Folder folder;
@@ -124,6 +174,23 @@ TEST(Npz, TheArrayIsTheOnlyOneOrNamed) {
     EXPECT_EQ(read_depth_map(path, {.key = "e"}).map.values, (std::vector<float>{3}));
     EXPECT_EQ(describe_raster(path, "e")->format, "npz");
     EXPECT_TRUE(describe_raster(path, "e")->is_float);
+}
+
+TEST(Npz, TheMapIsFoundByNameOrByShape) {
+    const Bytes matrix = make_npy("<f8", 3, 3, bytes_of(std::vector<double>(9, 1)));
+    const Bytes map = make_npy("<f4", 6, 5, bytes_of(std::vector<float>(30, 2)));
+    const Bytes confidence = make_npy("<f4", 6, 5, bytes_of(std::vector<float>(30, 0.5f)));
+    const Bytes words = make_npy("{'descr': '<U3', 'fortran_order': False, 'shape': (1,), }", Bytes(12));
+    EXPECT_EQ(values_of(make_zip({{"K.npy", matrix}, {"out.npy", map}, {"w.npy", words}}, true)).size(), 30u);
+    const Folder folder;
+    const auto path = folder.write(
+        "a.npz", make_zip({{"conf.npy", confidence}, {"Depth.npy", map}, {"w.npy", words}}, true));
+    EXPECT_EQ(read_depth_map(path, {}).map.values[0], 2);
+    EXPECT_EQ(read_confidence(path, {.threshold = 0.4}).kept[0], 1);
+    EXPECT_CONTAINS(error_of([&] { read_confidence(path, {.threshold = 0.6}); }),
+                    "below input.confidence.threshold");
+    EXPECT_EQ(list_contents(path),
+              (std::vector<std::string>{"conf: 5 x 6 float32", "Depth: 5 x 6 float32", "w: no numbers"}));
 }
 
 TEST(Npz, DamagedArchivesAndBombsAreRefused) {
@@ -154,7 +221,14 @@ TEST(Npz, DamagedArchivesAndBombsAreRefused) {
 TEST(Exr, TheChannelIsTheOnlyOneUsualOrNamed) {
     const std::vector<float> near = {1, 2, 3, 4, 5, 6}, far = {7, 8, 9, 10, 11, 12};
     EXPECT_EQ(values_of(make_exr(3, 2, {{"any", near}})), near);
-    EXPECT_EQ(values_of(make_exr(3, 2, {{"B", far}, {"G", far}, {"R", near}})), near);
+    EXPECT_EQ(values_of(make_exr(3, 2, {{"B", near}, {"G", near}, {"R", near}})), near) << "grey";
+    EXPECT_CONTAINS(error_in(make_exr(3, 2, {{"B", far}, {"G", far}, {"R", near}})), "a map has one channel");
+    EXPECT_EQ(values_of(make_exr(3, 2, {{"A", far}, {"R", near}})), near);
+    EXPECT_EQ(values_of(make_exr(3, 2, {{"N.X", far}, {"N.Y", far}, {"N.Z", far}, {"Z", near}})), near);
+    EXPECT_EQ(values_of(make_exr(3, 2, {{"R", far}, {"depth.B", far}, {"depth.R", near}})), near);
+    EXPECT_EQ(
+        values_of(make_exr(3, 2, {{"L.Depth.Z", near}, {"L.Mist.Z", far}, {"L.N.X", far}, {"L.N.Z", far}})),
+        near);
     // OpenEXR decodes four channels of one type by a special routine.
     for (const char* key : {"A", "B", "G", "R"}) {
         const Bytes four = make_exr(3, 2, {{"A", near}, {"B", near}, {"G", near}, {"R", near}});
@@ -171,6 +245,48 @@ TEST(Exr, TheChannelIsTheOnlyOneUsualOrNamed) {
     EXPECT_EQ(found->width, 3);
     EXPECT_EQ(found->channels, 3);
     EXPECT_TRUE(found->is_float);
+}
+
+TEST(Exr, ThePartIsTheOneWithTheUsualNameOrNamed) {
+    const std::vector<float> near = {1, 2, 3, 4, 5, 6}, far = {7, 8, 9, 10, 11, 12};
+    const std::array<int, 4> window{0, 0, 2, 1};
+    const Bytes two = make_exr_parts({{"beauty", {{"B", far}, {"G", far}, {"R", far}}, window, window},
+                                      {"data", {{"A", far}, {"Z", near}}, window, window}});
+    EXPECT_EQ(values_of(two), near);
+    EXPECT_EQ(values_of(two, {.key = "beauty.R"}), far);
+    EXPECT_EQ(values_of(two, {.key = "data.Z"}), near);
+    EXPECT_CONTAINS(error_in(two, {.key = "data.R"}), "beauty.B, beauty.G, beauty.R, data.A, data.Z");
+    const Folder folder;
+    const auto path = folder.write("two.exr", two);
+    EXPECT_EQ(list_contents(path), (std::vector<std::string>{"part beauty: B float, G float, R float",
+                                                             "part data: A float, Z float"}));
+    for (std::size_t bytes = 0; bytes < two.size(); bytes += 97)
+        EXPECT_NE(error_in(Bytes(two.begin(), two.begin() + static_cast<std::ptrdiff_t>(bytes))), "");
+}
+
+TEST(Exr, TheDisplayWindowIsThePicture) {
+    const std::vector<float> four = {1, 2, 3, 4};
+    // The data window is the display window's middle; then the display window is the data window's right
+    // half.
+    const Bytes crop = make_exr_parts({{"", {{"Z", four}}, {1, 1, 2, 2}, {0, 0, 3, 3}}});
+    EXPECT_EQ(values_of(crop), (std::vector<float>{kInf, kInf, kInf, kInf, kInf, 1, 2, kInf, kInf, 3, 4, kInf,
+                                                   kInf, kInf, kInf, kInf}));
+    const Bytes overscan = make_exr_parts({{"", {{"Z", four}}, {-1, 0, 0, 1}, {0, 0, 1, 1}}});
+    EXPECT_EQ(values_of(overscan), (std::vector<float>{2, kInf, 4, kInf}));
+    EXPECT_CONTAINS(error_in(make_exr_parts({{"", {{"Z", four}}, {4, 4, 5, 5}, {0, 0, 1, 1}}})),
+                    "outside of its display window");
+    EXPECT_NE(error_in(make_exr_parts({{"", {{"Z", four}}, {0, 0, 1, 1}, {0, 0, 19999, 19999}}})), "")
+        << "a display window of 400 megapixels in a small file";
+    const Folder folder;
+    const auto found = describe_raster(folder.write("crop.exr", crop));
+    EXPECT_EQ(found->width, 4);
+    EXPECT_CONTAINS(list_contents(folder.path() / "crop.exr")[0], "data window 2 x 2 px at 1,1");
+}
+
+TEST(Exr, LossyCompressionIsRead) {
+    const std::vector<float> flat(32 * 32, 2.5f);
+    const Bytes file = make_exr_parts({{"", {{"Z", flat}}, {0, 0, 31, 31}, {0, 0, 31, 31}, true, true}});
+    for (const float value : values_of(file)) ASSERT_NEAR(value, 2.5f, 0.01f);
 }
 
 TEST(Exr, PackedAndTiledFilesHoldTheSame) {

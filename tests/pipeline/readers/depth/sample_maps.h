@@ -38,4 +38,13 @@ struct ExrKind {
 // order of their names.
 Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, const ExrKind& kind = {});
 
+struct ExrPart {
+    std::string name;
+    std::vector<ExrChannel> channels;
+    std::array<int, 4> data, display;  // windows: least x and y, largest x and y
+    bool half = false, lossy = false;  // DWAA instead of ZIP
+};
+// Makes an EXR file of these parts. Only available if OpenEXR was found.
+Bytes make_exr_parts(const std::vector<ExrPart>& parts);
+
 }  // namespace hexrelief::readers

@@ -1,0 +1,80 @@
+#include "pipeline/job/maps/disparity_input.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <iterator>
+#include <limits>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief::job {
+namespace {
+
+// Share of the known disparities beyond infinity that matchers leave by mistake.
+constexpr double kFewBeyond = 0.05;
+// Largest disparity, as a share of the width, below which an assumed scale of integers is doubted.
+constexpr double kSmallest = 0.015, kLargest = 0.6;
+constexpr double kStereoSgbm = 16, kAssumed = 256;
+
+constexpr float kLargestFloat = std::numeric_limits<float>::max();
+
+constexpr const char* kAdvice =
+    "--disparity-scale -1 turns the sign of all, --disparity-offset PX moves them (input.disparity.scale, "
+    "input.disparity.offset_px)";
+
+std::string figure(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+}
+
+// Returns the disparity that one in a hundred exceeds.
+double usual_largest(const DisparityMap& map) {
+    std::vector<float> known;
+    std::ranges::copy_if(map.values, std::back_inserter(known), DisparityMap::known);
+    if (known.empty()) return 0;
+    const auto rank = static_cast<std::ptrdiff_t>(known.size() * 99 / 100);
+    std::nth_element(known.begin(), known.begin() + rank, known.end());
+    return known[static_cast<std::size_t>(rank)];
+}
+
+// Returns the warning of an assumed scale, if the disparities are small and StereoSGBM's scale would be
+// usual.
+std::vector<std::string> doubts(const DisparityMap& map) {
+    const double largest = usual_largest(map), other = largest * kAssumed / kStereoSgbm;
+    if (largest >= kSmallest * map.width || other < kSmallest * map.width || other > kLargest * map.width)
+        return {};
+    return {"the map's disparities go up to " + figure(largest) +
+            " px only, if KITTI's scale of 256 is right, which was assumed; with OpenCV's 1/16 px up to " +
+            figure(other) + " px: give --disparity-scale 16 or 256 (input.disparity.scale)"};
+}
+
+}  // namespace
+
+std::vector<std::string> keep_in_front(readers::DisparityFile& file, double doffs_px) {
+    float least = kLargestFloat, largest = -kLargestFloat;
+    std::size_t known = 0, beyond = 0;
+    for (float& d : file.map.values) {
+        if (!DisparityMap::known(d)) continue;
+        least = std::min(least, d);
+        largest = std::max(largest, d);
+        ++known;
+        if (d + doffs_px > 0) continue;
+        ++beyond;
+        d = kUnknownDisparity;
+    }
+    if (known > 0 && beyond == known)
+        throw Error(ErrorKind::input, "the map's disparities go from " + figure(least) + " to " +
+                                          figure(largest) + " px, none above " + figure(0 - doffs_px) +
+                                          " px, so none has a depth; " + kAdvice);
+    std::vector<std::string> warnings;
+    if (file.is_scale_assumed) warnings = doubts(file.map);
+    const double share = static_cast<double>(beyond) / static_cast<double>(std::max<std::size_t>(known, 1));
+    if (share > kFewBeyond)
+        warnings.push_back(figure(100 * share) + " % of the map's disparities are " + figure(0 - doffs_px) +
+                           " px or less and become unknown; " + kAdvice);
+    return warnings;
+}
+
+}  // namespace hexrelief::job

@@ -1,0 +1,84 @@
+#include "pipeline/job/maps/fit_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+namespace hexrelief::job {
+namespace {
+
+constexpr double kLargestStretch = 0.03;
+// Stereo networks pad to these; those of single pictures resize to multiples of 14.
+constexpr int kMultiples[] = {8, 16, 32, 64, 128};
+
+bool is_padded(int map_width, int map_height, int width, int height) {
+    return std::ranges::any_of(kMultiples, [&](int multiple) {
+        const auto is_next = [&](int side, int of) {
+            return side % multiple == 0 && side >= of && side - of < multiple;
+        };
+        return is_next(map_width, width) && is_next(map_height, height);
+    });
+}
+
+std::vector<std::uint8_t>& pixels_of(readers::PixelMask& mask) {
+    return mask.kept;
+}
+template <typename Map>
+std::vector<float>& pixels_of(Map& map) {
+    return map.values;
+}
+
+// Takes the pixels of a window of `width` columns from `left` on, with these rows.
+template <typename Map, typename RowOf>
+void take(Map& map, int left, int width, int height, RowOf row_of) {
+    auto& stored = pixels_of(map);
+    std::remove_reference_t<decltype(stored)> values;
+    values.reserve(static_cast<std::size_t>(width) * height);
+    for (int y = 0; y < height; ++y) {
+        const auto row = stored.begin() + static_cast<std::ptrdiff_t>(row_of(y)) * map.width + left;
+        values.insert(values.end(), row, row + width);
+    }
+    stored = std::move(values);
+    map.width = width;
+    map.height = height;
+}
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+template <typename Map>
+std::string fitted(Map& map, int width, int height) {
+    const std::string before = "the map's " + size_text(map.width, map.height) + " px ";
+    const double fitting = 1.0 * map.width * height / width;  // rows
+    if (std::abs(fitting - map.height) <= 1 || std::abs(1.0 * map.height * width / height - map.width) <= 1)
+        return {};
+    if (is_padded(map.width, map.height, width, height)) {
+        const int left = (map.width - width) / 2, top = (map.height - height) / 2;
+        take(map, left, width, height, [&](int y) { return y + top; });
+        return before + "are taken for the picture's " + size_text(width, height) +
+               " px padded on all sides, and cut; a map that was padded otherwise has to be cut before";
+    }
+    if (std::abs(fitting / map.height - 1) > kLargestStretch) return {};
+    const int rows = std::max(1, static_cast<int>(std::lround(fitting))), stored = map.height;
+    take(map, 0, map.width, rows,
+         [&](int y) { return static_cast<int>((2LL * y + 1) * stored / (2LL * rows)); });
+    return before + "differ from the aspect of the picture's " + size_text(width, height) +
+           " px, as a network rounds sides: stretched to " + size_text(map.width, map.height) + " px";
+}
+
+}  // namespace
+
+std::string fit_to_picture(DisparityMap& map, int width, int height) {
+    return fitted(map, width, height);
+}
+
+std::string fit_to_picture(DepthMap& map, int width, int height) {
+    return fitted(map, width, height);
+}
+
+std::string fit_to_picture(readers::PixelMask& mask, int width, int height) {
+    return fitted(mask, width, height);
+}
+
+}  // namespace hexrelief::job
