@@ -28,7 +28,8 @@ double least_of(const SurfaceMesh& mesh) {
 
 // The places from which gaps behind silhouettes are looked for.
 std::vector<ViewPlace> places_beyond(const LeftView& view, double far_px, double behind) {
-    if (behind == 0) return {};
+    // Without its background a scene is open between its things: such gaps are not behind a silhouette.
+    if (behind == 0 || view.density.background_px > 0) return {};
     const int width = view.disparity.width / kReduced, height = view.disparity.height / kReduced;
     std::vector<ViewPlace> places;
     for (const auto& [right, up] :
