@@ -165,6 +165,17 @@ TEST(House, ReadmesAreShort) {
         }
 }
 
+// A notebook holds decisions; history is in git.
+TEST(House, NotebooksAreShort) {
+    int notebooks = 0;
+    for (const SourceFile& file : other_files(kRoot)) {
+        if (fs::path(file.path).filename() != "EXPERIMENTS.md") continue;
+        ++notebooks;
+        EXPECT_LE(file.lines.size(), 60u) << file.path << ": keep what the code still rests on";
+    }
+    EXPECT_GT(notebooks, 0);
+}
+
 TEST(House, HeadersGuardThemselves) {
     for (const SourceFile& file : all_sources()) {
         if (!file.path.ends_with(".h") && !file.path.ends_with(".cuh")) continue;
