@@ -55,7 +55,7 @@ class MeshJob {
     HexMesh2D download(Staging& staging);
 
     std::size_t levels() const { return plans_.size(); }
-    int iterations() const;  // of all levels
+    int iterations() const;  // number in all levels
 
   private:
     struct Level {

@@ -21,7 +21,7 @@ __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
 // The data that each block keeps in shared memory for its communicator.
 struct SharedScratch {
     static constexpr int kPartials = 16 * 16;  // blocks of a cluster x warps of a block
-    step::BalanceSums partial[2][kPartials];   // of this iteration and the preceding one
+    step::BalanceSums partial[2][kPartials];   // this iteration's and the preceding one's
     int flags[3];
     int next_batch;  // next batch of edges or vertices to measure
 };

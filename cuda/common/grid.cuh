@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr unsigned kAllLanes = 0xffffffffu;  // of a warp
+inline constexpr unsigned kAllLanes = 0xffffffffu;  // all lanes of a warp
 
 // All blocks of launch_cooperative(). All threads must call each member function together.
 class CooperativeGrid {

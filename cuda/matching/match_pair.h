@@ -21,7 +21,7 @@ class DeviceMatcher {
 
   private:
     struct Plan;
-    std::unique_ptr<Plan> plan_;  // of the last call
+    std::unique_ptr<Plan> plan_;  // the last call's
 };
 
 }  // namespace hexrelief::cuda

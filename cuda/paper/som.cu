@@ -32,7 +32,7 @@ struct Som::State {
 
 namespace {
 
-constexpr int kBlock = 128;  // of kernels whose block size the paper does not vary
+constexpr int kBlock = 128;  // block size of kernels if the paper does not vary it
 constexpr int kMarks = 4;    // per iteration
 constexpr std::size_t kTextureAlignment = 512;
 
@@ -139,7 +139,7 @@ void run_iterations(cudaStream_t stream, const std::vector<cudaEvent_t>& marks, 
     const double alpha_step = std::pow(config.alpha_final / config.alpha_init, 1.0 / config.t_max);
     const double sigma_step = std::pow(config.sigma_final / config.sigma_init, 1.0 / config.t_max);
     for (int t = 0; t < config.t_max; ++t) {
-        const int age = t % config.random_reuse;  // of the random numbers, in iterations
+        const int age = t % config.random_reuse;  // iterations since the random numbers were drawn
         if (age == 0)
             random_kernel<<<blocks_for(sizes.cells, kBlock), kBlock, 0, stream>>>(
                 view, config.seed, 2ull * t, std::min(config.random_reuse, config.t_max - t));

@@ -17,12 +17,12 @@ struct View {
     int ssr, neurons_per_cell;
     const float* density;
     float* sums;         // density of each cell
-    float* probability;  // of each cell's activation (Eq. 6)
+    float* probability;  // probability of each cell's activation (Eq. 6)
     int* count;          // number of neurons in each cell
     int *id_x, *id_y;    // version 1: neuron k of cell c at k * cells + c
     int2* id;            // version 2: at c * neurons_per_cell + k
     float2* positions;
-    cudaTextureObject_t texture;  // the same memory
+    cudaTextureObject_t texture;  // texture of that memory
     float* random;                // two per cell and iteration: activation, extraction; cells side by side
     float2* points;               // passed between the multiple kernels; x < 0 = the cell is not active
     int* winners;                 // -1 = none

@@ -318,7 +318,7 @@ class Balancer {
     const step::BalanceLimits limits_;
     const int threads_, full_cells_;
     const std::vector<SweepGain> gains_;
-    std::vector<step::BalanceSums> row_sums_[2];  // of even and of odd iterations
+    std::vector<step::BalanceSums> row_sums_[2];  // sums of even and of odd iterations
     std::atomic<bool> spoilt_[3] = {};
     Barrier barrier_;
 };

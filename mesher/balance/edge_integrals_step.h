@@ -141,8 +141,8 @@ struct Edge {
 };
 // Sums along an edge.
 struct EdgeSums {
-    double columns;  // of the primitive at the pixels' left sides
-    // of the primitive's rest within the pixels; of the density; of the density x t
+    double columns;  // the primitive at the pixels' left sides
+    // the rest of the primitive within the pixels; the density; the density x t
     float within, mass, moment;
 };
 

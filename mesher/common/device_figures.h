@@ -1,4 +1,4 @@
-// What a device says of its own work.
+// The time and memory that a device reports for its own work.
 #pragma once
 
 #include <cstddef>

@@ -13,7 +13,7 @@ namespace {
 // triangles would stay thin.
 constexpr double kMostStretch = 2;
 
-constexpr double kMostBend = 0.25;  // of the area's height, for each border
+constexpr double kMostBend = 0.25;  // largest bend of either border, as a share of the area's height
 // steeper curves leave folds that take hundreds of sweeps to repair
 constexpr float kMostOutlineSlope = 1.4f;
 // The margin kept around density, and half the width of the window that rounds valleys, in spacings.

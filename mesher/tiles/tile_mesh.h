@@ -10,7 +10,7 @@ namespace hexrelief::mesh_tiles {
 
 struct TileMesh {
     std::vector<TileCorner> corners;
-    std::vector<Triangle> triangles;                         // of positive area (x right, y down)
+    std::vector<Triangle> triangles;                         // their area is positive (x right, y down)
     std::vector<std::array<TileCorner, 2>> seam_edges = {};  // see TileSurface::seam_edges
 
     bool empty() const { return triangles.empty(); }

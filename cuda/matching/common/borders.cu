@@ -8,7 +8,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
-constexpr std::size_t kMostBorders = 16;  // of a launch
+constexpr std::size_t kMostBorders = 16;  // largest number in a launch
 
 struct Borders {
     Border borders[kMostBorders];

@@ -19,7 +19,7 @@ __device__ inline void begin_kernel() {
 // The size of a launch.
 struct Blocks {
     dim3 grid, block;
-    std::size_t shared_bytes = 0;  // of each block, beside its own arrays
+    std::size_t shared_bytes = 0;  // dynamic shared memory of a block
 };
 // Starts a kernel, which must call begin_kernel() first. From compute capability 9.0 on it is set up while
 // the preceding kernel of the stream ends (programmatic dependent launch).

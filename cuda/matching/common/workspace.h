@@ -13,7 +13,7 @@ struct Workspace {
     SideStream side;
     Arena arena;
     Staging staging;
-    StageClock clock;  // of `stream`
+    StageClock clock;  // measures `stream`
 
     // Creates the streams on the current device.
     Workspace() { check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "creating a stream"); }

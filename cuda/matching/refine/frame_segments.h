@@ -8,7 +8,7 @@
 namespace hexrelief::cuda {
 
 struct FrameArrays {
-    int *cells, *firsts;  // as in FrameSegments
+    int *cells, *firsts;  // see FrameSegments
     std::int16_t *samples, *least;
 };
 FrameArrays take_frame_arrays(Arena& arena, const matching::CellGrid& grid);

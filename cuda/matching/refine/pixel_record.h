@@ -23,7 +23,7 @@ using PixelRecords = matching::RasterView<const PixelRecord>;
 // A pixel for smoothing. All bits of the colour are set if the disparity is unknown, and in the border.
 struct alignas(16) PlaneRecord {
     std::int32_t disparity;  // 1/16 px
-    std::uint32_t slopes;    // as in PixelRecord
+    std::uint32_t slopes;    // see PixelRecord
     std::uint32_t color;     // see step::PlaneColor
     std::uint32_t unused;
 };

@@ -76,7 +76,7 @@ struct Vote {
 // The pixel in the middle of a window.
 struct Middle {
     int x;
-    const std::int32_t* nearest_seen;  // of the row
+    const std::int32_t* nearest_seen;  // the row's
     std::uint32_t color;               // hole_color in holes
 };
 

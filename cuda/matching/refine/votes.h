@@ -8,7 +8,7 @@ namespace hexrelief::cuda {
 
 struct VoteInput {
     matching::DisparityView map;                              // without unknown pixels
-    PixelRecords records;                                     // of map, with the pixels' weights as voters
+    PixelRecords records;                                     // the map's, with the pixels' weights as voters
     matching::RasterView<const std::uint32_t> discontinuous;  // see SlopeArrays
     matching::RasterView<const std::int32_t> nearest_seen;
     matching::RasterView<const std::uint8_t> matched;  // 0 = a hole; origin null: there are no holes

@@ -38,7 +38,7 @@ __device__ inline int near_part(PathPixel pixel) {
 static_assert(kPart<matching::kShortRun> == step::kRunAlignment);
 struct PairSource {
     int far_lane, near_lane;  // lanes that hold the part for the lower half and the part for the upper half
-    unsigned bytes;           // of their pairs
+    unsigned bytes;           // selector of the bytes of their pairs
     std::uint32_t none;       // halves that neither run had before
 
     // window: the preceding one; far, near: the parts.
@@ -71,7 +71,7 @@ struct PathCosts {
     static constexpr bool kMoves = kRun == matching::kShortRun;  // windows of the whole range do not move
     static constexpr int kPairs = kPart<kRun>;
     LanePairs<kRun> pairs;
-    std::uint32_t least;  // the same value in both halves
+    std::uint32_t least;  // least cost, in both halves
     PathPixel window;     // without the penalty
     // Selectors for the pair of the preceding lane beside this one's first pair, and of the next lane
     // beside the last pair.
@@ -197,7 +197,7 @@ template <int kPairs>
 __device__ void store_pairs(const std::uint32_t (&pairs)[kPairs], std::uint16_t* pixel) {
     uint4* const to = reinterpret_cast<uint4*>(pixel) + lane_of_group();
 #pragma unroll
-    for (int k = 0; k < kPairs; k += 4)  // as one access, as the compiler makes four of an assignment
+    for (int k = 0; k < kPairs; k += 4)  // one access; the compiler makes four of an assignment
         __stcg(to + k / 4 * kGroup, make_uint4(pairs[k], pairs[k + 1], pairs[k + 2], pairs[k + 3]));
 }
 

@@ -29,7 +29,7 @@ struct HalfPaths {
 
 struct KeptCosts {
     struct Axis {
-        std::uint16_t *before_segments[2], *at_middles[2];  // of each half
+        std::uint16_t *before_segments[2], *at_middles[2];  // one for each half of a path
     };
     Axis rows, columns;
 };

@@ -26,9 +26,9 @@ struct DeviceVolume {
     int width;
     matching::DisparityRange range;
     matching::Band band;
-    PathPixels pixels;  // of the whole picture
+    PathPixels pixels;  // the whole picture's
     std::uint8_t* costs;
-    std::uint16_t *sums_of_rows, *sums_of_columns;  // of the costs of the axis' paths that end there
+    std::uint16_t *sums_of_rows, *sums_of_columns;  // costs of the axis' paths that end at a pixel, summed
     RightBest* right_best;                          // null: only the left view is wanted
 
     // Returns the index of an entry among its pixel's sums.

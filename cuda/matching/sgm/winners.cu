@@ -8,7 +8,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 256, kGroups = kBlock / kGroup;
-constexpr int kPixelsOfBlock = 192;  // of a row
+constexpr int kPixelsOfBlock = 192;  // pixels of a row in a block
 template <int kRun>
 constexpr int kSums = (kPixelsOfBlock + 2) * 2 * kRun;
 
@@ -36,8 +36,8 @@ template <int kRun>
 struct BlockRow {
     int width, first_x;
     matching::DisparityRange range;
-    const PathPixel* pixels;  // of the row
-    std::uint16_t* sums;      // of the part's pixels and of one on each side, in the layout of DeviceVolume
+    const PathPixel* pixels;  // the row's
+    std::uint16_t* sums;      // the part's pixels and one on each side, in the layout of DeviceVolume
     // The smallest keys of its pixels, and of the pixels of the right view that they may match; `right`
     // begins with the match of the first pixel at the largest disparity.
     std::uint32_t *left, *right;

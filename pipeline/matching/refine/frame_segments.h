@@ -22,7 +22,7 @@ CellGrid cell_grid(int width, int height);
 // The cells beside the frame, sorted by segment: those of segment i are cells[firsts[i]] to cells[firsts[i
 // + 1] - 1].
 struct FrameSegments {
-    CellGrid grid;            // of the left picture
+    CellGrid grid;            // the left picture's
     int columns;              // number of the grid's columns beside the frame
     std::vector<int> cells;   // indices in the grid, row by row
     std::vector<int> firsts;  // one more than there are segments

@@ -18,7 +18,7 @@ struct RefinedMap {
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
 
 struct RefineInput {
-    const FrameSegments& frame_segments;  // of the left picture
+    const FrameSegments& frame_segments;  // the left picture's
     const PairColors& colors;
     const ViewDisparities& views;
     // Optional extra matches from half size, used for pixels that are unknown in `views` and marked as
