@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# coverage.sh: the share of each room's lines that the tests run, as the table in CONTRIBUTING.md. Builds the preset `coverage`
+# coverage.sh: the share of each room's lines that the tests run, as a table. Builds the preset `coverage`
 # and runs each test program once, and the few tests by ctest that run other programs of the build. Needs the package gcovr.
 set -euo pipefail
 cd "$(dirname "$0")/.."
