@@ -1,5 +1,5 @@
 // The thresholds of the surface stage, for the CPU and the device, with their units.
-// mesher/surface/EXPERIMENTS.md has the measurements by which some of them were chosen. "Error" below is the
+// mesher/surface/EXPERIMENTS.md has the figures by which most of them were chosen. "Error" below is the
 // report's duo_rmse_near_px divided by that of the best other program at the same number of bytes.
 #pragma once
 
