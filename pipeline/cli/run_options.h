@@ -18,7 +18,8 @@ struct FileOption {
 };
 const std::vector<FileOption>& file_options();
 
-// What a run prints: nothing but errors, the summary, or also its decisions and the seconds of its stages.
+// The amount that a run prints: only errors, the summary, or also its decisions and the seconds of its
+// stages.
 enum class Verbosity { quiet, summary, verbose };
 
 // Adds the options of one run, which set the library's request and options.

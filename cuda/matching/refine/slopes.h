@@ -24,8 +24,9 @@ enum class RecordsOf { all, beside_unknown };
 struct RecordInput {
     matching::DisparityView map;
     PackedColors colors;
-    matching::RasterView<const std::uint8_t> voter_weights;  // written in the first round; otherwise null
-    PackedColors hole_colors;                                // read only in the first round
+    matching::RasterView<const std::uint8_t>
+        voter_weights;         // set in the first round; else its origin is null
+    PackedColors hole_colors;  // read only in the first round
     RecordsOf which;
     // One byte per block of pixel_blocks(): nonzero if it may differ from the map for which arrays and
     // records were made; origin null: all may differ.

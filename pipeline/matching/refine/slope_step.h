@@ -8,12 +8,11 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kSlopeOne = 256;  // 1 px of disparity per pixel
-inline constexpr int kSteepest = 512;  // slopes are limited to this
-inline constexpr int kSamples = 4,
-                     kLeastSamples = 4;  // samples in a line's fit: most per side, least in total
-inline constexpr int kSlopeRadius = 2;   // radius of the window over which slopes are averaged
-inline constexpr int kLineStep = 20;     // 1/16 px: a larger change from pixel to pixel ends a line
+inline constexpr int kSlopeOne = 256;                  // 1 px of disparity per pixel
+inline constexpr int kSteepest = 512;                  // slopes are limited to this
+inline constexpr int kSamples = 4, kLeastSamples = 4;  // a line's samples: most per side, least in total
+inline constexpr int kSlopeRadius = 2;                 // radius of the window over which slopes are averaged
+inline constexpr int kLineStep = 20;  // 1/16 px: a larger change from pixel to pixel ends a line
 // 1/16 px: neighbours whose disparities differ by more belong to another surface.
 inline constexpr int kSlopeSurface = 24;
 
