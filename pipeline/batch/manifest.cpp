@@ -10,7 +10,7 @@
 
 #include "exporters/core/file_names.h"
 #include "pipeline/batch/manifest_rows.h"
-#include "pipeline/batch/shell_words.h"
+#include "pipeline/config/shell_words.h"
 #include "pipeline/config/key_options.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/suggest.h"
@@ -153,7 +153,7 @@ std::vector<BatchUnit> option_lines(const std::string& text, const std::string& 
     int number = 0;
     for (std::string line; std::getline(lines, line);) {
         const std::string place = origin + ":" + std::to_string(++number);
-        std::vector<std::string> words = words_of_line(line);
+        std::vector<std::string> words = config::words_of_line(line);
         if (words.empty() || words.front().starts_with('#')) continue;
         words.insert(words.begin(), options.words.begin(), options.words.end());
         if (!options.config.empty() && !holds(words, "--config"))

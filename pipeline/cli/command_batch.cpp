@@ -8,7 +8,7 @@
 #include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/manifest.h"
 #include "pipeline/batch/pair_rules.h"
-#include "pipeline/batch/shell_words.h"
+#include "pipeline/config/shell_words.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/values.h"
@@ -141,8 +141,8 @@ int print_commands(const BatchCommand& command, const std::vector<batch::BatchUn
         // The lines of jobs.txt belong to this folder.
         const bool of_folder = unit.name == unit.place;
         std::printf("%s%s\n",
-                    of_folder ? ("cd " + batch::shell_quoted(fs::current_path()) + " && ").c_str() : "",
-                    batch::shell_line(words).c_str());
+                    of_folder ? ("cd " + config::shell_quoted(fs::current_path()) + " && ").c_str() : "",
+                    config::shell_line(words).c_str());
     }
     return code;
 }

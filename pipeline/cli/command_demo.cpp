@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "exporters/viewer/html_exporter.h"
-#include "pipeline/batch/shell_words.h"
+#include "pipeline/config/shell_words.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/terminal/printable.h"
@@ -90,7 +90,7 @@ int show_demo(const DemoOptions& demo) {
     std::vector<std::string> words = {"hexrelief", "run",       "--left",  files.left,
                                       "--right",   files.right, "--calib", calibration};
     for (const fs::path& output : outputs) words.insert(words.end(), {"-o", output.string()});
-    std::printf("%s\n", printable(batch::shell_line(words)).c_str());
+    std::printf("%s\n", printable(config::shell_line(words)).c_str());
     files.ends_process = true;
     end_on_interrupt();
     run_and_tell(files, {.direct = {{"--calib", calibration}}}, Verbosity::summary);

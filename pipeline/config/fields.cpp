@@ -9,10 +9,26 @@ namespace {
 
 std::vector<Field> disparity_fields() {
     return {
-        choice("disparity.method", {"sgm", "sgbm"},
+        choice("disparity.method", {"sgm", "sgbm", "command"},
                "sgm: semi-global matching on census and colour, on the CPU and on CUDA; sgbm: OpenCV's "
-               "StereoSGBM",
+               "StereoSGBM; command: a program of your own, by disparity.command or disparity.worker",
                MEMBER(disparity.method)),
+        text("disparity.command",
+             "command: the words of a program that is run for each view, without a shell: {left} and {right} "
+             "are "
+             "the rectified pictures as PNG, {out} the map to write, in px of the left view, as PFM; "
+             "{out.npy}, "
+             "{out.tiff}, ... = in another format that --disparity reads; {ndisp} = disparities to expect",
+             MEMBER(disparity.command)),
+        text("disparity.worker",
+             "command: the words of a program that matches pair after pair: it reads lines of JSON, "
+             "{\"left\": "
+             "FILE, \"right\": FILE, \"out\": FILE, \"ndisp\": N}, and answers each with the line {\"ok\": "
+             "true} "
+             "or {\"error\": TEXT}",
+             MEMBER(disparity.worker)),
+        number("disparity.timeout_s", "s", stages::DisparityConfig::kTimeout_s,
+               "command: longest wait for a view's map", MEMBER(disparity.timeout_s)),
         number("disparity.working_px", "px", stages::DisparityConfig::kWorkingSize_px,
                "longest side at which a pair is matched and meshed; a larger pair is reduced by the least "
                "whole number that makes it so, its texture is not; 0 = never. Keys in px from here on are of "

@@ -14,6 +14,7 @@
 
 #include "exporters/core/file_transaction.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/files/temporary_folder.h"
 
 namespace hexrelief::files {
 namespace {
@@ -33,6 +34,7 @@ void await_signals(const sigset_t& awaited) {
         }
         signalled = true;
         roll_back_outputs();
+        remove_temporary_folders();
         _exit(kInterruptedExitCode);  // no destructors: the other threads are still at work
     }).detach();
 }

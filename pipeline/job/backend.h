@@ -13,6 +13,7 @@
 #include "mesher/mesher.h"
 #include "pipeline/config/config.h"
 #include "pipeline/job/log/run_log.h"
+#include "pipeline/job/matchers/program_matcher.h"
 #include "pipeline/stages/disparity.h"
 
 namespace hexrelief::job {
@@ -86,10 +87,13 @@ class Backends {
 
     BackendPointer get(config::BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
     bool ends_with_run() const { return ends_with_run_; }
+    // The user's programs that match pairs; a worker is kept from run to run.
+    ProgramMatcher& programs() { return *programs_; }
 
   private:
     using Key = std::tuple<config::BackendChoice, int, MeshMethod>;
     BackendPointer always_;
+    std::unique_ptr<ProgramMatcher> programs_ = std::make_unique<ProgramMatcher>();
     bool ends_with_run_ = false;
     std::map<Key, BackendPointer> kept_;
 };

@@ -72,6 +72,17 @@ PartOrigin origin_of(const ViewPlace& place) {
     return place.right == 1 && place.up == 0 ? PartOrigin::right : PartOrigin::nobody;
 }
 
+// Returns the view whose map, seen in a mirror, is given.
+RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
+                     int threads) {
+    RightView right{stages::mirrored(std::move(mirrored))};
+    right.color = pair.views.right;
+    right.picture = pair.pictures.right;
+    for (Image* image : {&right.color, &right.picture})
+        if (!image->empty()) matching::relight(*image, range.correction.light, threads);
+    return right;
+}
+
 // Appends the sheet with its texture coordinates in the atlas.
 void append(SurfaceMesh& mesh, SurfaceMesh sheet, PartOrigin origin, const stages::TextureAtlas& atlas,
             std::size_t view) {
@@ -84,13 +95,16 @@ void append(SurfaceMesh& mesh, SurfaceMesh sheet, PartOrigin origin, const stage
 RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
                              const stages::FoundRange& range, Backend& backend) {
     const int threads = backend.threads();
-    RightView right{
-        stages::mirrored(stages::match_range(stages::mirrored(corrected), range.config, backend, threads))};
-    right.color = pair.views.right;
-    right.picture = pair.pictures.right;
-    for (Image* image : {&right.color, &right.picture})
-        if (!image->empty()) matching::relight(*image, range.correction.light, threads);
-    return right;
+    return right_view(stages::match_range(stages::mirrored(corrected), range.config, backend, threads), pair,
+                      range, threads);
+}
+
+RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+                                const stages::FoundRange& range, int threads) {
+    const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left)};
+    return right_view(
+        stages::refine_maps(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair, range,
+        threads);
 }
 
 void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,

@@ -11,6 +11,10 @@ namespace hexrelief::job {
 RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
                              const stages::FoundRange& range, Backend& backend);
 
+// The same by both views' maps of a program of the user's.
+RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+                                const stages::FoundRange& range, int threads);
+
 // Makes the right view's map fit the left view's: counted from infinity, ended by the backdrop, without the
 // background, smoothed. Adds the density and the place.
 void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,

@@ -117,16 +117,23 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     if (InputMap* const map = std::get_if<InputMap>(&input.views)) {
         relief.disparity = supplied_disparities(*map, input.mask, config, threads, log);
     } else {
+        std::optional<stages::ViewMaps> by_program;
+        if (range.config.method == stages::DisparityMethod::command)
+            by_program = log.stage("command",
+                                   [&] { return backends.programs().match(pair->views, range.config, log); });
         relief.disparity = log.stage("disparity", [&] {
             DisparityResult matched =
-                disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
+                by_program ? disparities_of_program(pair->views, *by_program, range.config, threads)
+                           : disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
             hide(matched.map, input.mask);
             judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
             return matched;
         });
         if (config.surface.views == SurfaceViews::both && input.has_right_view())
-            relief.right = log.stage(
-                "right view", [&] { return matched_right_view(*pair, as_matched, range, *relief.backend); });
+            relief.right = log.stage("right view", [&] {
+                return by_program ? right_view_of_program(*pair, *by_program, range, threads)
+                                  : matched_right_view(*pair, as_matched, range, *relief.backend);
+            });
     }
     return relief;
 }

@@ -107,12 +107,28 @@ void check_matches(bool has_any) {
             "are two views of one scene, rectified and not blank");
 }
 
+namespace {
+
+void check_any_match(const DisparityMap& map) {
+    check_matches(std::find(map.origins.begin(), map.origins.end(), PixelOrigin::matched) !=
+                  map.origins.end());
+}
+
+}  // namespace
+
 DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend) {
     check_detail(checks::is_blank(pair.left), checks::is_blank(pair.right));
     DisparityResult result{stages::match_range(corrected, searched, backend, backend.threads()), searched};
-    const std::vector<PixelOrigin>& origins = result.map.origins;
-    check_matches(std::find(origins.begin(), origins.end(), PixelOrigin::matched) != origins.end());
+    check_any_match(result.map);
+    return result;
+}
+
+DisparityResult disparities_of_program(const StereoPair& pair, const stages::ViewMaps& maps,
+                                       const stages::DisparityConfig& config, int threads) {
+    check_detail(checks::is_blank(pair.left), checks::is_blank(pair.right));
+    DisparityResult result{stages::refine_maps(pair, maps, config, threads), config};
+    check_any_match(result.map);
     return result;
 }
 

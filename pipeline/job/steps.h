@@ -101,6 +101,11 @@ void check_matches(bool has_any);
 DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend);
 
+// Returns the disparities of a pair by both views' maps of a program of the user's. Throws as check_detail()
+// and check_matches().
+DisparityResult disparities_of_program(const StereoPair& pair, const stages::ViewMaps& maps,
+                                       const stages::DisparityConfig& config, int threads);
+
 // Returns a supplied map. A sparse map is filled between its measurements in a stage of its own, except at
 // the pixels that the mask hides; only then the result has origins. left, mask: empty = none.
 DisparityMap densify_map(DisparityMap map, const Image& left, const readers::PixelMask& mask, int threads,

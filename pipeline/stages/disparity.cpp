@@ -42,6 +42,13 @@ std::string wrong_disparity_config(const DisparityConfig& config) {
                std::to_string(Config::kLeastWorkingSize_px) + ", not " + std::to_string(config.working_px);
     if (config.block_size_px % 2 == 0)
         return "disparity.block_size_px must be odd, not " + std::to_string(config.block_size_px);
+    if (config.method == DisparityMethod::command) {
+        if (config.command.empty() == config.worker.empty())
+            return "disparity.method=command needs one of disparity.command and disparity.worker";
+        if (config.worker.empty() && config.command.find("{out") == std::string::npos)
+            return "disparity.command must name {left}, {right} and {out}, the files of the pair and of the "
+                   "map";
+    }
     if (config.p2 > 0 && config.p2 <= config.p1) return "disparity.p2 must be above disparity.p1";
     return {};
 }
@@ -119,6 +126,16 @@ matching::Disparities16 above_least(const RawDisparities& raw, int min_px) {
                 map.view().at(x, y) = static_cast<std::int16_t>(d - min_px * matching::kOnePixel);
         }
     return map;
+}
+
+matching::Disparities16 above_least(const DisparityMap& map, int min_px) {
+    matching::Disparities16 above(map.width, map.height, matching::kUnknown16);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            if (const float d = map.at(x, y); DisparityMap::known(d))
+                above.view().at(x, y) = static_cast<std::int16_t>(
+                    std::floor((static_cast<double>(d) - min_px) * matching::kOnePixel + 0.5));
+    return above;
 }
 
 // Refines the checked views as match_pair() refines its own.
@@ -224,10 +241,35 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
     check(pair, config);
     DisparityConfig ranged = config;
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
+    if (config.method == DisparityMethod::command)
+        throw Error(ErrorKind::usage,
+                    "disparity.method=command is for whole pairs of `run` and `batch`; take sgm here");
     if (config.method == DisparityMethod::sgm)
         return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
     return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),
                      config, threads);
+}
+
+DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,
+                         int threads) {
+    float least = kUnknownDisparity, largest = -kUnknownDisparity;
+    for (const DisparityMap* const map : {&views.left, &views.right})
+        for (const float d : map->values)
+            if (DisparityMap::known(d)) least = std::min(least, d), largest = std::max(largest, d);
+    if (least > largest) return {views.left.width, views.left.height, views.left.values, {}};
+    if (largest - least >= static_cast<float>(kLargestRange_px - 1) || std::abs(least) >= kLargestRange_px)
+        throw Error(ErrorKind::input, "the map's disparities reach from " +
+                                          std::to_string(std::lround(least)) + " to " +
+                                          std::to_string(std::lround(largest)) + " px; at most " +
+                                          std::to_string(kLargestRange_px) + " px are meshed");
+    DisparityConfig ranged = config;
+    ranged.min_disparity_px = static_cast<int>(std::floor(least));
+    ranged.num_disparities_px = static_cast<int>(std::floor(largest)) - ranged.min_disparity_px + 1;
+    return to_pixels(matching::refine_views(pair,
+                                            {above_least(views.left, ranged.min_disparity_px),
+                                             above_least(views.right, ranged.min_disparity_px)},
+                                            matching_config(ranged), threads),
+                     ranged, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,

@@ -13,8 +13,8 @@
 
 namespace hexrelief::stages {
 
-// sgm is the matcher in pipeline/matching, sgbm is OpenCV's StereoSGBM.
-enum class DisparityMethod { sgm, sgbm };
+// sgm is the matcher in pipeline/matching, sgbm is OpenCV's StereoSGBM, command a program of the user's.
+enum class DisparityMethod { sgm, sgbm, command };
 enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
 enum class DisparityFill { none, planes };
 enum class Dequantization { automatic, none };
@@ -54,6 +54,13 @@ struct DisparityConfig {
     DisparityFill fill = DisparityFill::planes;
     // For supplied maps only (pipeline/dequantize).
     Dequantization dequantize = Dequantization::automatic;
+
+    // Of command only: a line of words, which no shell reads. command is run for each view; {left}, {right},
+    // {out} and {ndisp} in it are replaced. worker is run once for all pairs of a process, and asked by lines
+    // of JSON.
+    std::string command = {}, worker = {};
+    static constexpr ValueRange kTimeout_s{1, 86400};
+    double timeout_s = 600;  // for a view
 
     // Parameters of StereoSGBM only.
     bool color = false;  // match all channels; grey is faster and was measured to be better
@@ -133,6 +140,16 @@ StereoPair corrected(StereoPair pair, const PairCorrection& correction, int thre
 // if the images differ in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for
 // a parameter out of range, or a range wider than the image.
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
+                         int threads);
+
+// The disparities of both views, each at its own columns.
+struct ViewMaps {
+    DisparityMap left, right;
+};
+
+// Returns the left view's disparities as match_range() does, from both views' maps of another matcher, whose
+// range is what they hold. Throws Error(input) if it is wider than kLargestRange_px.
+DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,
                          int threads);
 
 // Calls find_range(), corrected() and match_range() for a pair without a calibration; on the CPU if

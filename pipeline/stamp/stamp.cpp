@@ -9,6 +9,7 @@
 
 #include "pipeline/config/document.h"
 #include "pipeline/config/fields.h"
+#include "pipeline/config/shell_words.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
@@ -105,6 +106,12 @@ std::string unit_stamp(const job::RunRequest& request) {
     for (const fs::path& output : request.outputs) text += "output " + output.filename().string() + "\n";
     if (!request.stages_folder.empty()) text += "stages\n";
     for (const job::InputFile& file : job::input_files(request)) text += digest_line(file.role, file.path);
+    // A program that matches pairs, its scripts and models, as far as its words name them.
+    for (const std::string& words : {request.config.disparity.command, request.config.disparity.worker})
+        for (const std::string& word : config::words_of_line(words)) {
+            std::error_code code;
+            if (fs::is_regular_file(word, code)) text += "program " + files::sha256_of_file(word) + "\n";
+        }
     return files::sha256_of(text.data(), text.size());
 }
 

@@ -9,7 +9,7 @@
 
 #include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/memory.h"
-#include "pipeline/batch/shell_words.h"
+#include "pipeline/config/shell_words.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/arguments/values.h"
@@ -62,7 +62,7 @@ int print_commands(const SolveOptions& options, const std::vector<tiles::TileNum
         for (const auto& [flag, text] : options.config.direct) words.insert(words.end(), {flag, text});
         if (options.threads > 0) words.insert(words.end(), {"--threads", std::to_string(options.threads)});
         if (options.force) words.emplace_back("--force");
-        std::printf("%s\n", batch::shell_line(words).c_str());
+        std::printf("%s\n", config::shell_line(words).c_str());
     }
     return 0;
 }

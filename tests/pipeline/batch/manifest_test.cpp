@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/batch/manifest_rows.h"
-#include "pipeline/batch/shell_words.h"
+#include "pipeline/config/shell_words.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::batch {
@@ -159,9 +159,9 @@ TEST(Manifest, CsvMayHaveQuotesLineEndsAndAByteOrderMark) {
 }
 
 TEST(ShellWords, AreReadAndWritten) {
-    EXPECT_EQ(words_of_line(R"(-o "a b" c)"), (Words{"-o", "a b", "c"}));
-    EXPECT_EQ(shell_line({"a", "b c", "it's", ""}), R"(a 'b c' 'it'\''s' '')");
-    EXPECT_THROW(shell_quoted("a\nb"), Error);
+    EXPECT_EQ(config::words_of_line(R"(-o "a b" c)"), (Words{"-o", "a b", "c"}));
+    EXPECT_EQ(config::shell_line({"a", "b c", "it's", ""}), R"(a 'b c' 'it'\''s' '')");
+    EXPECT_THROW(config::shell_quoted("a\nb"), Error);
 }
 
 }  // namespace

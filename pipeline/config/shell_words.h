@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace hexrelief::batch {
+namespace hexrelief::config {
 
 // Returns the words between white space; "double quotes" hold spaces, and a doubled quote in
 // them is one quote.
@@ -15,4 +15,4 @@ std::vector<std::string> words_of_line(const std::string& line);
 std::string shell_quoted(const std::string& word);
 std::string shell_line(const std::vector<std::string>& words);
 
-}  // namespace hexrelief::batch
+}  // namespace hexrelief::config

@@ -1,4 +1,4 @@
-#include "pipeline/batch/shell_words.h"
+#include "pipeline/config/shell_words.h"
 
 #include <iomanip>
 #include <sstream>
@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/parse_text.h"
 
-namespace hexrelief::batch {
+namespace hexrelief::config {
 
 std::vector<std::string> words_of_line(const std::string& line) {
     std::istringstream text(line);
@@ -33,4 +33,4 @@ std::string shell_line(const std::vector<std::string>& words) {
     return line;
 }
 
-}  // namespace hexrelief::batch
+}  // namespace hexrelief::config
