@@ -18,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Renames take milliseconds: who holds a lock for longer only wants others to wait.
+constexpr std::chrono::seconds kLongestWaitForOthers{3};
+
 constexpr const char *kPrefix = ".hexrelief-", *kSuffix = ".tmp";
 
 // Opens a lock file. If another user's file may not be written, reading it is enough to lock it. O_NONBLOCK:
@@ -32,6 +35,11 @@ bool is_open_file(int descriptor, const fs::path& path) {
     struct stat open = {}, named = {};
     return ::fstat(descriptor, &open) == 0 && ::lstat(path.c_str(), &named) == 0 && S_ISREG(open.st_mode) &&
            open.st_ino == named.st_ino && open.st_dev == named.st_dev;
+}
+
+bool is_of_caller(int descriptor) {
+    struct stat status = {};
+    return ::fstat(descriptor, &status) == 0 && status.st_uid == ::geteuid();
 }
 
 bool is_written_by_caller_alone(const struct stat& status) {
@@ -80,11 +88,14 @@ bool claim(int descriptor) {
 
 FolderLock::FolderLock(const fs::path& folder, const std::atomic<bool>& stopping)
     : path_(folder / temporary_name("lock")) {
+    const auto patience = std::chrono::steady_clock::now() + kLongestWaitForOthers;
     while (!stopping) {
         const int descriptor = open_to_lock(path_, O_CREAT);
         if (descriptor < 0) return;
+        const bool is_own = is_of_caller(descriptor);
         int code = 0;
-        while ((code = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno) == EWOULDBLOCK && !stopping)
+        while ((code = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0 ? 0 : errno) == EWOULDBLOCK && !stopping &&
+               (is_own || std::chrono::steady_clock::now() < patience))
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         if (code == 0 && is_open_file(descriptor, path_)) {
             descriptor_ = descriptor;

@@ -24,7 +24,7 @@ bool claim(int descriptor);
 // lock: the renames themselves will report what is wrong with the folder.
 class FolderLock {
   public:
-    // Waits for other processes, until `stopping` is set.
+    // Waits for other processes, until `stopping` is set; for a lock file of another user at most 3 s.
     FolderLock(const std::filesystem::path& folder, const std::atomic<bool>& stopping);
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;

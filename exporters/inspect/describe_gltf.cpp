@@ -4,9 +4,11 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/inspect/gltf_places.h"
+#include "pipeline/data/nesting.h"
 
 namespace hexrelief::inspect {
 namespace {
@@ -27,7 +29,9 @@ std::uint32_t read_u32(const std::vector<std::uint8_t>& bytes, std::size_t offse
 }
 
 Json parse_json(const fs::path& path, const std::uint8_t* begin, const std::uint8_t* end) {
-    Json json = Json::parse(begin, end, nullptr, false);
+    const std::string_view text(reinterpret_cast<const char*>(begin), static_cast<std::size_t>(end - begin));
+    if (is_nested_too_deeply(text)) fail_reading(path, "its glTF JSON is nested too deeply");
+    Json json = Json::parse(text, nullptr, false);
     if (!json.is_object()) fail_reading(path, "its glTF JSON is malformed");
     return json;
 }

@@ -103,7 +103,10 @@ int status_of(pid_t child) {
 WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
                       const std::function<WorkBytes()>& work) {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return work();
+    const auto refuse = [&](const std::string& reason) { throw Error(ErrorKind::input, opening + reason); };
+    const char* const no_process =
+        "it is decoded in a process of its own, and the system starts none; try later";
+    if (pipe2(ends, O_CLOEXEC) != 0) refuse(no_process);
     const pid_t child = fork();
     if (child == 0) {
         close(ends[0]);
@@ -112,12 +115,11 @@ WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
     close(ends[1]);
     if (child < 0) {
         close(ends[0]);
-        return work();
+        refuse(no_process);
     }
     WorkBytes bytes = read_all(ends[0], limits.most_bytes);
     close(ends[0]);
     const int status = status_of(child);
-    const auto refuse = [&](const std::string& reason) { throw Error(ErrorKind::input, opening + reason); };
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
         refuse("it takes more than " + std::to_string(limits.seconds) +
                " s of processor time, which no whole file of its length does");

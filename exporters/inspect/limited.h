@@ -19,8 +19,9 @@ struct WorkLimits {
 using WorkBytes = std::vector<std::uint8_t>;
 
 // Returns what `work` returns, computed in a forked process, so that a crash or a limit ends only that
-// process. If no process can be started, `work` runs in this one. Throws Error(input) with the message of
-// `work`'s exception, or if the process ends abnormally; the message then begins with `opening`.
+// process. Throws Error(input) with the message of
+// `work`'s exception, or if the process ends abnormally or none can be started; the message then begins
+// with `opening`.
 WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
                       const std::function<WorkBytes()>& work);
 

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/nesting.h"
 
 namespace hexrelief::tileset {
 namespace {
@@ -42,13 +43,16 @@ Part read_part(const fs::path& path) {
     std::array<std::uint32_t, 5> head{};
     file.read(reinterpret_cast<char*>(head.data()), sizeof head);
     if (!file || head[0] != 0x46546c67 || head[4] != 0x4e4f534a) refuse();
-    std::string text(std::min<std::size_t>(head[3], head[2]), '\0');
+    const std::uintmax_t file_bytes = fs::file_size(path);
+    if (head[3] > file_bytes) refuse();
+    std::string text(head[3], '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     std::array<std::uint32_t, 2> chunk{};
     file.read(reinterpret_cast<char*>(chunk.data()), sizeof chunk);
     if (!file || chunk[1] != 0x004e4942) refuse();
+    if (is_nested_too_deeply(text)) refuse();
     Part part{Json::parse(text, nullptr, false), sizeof head + text.size() + sizeof chunk, chunk[0]};
-    if (!part.json.is_object() || part.data_at + part.data_bytes > fs::file_size(path)) refuse();
+    if (!part.json.is_object() || part.data_at + part.data_bytes > file_bytes) refuse();
     return part;
 }
 

@@ -1,18 +1,33 @@
 #include "pipeline/batch/file_pattern.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "pipeline/data/error.h"
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 12> kImageEndings = {
-    ".png", ".jpg", ".jpeg", ".ppm", ".pgm", ".pnm", ".tif", ".tiff", ".webp", ".heic", ".heif", ".bmp"};
+// Returns the endings of the formats that hold pictures, EXR's left out, which are rarely pictures.
+const std::vector<std::string>& image_endings() {
+    static const std::vector<std::string> endings = [] {
+        std::vector<std::string> found;
+        for (const readers::codec::Codec& codec : readers::codec::codecs()) {
+            if ((codec.gives & readers::codec::kPicture) == 0 || codec.format == readers::codec::Format::exr)
+                continue;
+            for (const std::string_view ending : readers::codec::words(codec.endings))
+                found.emplace_back(ending);
+        }
+        return found;
+    }();
+    return endings;
+}
 
 char lower(char c) {
     return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
@@ -30,10 +45,10 @@ bool is_letter(char c) {
 // Returns the rank of a file's ending among those of images; their number if it is no image.
 std::size_t image_rank(const fs::path& file) {
     const std::string ending = file.extension().string();
+    const std::vector<std::string>& known = image_endings();
     return static_cast<std::size_t>(
-        std::find_if(kImageEndings.begin(), kImageEndings.end(),
-                     [&](std::string_view known) { return equal_but_for_case(known, ending); }) -
-        kImageEndings.begin());
+        std::ranges::find_if(known, [&](const std::string& one) { return equal_but_for_case(one, ending); }) -
+        known.begin());
 }
 
 // One part of a pattern's path.
@@ -54,7 +69,7 @@ struct Part {
     // match.
     std::optional<std::string> match(std::string name, NextToLetters next) const {
         if (any_image) {
-            if (image_rank(name) == kImageEndings.size()) return std::nullopt;
+            if (image_rank(name) == image_endings().size()) return std::nullopt;
             name = fs::path(name).stem().string();
         }
         if (!has_name) return equal_but_for_case(name, head) ? std::optional<std::string>("") : std::nullopt;

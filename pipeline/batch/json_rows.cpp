@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "pipeline/batch/manifest_rows.h"
+#include "pipeline/data/nesting.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
@@ -35,6 +36,7 @@ std::string append_values(const Json& section, const std::string& above, int dep
 }
 
 std::string read_json_row(const std::string& line, ManifestRow& row) {
+    if (is_nested_too_deeply(line)) return "not valid JSON: its brackets are nested too deeply";
     try {
         const Json json = Json::parse(line);
         if (!json.is_object()) return "not a JSON object: write {\"left\": ..., \"right\": ...}";

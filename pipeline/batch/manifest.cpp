@@ -21,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMostBytes = 256 << 20, kMostYamlBytes = 16 << 20;
+constexpr std::uintmax_t kMostBytes = 256 << 20, kMostYamlBytes = 2 << 20;
+constexpr std::size_t kLongestLine = 1 << 20;
 
 const std::map<std::string, std::string> kOtherNames = {
     {"colour", "color"}, {"calibration", "calib"}, {"output", "name"}, {"format", "formats"}};
@@ -143,7 +144,15 @@ std::string contents_of_manifest(const fs::path& path, std::uintmax_t most) {
     if (fs::file_size(path, code) > most)
         throw Error(ErrorKind::input, path.string() + ": larger than " + std::to_string(most >> 20) +
                                           " MiB; this is no manifest");
-    return {std::istreambuf_iterator<char>(file), {}};
+    std::string text{std::istreambuf_iterator<char>(file), {}};
+    std::size_t begin = 0;
+    for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+        end = text.find('\n', begin);
+        if (std::min(end, text.size()) - begin > kLongestLine)
+            throw Error(ErrorKind::input,
+                        path.string() + ": it has a line of more than 1 MiB; this is no manifest");
+    }
+    return text;
 }
 
 std::vector<BatchUnit> option_lines(const std::string& text, const std::string& origin,
@@ -163,10 +172,14 @@ std::vector<BatchUnit> option_lines(const std::string& text, const std::string& 
     return units;
 }
 
-void refuse_equal_names(std::vector<BatchUnit>& units) {
+// Two names may be one through a link to a folder.
+void refuse_equal_names(std::vector<BatchUnit>& units, const fs::path& output) {
     std::map<fs::path, std::string> places;
     for (BatchUnit& unit : units) {
-        const auto [known, is_new] = places.try_emplace(fs::path(unit.name).lexically_normal(), unit.place);
+        std::error_code code;
+        fs::path target = fs::weakly_canonical(fs::absolute(output) / unit.name, code);
+        if (code) target = (output / unit.name).lexically_normal();
+        const auto [known, is_new] = places.try_emplace(target, unit.place);
         if (!is_new && unit.wrong.empty())
             unit.wrong = "name " + readers::codec::excerpt(unit.name) + " is that of " + known->second +
                          ", too; give each row a 'name' of its own";
@@ -211,7 +224,7 @@ std::vector<BatchUnit> read_manifest(const fs::path& path, const ManifestOptions
                                               : is_pattern ? pattern_rows(path)
                                                            : rows_of(path, ending);
         for (const ManifestRow& row : rows) units.push_back(reader.read(row));
-        refuse_equal_names(units);
+        refuse_equal_names(units, options.output);
     }
     if (units.empty()) throw Error(ErrorKind::input, path.string() + " holds no job");
     return units;

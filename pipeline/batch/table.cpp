@@ -1,9 +1,11 @@
 #include "pipeline/batch/table.h"
 
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
+
+#include "pipeline/stamp/stamp.h"
 
 namespace hexrelief::batch {
 namespace {
@@ -21,9 +23,7 @@ Json report_of(const TableRow& row) {
     const bool has_report =
         row.result.outcome == UnitOutcome::done || row.result.outcome == UnitOutcome::up_to_date;
     if (!has_report || row.report.empty()) return nullptr;
-    std::ifstream file(row.report, std::ios::binary);
-    Json report = Json::parse(file, nullptr, false);
-    return report.is_object() ? report : Json(nullptr);
+    return stamp::read_report(row.report);
 }
 
 bool is_list_of_texts(const Json& json) {
@@ -76,9 +76,16 @@ class Columns {
     std::vector<std::string> names_;
 };
 
+// Spreadsheets run a cell that begins with one of these; a leading apostrophe makes it text for them.
+std::string inert(const std::string& text) {
+    const bool is_number = !text.empty() && text.find_first_not_of("+-.0123456789e") == std::string::npos;
+    const bool is_run = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+    return is_run && !is_number ? "'" + text : text;
+}
+
 std::string csv_line(const std::vector<std::string>& cells) {
     std::string line;
-    for (std::size_t i = 0; i < cells.size(); ++i) line += (i > 0 ? "," : "") + cell(cells[i]);
+    for (std::size_t i = 0; i < cells.size(); ++i) line += (i > 0 ? "," : "") + cell(inert(cells[i]));
     return line + "\n";
 }
 

@@ -56,10 +56,18 @@ void send_result(int socket, const UnitResult& result) {
     ::_exit(0);
 }
 
+// A lack of memory or processes is told as such by the caller; any other cause is a limit of the system.
+[[noreturn]] void fail_to_start() {
+    if (errno == EAGAIN || errno == ENOMEM)
+        throw std::system_error(EAGAIN, std::generic_category(), "cannot start a worker");
+    throw Error(ErrorKind::usage, std::string("cannot start a worker: ") + std::strerror(errno) +
+                                      "; raise the limits of this shell (ulimit -n, ulimit -u)");
+}
+
 pid_t fork_or_throw() {
     std::fflush(nullptr);  // else buffered output would be written twice
     const pid_t process = ::fork();
-    if (process < 0) throw std::system_error(errno, std::generic_category(), "cannot start a worker");
+    if (process < 0) fail_to_start();
     return process;
 }
 
@@ -68,8 +76,7 @@ pid_t fork_or_throw() {
 Worker::Worker(const std::vector<BatchUnit>& units, const UnitRules& rules, const std::string& device,
                const std::vector<int>& others) {
     std::array<int, 2> ends{};
-    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
-        throw std::system_error(errno, std::generic_category(), "cannot start a worker");
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) fail_to_start();
     try {
         process_ = fork_or_throw();
     } catch (...) {

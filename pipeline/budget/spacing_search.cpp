@@ -35,7 +35,7 @@ double between(const Tried& a, const Tried& b, double limit) {
 std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const SpacingFigure& figure,
                                            SpacingFound& nearest) {
     const bool falls = search.slope < 0;
-    double most_px = search.most_px;
+    double most_px = std::floor(search.most_px * 100) / 100;  // rounding up could pass it
     std::optional<Tried> kept, broken;  // the best that keeps the limit, and the nearest to it that does not
     double spacing_px = hundredths(std::clamp(search.start_px, search.least_px, most_px));
     nearest = {};

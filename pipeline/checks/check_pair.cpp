@@ -42,7 +42,7 @@ Finding rows_differ(const RowFit& fit) {
                 lower + " in the middle, and up to " + rows_text(fit.largest_px) + " px off at a corner (" +
                 std::to_string(fit.points) +
                 " points); matching looks along rows, so rectify the pair first: --calib stereo.yml "
-                "with OpenCV's K1, D1, K2, D2, R and T of these cameras"};
+                "with OpenCV's K1, D1, K2, D2, R and T of these cameras, or --rectify always, by its points"};
 }
 
 Finding unrelated(double agreed) {

@@ -181,9 +181,8 @@ void tell_calibration_of(const fs::path& path, Text& text) {
         tell_calibration(readers::read_calibration_file(path), text);
 }
 
-// Adds the calibration in an NPY of 3 x 3 numbers; false if the file is no camera, but perhaps a map.
-bool tell_matrix(const fs::path& path, const readers::FileDescription& raster, Text& text) {
-    if (raster.format != "npy" || raster.width != 3 || raster.height != 3) return false;
+// Adds the calibration in a file of arrays; false if the file is no camera, but perhaps a map.
+bool tell_if_calibration(const fs::path& path, Text& text) {
     try {
         tell_calibration_of(path, text);
     } catch (const Error&) {
@@ -194,7 +193,8 @@ bool tell_matrix(const fs::path& path, const readers::FileDescription& raster, T
 
 void tell_raster(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                  Text& text) {
-    if (tell_matrix(path, raster, text)) return;
+    if (raster.format == "npy" && raster.width == 3 && raster.height == 3 && tell_if_calibration(path, text))
+        return;
     line(text, "format", raster.format);
     line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
     line(text, "channels", std::to_string(raster.channels));
@@ -221,7 +221,7 @@ Text described(const fs::path& path, const RasterOptions& options) {
             tell_raster(path, *raster, options, text);
     } catch (const Error& error) {
         if (contents.empty() || !options.key.empty()) throw;
-        line(text, "as map", error.what());
+        if (!tell_if_calibration(path, text)) line(text, "as map", error.what());
     }
     return text;
 }

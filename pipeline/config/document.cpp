@@ -1,6 +1,7 @@
 #include "pipeline/config/document.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -37,11 +38,38 @@ Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
     return *node;
 }
 
+// Escapes what a terminal obeys, in a JSON string, which escapes the characters below a space alone: C1
+// controls (U+007F to U+009F), and the marks of direction and lines among U+2000 to U+207F.
+std::string without_controls(const std::string& json) {
+    std::string out;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const auto byte = [&](std::size_t k) {
+            return static_cast<unsigned char>(i + k < json.size() ? json[i + k] : 0);
+        };
+        const bool is_mark = byte(0) == 0xe2 && (byte(1) == 0x80 || byte(1) == 0x81) && byte(2) >= 0x8e;
+        const unsigned code = byte(0) == 0x7f                     ? 0x7f
+                              : byte(0) == 0xc2 && byte(1) < 0xa0 ? byte(1)
+                              : is_mark ? 0x2000u + (byte(1) - 0x80u) * 64 + byte(2) - 0x80u
+                                        : 0;
+        const bool is_obeyed = code > 0 && (code <= 0x200f || (code >= 0x2028 && code <= 0x202e) ||
+                                            (code >= 0x2066 && code <= 0x2069));
+        if (!is_obeyed) {
+            out += json[i];
+            continue;
+        }
+        char text[8];
+        std::snprintf(text, sizeof text, "\\u%04x", code);
+        out += text;
+        i += code < 0x80 ? 0 : code < 0x800 ? 1 : 2;
+    }
+    return out;
+}
+
 std::string yaml_scalar(const Field& field, const FieldValue& value) {
     // A JSON string is also a double-quoted YAML string.
     if (field.type != FieldType::text && field.type != FieldType::file) return format_value(value);
     try {
-        return Json(std::get<std::string>(value)).dump();
+        return without_controls(Json(std::get<std::string>(value)).dump());
     } catch (const Json::type_error&) {
         throw Error(ErrorKind::usage,
                     field.path + " is '" + std::get<std::string>(value) +

@@ -1,5 +1,7 @@
 #include "pipeline/config/shell_words.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <iomanip>
 #include <sstream>
 
@@ -22,6 +24,20 @@ std::string shell_quoted(const std::string& word) {
         throw Error(ErrorKind::usage,
                     readers::codec::excerpt(word) + " holds a line end: no command line can");
     if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+    // The escapes of bash, zsh and ksh: a terminal would obey control characters (C1's are 2 bytes of UTF-8).
+    const auto is_control = [](unsigned char letter) { return letter < 0x20 || letter == 0x7f; };
+    if (std::ranges::any_of(word, is_control) || word.find('\xc2') != std::string::npos) {
+        std::string escaped = "$'";
+        for (const char letter : word) {
+            char code[8];
+            std::snprintf(code, sizeof code, "\\x%02x", static_cast<unsigned char>(letter));
+            const bool is_ascii = letter >= 0x20 && letter < 0x7f;
+            escaped += !is_ascii                          ? code
+                       : letter == '\'' || letter == '\\' ? std::string("\\") + letter
+                                                          : std::string(1, letter);
+        }
+        return escaped + "'";
+    }
     std::string quoted = "'";
     for (const char letter : word) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
     return quoted + "'";

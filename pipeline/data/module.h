@@ -44,12 +44,12 @@ inline std::filesystem::path module_folder(const std::filesystem::path& own) {
     return {};
 }
 
-// True if the file belongs to the superuser or to the owner of `object`.
+// True if the file belongs to the superuser or to the owner of `object`, and nobody else may write to it.
 inline bool is_trusted(const std::filesystem::path& file, const std::filesystem::path& object) {
     struct stat of_file {
     }, of_object{};
     return stat(file.c_str(), &of_file) == 0 && stat(object.c_str(), &of_object) == 0 &&
-           (of_file.st_uid == 0 || of_file.st_uid == of_object.st_uid);
+           (of_file.st_uid == 0 || of_file.st_uid == of_object.st_uid) && (of_file.st_mode & S_IWOTH) == 0;
 }
 
 struct ModuleFunction {
@@ -58,7 +58,7 @@ struct ModuleFunction {
 };
 
 // Opens the library `file` of module_folder() and looks up `function` in it. The library must belong to the
-// superuser or to the program's owner. It is never closed.
+// superuser or to the program's owner, and not be writable for all. It is never closed.
 inline ModuleFunction open_module(const std::string& file, const char* function) {
     const std::filesystem::path object = own_object(), folder = module_folder(object.parent_path());
     std::error_code failure;
@@ -68,7 +68,8 @@ inline ModuleFunction open_module(const std::string& file, const char* function)
     const std::filesystem::path path = folder / file;
     if (!std::filesystem::exists(path, failure)) return {nullptr, file + " is not in " + folder.string()};
     if (!is_trusted(path, object))
-        return {nullptr, path.string() + " has another owner than " + object.string()};
+        return {nullptr, path.string() + " has another owner than " + object.string() +
+                             ", or anybody may write to it"};
     void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) return {nullptr, dlerror()};
     if (void* const symbol = dlsym(library, function)) return {symbol, {}};

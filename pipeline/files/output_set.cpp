@@ -64,6 +64,7 @@ FileIdentity identify(const fs::path& path) {
     for (int links = 0; links < 40 && fs::is_symlink(target, code) && !fs::exists(target, code); ++links)
         target = target.parent_path() / fs::read_symlink(target, code);
     FileIdentity identity{fs::weakly_canonical(target, code), 0, 0};
+    if (code) identity.path = target.lexically_normal();  // in a folder that may not be looked into
     struct stat status {};
     if (stat(target.c_str(), &status) == 0) {
         identity.device = status.st_dev;

@@ -9,8 +9,13 @@ namespace hexrelief::files {
 UnchangedFiles::State UnchangedFiles::state_of(const std::filesystem::path& path) {
     struct stat s = {};
     if (stat(path.c_str(), &s) != 0) return {};
-    return {static_cast<std::int64_t>(s.st_dev), static_cast<std::int64_t>(s.st_ino), s.st_size,
-            s.st_mtim.tv_sec, s.st_mtim.tv_nsec};
+    return {static_cast<std::int64_t>(s.st_dev),
+            static_cast<std::int64_t>(s.st_ino),
+            s.st_size,
+            s.st_mtim.tv_sec,
+            s.st_mtim.tv_nsec,
+            s.st_ctim.tv_sec,
+            s.st_ctim.tv_nsec};
 }
 
 UnchangedFiles::UnchangedFiles(const std::vector<std::filesystem::path>& paths) {

@@ -9,7 +9,8 @@
 
 namespace hexrelief::files {
 
-// Remembers the identity, size and modification time of the files with these names. Missing files are left to
+// Remembers the identity, size and times of the files with these names; the time of the last change of
+// attributes cannot be set back, as that of the last writing can. Missing files are left to
 // their readers. The clock may be set meanwhile, so times are only compared for equality.
 class UnchangedFiles {
   public:
@@ -18,7 +19,7 @@ class UnchangedFiles {
     void check() const;
 
   private:
-    using State = std::array<std::int64_t, 5>;
+    using State = std::array<std::int64_t, 7>;
     static State state_of(const std::filesystem::path& path);
     std::vector<std::pair<std::filesystem::path, State>> files_;
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,6 +11,7 @@
 #include "exporters/core/file_names.h"
 #include "exporters/viewer/small_picture.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/nesting.h"
 #include "pipeline/readers/image_reader.h"
 
 namespace hexrelief::gallery {
@@ -27,13 +27,41 @@ double number(const Json& json, const char* key) {
     return found != json.end() && found->is_number() ? found->get<double>() : kUnknown;
 }
 
-std::string contents_of(const fs::path& path) {
+constexpr std::uintmax_t kLongestPage = std::uintmax_t{1} << 30;
+constexpr std::size_t kLongestFacts = 16 << 20;  // of a page, which hold its pictures; and of a report
+
+// Returns the text behind `before` up to `after`, or from the file's beginning if `before` is empty. Empty if
+// the file holds no such text, or is larger than those of this program. A device has no bytes by its size.
+std::string text_between(const fs::path& path, std::string_view before, std::string_view after) {
+    std::error_code none;
+    const std::uintmax_t size = fs::file_size(path, none);
+    if (none || size > kLongestPage) return {};
     std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
+    std::string text, block(1 << 16, '\0');
+    bool is_found = before.empty();
+    for (std::uintmax_t left = size; left > 0;) {
+        block.resize(static_cast<std::size_t>(std::min<std::uintmax_t>(left, block.size())));
+        if (!stream.read(block.data(), static_cast<std::streamsize>(block.size()))) return {};
+        left -= block.size();
+        const std::size_t searched_from = is_found ? text.size() : 0;
+        text += block;
+        if (!is_found) {
+            const std::size_t at = text.find(before);
+            is_found = at != std::string::npos;
+            text.erase(0, is_found ? at + before.size() : text.size() - std::min(text.size(), before.size()));
+        }
+        if (!is_found) continue;
+        if (const std::size_t end = after.empty() ? std::string::npos : text.find(after, searched_from);
+            end != std::string::npos)
+            return text.substr(0, end);
+        if (text.size() > kLongestFacts) return {};
+    }
+    return after.empty() ? text : std::string();
 }
 
 // Parses a JSON object; returns nothing if the text is not one.
 std::optional<Json> parsed(std::string_view text) {
+    if (is_nested_too_deeply(text)) return std::nullopt;
     Json json = Json::parse(text, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     return json;
@@ -47,19 +75,14 @@ double page_figure(const Json& facts, const char* name) {
 
 // Reads a page; returns nothing if it is not the page of a relief.
 std::optional<FoundResult> read_page(const fs::path& path) {
-    static constexpr std::string_view kBefore = R"(id="facts">)";
-    const std::string page = contents_of(path);
-    const std::size_t at = page.find(kBefore);
-    if (at == std::string::npos) return std::nullopt;
-    const std::size_t begin = at + kBefore.size();
-    const auto facts = parsed(std::string_view(page).substr(begin, page.find('<', begin) - begin));
+    const auto facts = parsed(text_between(path, R"(id="facts">)", "<"));
     if (!facts || !facts->contains("levels") || !(*facts)["levels"].is_array() || (*facts)["levels"].empty())
         return std::nullopt;
     const Json& finest = (*facts)["levels"][0];
     FoundResult result{
         path,
         "",
-        {number(finest, "vertices"), number(finest, "triangles"), static_cast<double>(page.size()),
+        {number(finest, "vertices"), number(finest, "triangles"), static_cast<double>(fs::file_size(path)),
          page_figure(*facts, "%cost"), page_figure(*facts, "Error, both views"), kUnknown}};
     for (const Json& picture : facts->value("pictures", Json::array()))
         if (picture.is_object() && picture.value("name", "") == "relief")
@@ -111,7 +134,7 @@ std::string stage_picture(const fs::path& report) {
 
 // Reads a report; returns nothing if it is not one, or its meshes are gone. The result has no picture.
 std::optional<FoundResult> read_report(const fs::path& path) {
-    const auto report = parsed(contents_of(path));
+    const auto report = parsed(text_between(path, "", ""));
     if (!report || !report->contains("hexrelief") || !report->contains("surface") ||
         !report->contains("mesh"))
         return std::nullopt;

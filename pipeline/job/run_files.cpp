@@ -1,6 +1,7 @@
 #include "pipeline/job/run_files.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "exporters/core/file_names.h"
 #include "exporters/images/texture.h"
@@ -42,6 +43,16 @@ void check_standard_output(const RunRequest& request) {
     }
     if (files_for_standard_output(request) > 1)
         refuse("the standard output takes one file: give '-' once, as an output or as the report");
+}
+
+// The system takes a name for shorter than it is if it holds a byte of 0, which the library can be given.
+void check_names(const RunRequest& request) {
+    std::vector<fs::path> names = read_files(request);
+    names.insert(names.end(), request.outputs.begin(), request.outputs.end());
+    names.insert(names.end(), {request.report, request.depfile, request.stages_folder});
+    for (const fs::path& name : names)
+        if (name.native().find('\0') != std::string::npos)
+            refuse("the name '" + name.string() + "' holds a byte of 0; no file has such a name");
 }
 
 // True if the run may rectify its pair, which only the calibration file's contents decide.
@@ -99,11 +110,40 @@ std::vector<InputFile> all_files(const DepthArrays&) {
 constexpr std::uint64_t kBaseBytes = 40 << 20;
 constexpr std::uint64_t kReducedPictureBytes = 12;  // per pixel of a picture whose pair is reduced
 
+// Per pixel of a picture, mask or map of confidences beside the main input.
+constexpr std::uint64_t kOtherBytes = 8;
+
 struct MainInput {
     fs::path path;
     std::uint64_t width = 0, height = 0;  // 0 = the header cannot be read
     int reduced_by = 1;
+    std::uint64_t other_pixels = 0;  // of the files beside it
 };
+
+// Returns what a file's header says; nothing if it cannot be read, which the run will report.
+std::optional<readers::FileDescription> described(const RunRequest& request, const fs::path& path) {
+    try {
+        return readers::describe_raster(path, {}, request.config.limits.reading);
+    } catch (const Error&) {
+        return std::nullopt;
+    }
+}
+
+struct OtherRaster {
+    std::string path;
+    std::uint64_t width, height;
+};
+
+// Returns the rasters beside the main input; a right picture is as large as the left one, and left out.
+std::vector<OtherRaster> other_rasters(const RunRequest& request) {
+    std::vector<OtherRaster> rasters;
+    const std::vector<InputFile> files = files_of(request.source);
+    for (std::size_t i = std::holds_alternative<PairFiles>(request.source) ? 2 : 1; i < files.size(); ++i)
+        if (const auto raster = described(request, files[i].path))
+            rasters.push_back({files[i].path, static_cast<std::uint64_t>(raster->width),
+                               static_cast<std::uint64_t>(raster->height)});
+    return rasters;
+}
 
 // Returns the number by which the source's pair is reduced. The layout of a file with two views is not known
 // here: the estimate is the least of those that it may have.
@@ -118,16 +158,35 @@ int reduction_of(const Source& source, int width, int height, int working_px) {
 MainInput main_input(const RunRequest& request) {
     const std::vector<InputFile> files = files_of(request.source);
     if (files.empty()) return {};
-    const fs::path path = files.front().path;
-    try {
-        if (const auto raster = readers::describe_raster(path, {}, request.config.limits.reading))
-            return {path, static_cast<std::uint64_t>(raster->width),
-                    static_cast<std::uint64_t>(raster->height),
-                    reduction_of(request.source, raster->width, raster->height,
-                                 request.config.disparity.working_px)};
-    } catch (const Error&) {  // the run will report it
+    MainInput input{files.front().path};
+    if (const auto raster = described(request, input.path)) {
+        input.width = static_cast<std::uint64_t>(raster->width);
+        input.height = static_cast<std::uint64_t>(raster->height);
+        input.reduced_by =
+            reduction_of(request.source, raster->width, raster->height, request.config.disparity.working_px);
     }
-    return {path};
+    for (const auto& [file, width, height] : other_rasters(request)) input.other_pixels += width * height;
+    return input;
+}
+
+// Refuses files that are large, larger than the main input, and of another shape, before they are decoded.
+// The run compares the sizes of all others exactly.
+void check_shapes(const RunRequest& request) {
+    constexpr std::uint64_t small = 1 << 24, most_times = 16;
+    if (std::holds_alternative<StereoFile>(request.source)) return;  // two views of any layout
+    for (const auto& [file, width, height] : other_rasters(request)) {
+        if (width * height <= small) continue;
+        const MainInput input = main_input(request);
+        if (input.width == 0 || width * height <= most_times * input.width * input.height) continue;
+        const double aspect = static_cast<double>(input.width) / static_cast<double>(input.height);
+        const double here = static_cast<double>(width) / static_cast<double>(height);
+        const auto are_alike = [](double p, double q) { return p < 1.1 * q && q < 1.1 * p; };
+        if (are_alike(here, aspect) || are_alike(1 / here, aspect)) continue;  // it may have to be turned
+        throw Error(ErrorKind::input, file + ": it has " + std::to_string(width) + "x" +
+                                          std::to_string(height) + " px, but " + input.path.string() + " " +
+                                          std::to_string(input.width) + "x" + std::to_string(input.height) +
+                                          "; both must show the left view, with the same aspect");
+    }
 }
 
 std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
@@ -135,7 +194,7 @@ std::uint64_t memory_for(const MainInput& input, const config::Config& config) {
     const std::uint64_t pixels = input.width * input.height;
     const std::uint64_t meshed = pixels / input.reduced_by / input.reduced_by;
     return kBaseBytes + static_cast<std::uint64_t>(static_cast<double>(meshed) * bytes_per_pixel) +
-           (input.reduced_by > 1 ? kReducedPictureBytes * pixels : 0);
+           (input.reduced_by > 1 ? kReducedPictureBytes * pixels : 0) + kOtherBytes * input.other_pixels;
 }
 
 // Throws Error(input) if the estimate exceeds limits.max_memory.
@@ -146,9 +205,10 @@ void check_memory(const RunRequest& request) {
     const std::uint64_t needed = memory_for(input, request.config);
     if (needed <= limit) return;
     throw Error(ErrorKind::input, input.path.string() + ": its " + std::to_string(input.width) + "x" +
-                                      std::to_string(input.height) + " px are estimated to take " +
-                                      std::to_string(needed) + " bytes of memory, more than the limit of " +
-                                      std::to_string(limit) +
+                                      std::to_string(input.height) + " px" +
+                                      (input.other_pixels > 0 ? ", and what goes with them," : "") +
+                                      " are estimated to take " + std::to_string(needed) +
+                                      " bytes of memory, more than the limit of " + std::to_string(limit) +
                                       " (limits.max_memory); scale it down, or raise the limit");
 }
 
@@ -262,6 +322,7 @@ void check_request(const RunRequest& request) {
         refuse("--max-bytes (budget.max_bytes) limits mesh files, and there is none; give -o FILE");
     if (has_page(request.outputs) && !exporters::has_viewer())
         refuse(std::string("no page can be written: ") + exporters::kNoViewer);
+    check_names(request);
     check_standard_output(request);
     check_collisions(request);
     for (const fs::path& output : request.outputs)
@@ -275,6 +336,7 @@ void check_request(const RunRequest& request) {
         files::check_writable_file(request.depfile);
     }
     if (!request.stages_folder.empty()) files::check_writable_folder(request.stages_folder);
+    check_shapes(request);
     check_memory(request);
 }
 

@@ -1,4 +1,4 @@
-// Reads uncompressed Windows bitmaps (BMP): palettes, and pixels of 16, 24 or 32 bits.
+// Reads Windows bitmaps (BMP): palettes, also as runs (RLE8, RLE4), and pixels of 16, 24 or 32 bits.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -19,7 +19,7 @@ std::uint32_t number(const std::vector<std::uint8_t>& bytes, std::size_t at, int
 
 struct Bitmap {
     int width = 0, height = 0, bits = 0;
-    bool is_top_first = false;
+    bool is_top_first = false, is_in_runs = false;
     std::size_t offset = 0, row_bytes = 0;  // of the rows in the file
     std::array<std::uint32_t, 4> masks{};   // red, green, blue, alpha
     std::vector<std::array<std::uint8_t, 3>> palette{};
@@ -43,6 +43,10 @@ void read_masks(const SourceFile& source, Bitmap& bitmap, std::uint32_t header, 
         return;
     }
     constexpr std::uint32_t header_of_os2 = 64;  // whose compressions are others
+    constexpr std::uint32_t runs_of_8 = 1, runs_of_4 = 2;
+    bitmap.is_in_runs = header != header_of_os2 && ((compression == runs_of_8 && bitmap.bits == 8) ||
+                                                    (compression == runs_of_4 && bitmap.bits == 4));
+    if (bitmap.is_in_runs) return;
     if ((compression != fields && compression != fields_with_alpha) || header == header_of_os2)
         refuse(source.path, "it is a compressed BMP; save it uncompressed, or as PNG");
     const bool has_alpha = header >= 56 || compression == fields_with_alpha;
@@ -91,6 +95,11 @@ Bitmap read_header(const SourceFile& source) {
         bitmap.masks[3] = 0;
         read_palette(source, bitmap, header, is_old ? 0 : number(bytes, 46, 4));
     }
+    if (bitmap.is_in_runs) {
+        // A run of 255 pixels takes two bytes.
+        check_length(source, static_cast<unsigned long long>(bitmap.width) * bitmap.height, 128);
+        return bitmap;
+    }
     if (source.size() < bitmap.offset ||
         (source.size() - bitmap.offset) / bitmap.row_bytes < static_cast<std::uint64_t>(bitmap.height))
         refuse(source.path, "truncated or damaged: it ends before its last row; copy or save it again");
@@ -104,19 +113,63 @@ std::uint8_t masked(std::uint32_t pixel, std::uint32_t mask) {
     return static_cast<std::uint8_t>((value * 255 + most / 2) / most);
 }
 
-void append_row(const SourceFile& source, const Bitmap& bitmap, std::size_t at,
-                std::vector<std::uint8_t>& samples) {
+// Returns the palette's indices of all pixels, row by row as in the file, a byte each. Pixels that the runs
+// skip have the index 0.
+std::vector<std::uint8_t> unpack_runs(const SourceFile& source, const Bitmap& bitmap) {
+    const auto width = static_cast<std::size_t>(bitmap.width),
+               height = static_cast<std::size_t>(bitmap.height);
+    std::vector<std::uint8_t> indices(width * height);
+    std::size_t at = bitmap.offset, x = 0, y = 0;
+    const auto next = [&] {
+        if (at >= source.bytes.size())
+            refuse(source.path, "truncated or damaged: it ends before its last row; copy or save it again");
+        return source.bytes[at++];
+    };
+    const auto put = [&](std::size_t count, const auto& index) {
+        if (y >= height || count > width - std::min(x, width))
+            refuse_bitmap(source, "a run leaves the picture");
+        for (std::size_t i = 0; i < count; ++i, ++x) indices[y * width + x] = index(i);
+    };
+    // Two pixels of 4 bits take a byte.
+    const auto half = [](std::uint8_t pair, std::size_t i) {
+        return static_cast<std::uint8_t>(i % 2 == 0 ? pair >> 4 : pair & 15);
+    };
+    for (;;) {
+        const std::uint8_t count = next(), value = next();
+        if (count > 0) {
+            put(count, [&](std::size_t i) { return bitmap.bits == 8 ? value : half(value, i); });
+        } else if (value == 0) {  // the row's end
+            x = 0;
+            ++y;
+        } else if (value == 1) {  // the picture's end
+            return indices;
+        } else if (value == 2) {  // a step to another pixel
+            x += next();
+            y += next();
+        } else {  // pixels one by one, up to an even number of bytes
+            std::uint8_t pair = 0;
+            put(value, [&](std::size_t i) {
+                if (bitmap.bits == 8 || i % 2 == 0) pair = next();
+                return bitmap.bits == 8 ? pair : half(pair, i);
+            });
+            const std::size_t bytes = bitmap.bits == 8 ? value : (value + 1u) / 2;
+            if (bytes % 2 == 1) next();
+        }
+    }
+}
+
+void append_row(const std::vector<std::uint8_t>& bytes, const SourceFile& source, const Bitmap& bitmap,
+                std::size_t at, std::vector<std::uint8_t>& samples) {
     const int channels = bitmap.channels();
     for (int x = 0; x < bitmap.width; ++x) {
         if (bitmap.bits > 8) {
-            const std::size_t bytes = bitmap.bits / 8;
-            const std::uint32_t pixel = number(source.bytes, at + bytes * x, static_cast<int>(bytes));
+            const std::size_t pixel_bytes = bitmap.bits / 8;
+            const std::uint32_t pixel = number(bytes, at + pixel_bytes * x, static_cast<int>(pixel_bytes));
             for (int c = 0; c < channels; ++c) samples.push_back(masked(pixel, bitmap.masks[c]));
             continue;
         }
         const std::size_t bit = static_cast<std::size_t>(x) * bitmap.bits;
-        const unsigned index =
-            source.bytes[at + bit / 8] >> (8 - bitmap.bits - bit % 8) & ((1u << bitmap.bits) - 1);
+        const unsigned index = bytes[at + bit / 8] >> (8 - bitmap.bits - bit % 8) & ((1u << bitmap.bits) - 1);
         if (index >= bitmap.palette.size()) refuse_bitmap(source, "a pixel lies outside of its palette");
         samples.insert(samples.end(), bitmap.palette[index].begin(),
                        bitmap.palette[index].begin() + channels);
@@ -131,12 +184,20 @@ FileDescription describe_bmp(const SourceFile& source) {
 }
 
 Raster decode_bmp(const SourceFile& source) {
-    const Bitmap bitmap = read_header(source);
+    Bitmap bitmap = read_header(source);
+    std::vector<std::uint8_t> unpacked;
+    if (bitmap.is_in_runs) {
+        unpacked = unpack_runs(source, bitmap);
+        bitmap.bits = 8;
+        bitmap.offset = 0;
+        bitmap.row_bytes = static_cast<std::size_t>(bitmap.width);
+    }
+    const std::vector<std::uint8_t>& bytes = bitmap.is_in_runs ? unpacked : source.bytes;
     std::vector<std::uint8_t> samples;
     samples.reserve(static_cast<std::size_t>(bitmap.width) * bitmap.height * bitmap.channels());
     for (int y = 0; y < bitmap.height; ++y) {
         const int row = bitmap.is_top_first ? y : bitmap.height - 1 - y;
-        append_row(source, bitmap, bitmap.offset + bitmap.row_bytes * row, samples);
+        append_row(bytes, source, bitmap, bitmap.offset + bitmap.row_bytes * row, samples);
     }
     Raster raster{bitmap.width, bitmap.height, bitmap.channels(), 255, kNoData, std::move(samples)};
     if (bitmap.channels() == 4) split_alpha(raster);

@@ -67,19 +67,22 @@ bool is_tiff(std::span<const std::uint8_t> head) {
            begins(head, "MM\0+"sv);
 }
 
+constexpr unsigned kBoth = kPicture | kMap;
+// In the order in which a folder's files of one name are preferred.
 constexpr std::array<Codec, 12> kCodecs{{
-    {Format::png, "PNG", is_png, describe_png, decode_png},
-    {Format::jpeg, "JPEG", is_jpeg, describe_jpeg, decode_jpeg},
-    {Format::tiff, "TIFF", is_tiff, describe_tiff, decode_tiff},
-    {Format::webp, "WebP", is_webp, describe_webp, decode_webp},
-    {Format::bmp, "BMP", is_bmp, describe_bmp, decode_bmp},
-    {Format::pnm, "PGM/PPM", is_pnm, describe_pnm, decode_pnm},
-    {Format::heic, "HEIC", is_heic, describe_heic, decode_heic},
-    {Format::pfm, "PFM", is_pfm, describe_pfm, decode_pfm},
-    {Format::npy, "NPY", is_npy, describe_npy, decode_npy},
-    {Format::npz, "NPZ", is_zip, describe_npz, decode_npz},
-    {Format::exr, "OpenEXR", is_exr, describe_exr, decode_exr},
-    {Format::float_map, "depth map", is_float_map, describe_float_map, decode_float_map},
+    {Format::png, "PNG", ".png", kBoth, is_png, describe_png, decode_png},
+    {Format::jpeg, "JPEG", ".jpg .jpeg", kPicture, is_jpeg, describe_jpeg, decode_jpeg},
+    {Format::pnm, "PGM/PPM", ".ppm .pgm .pnm", kBoth, is_pnm, describe_pnm, decode_pnm},
+    {Format::tiff, "TIFF", ".tif .tiff", kBoth, is_tiff, describe_tiff, decode_tiff},
+    {Format::webp, "WebP", ".webp", kPicture, is_webp, describe_webp, decode_webp},
+    {Format::heic, "HEIC", ".heic .heif", kBoth, is_heic, describe_heic, decode_heic},
+    {Format::bmp, "BMP", ".bmp", kBoth, is_bmp, describe_bmp, decode_bmp},
+    {Format::exr, "EXR", ".exr", kBoth, is_exr, describe_exr, decode_exr},
+    {Format::pfm, "PFM", ".pfm", kMap, is_pfm, describe_pfm, decode_pfm},
+    {Format::npy, "NPY", ".npy", kMap, is_npy, describe_npy, decode_npy},
+    {Format::npz, "NPZ", ".npz", kMap, is_zip, describe_npz, decode_npz},
+    {Format::float_map, "COLMAP's, OpenMVS's or Sintel's", ".bin .dmap .dpt .flo", kMap, is_float_map,
+     describe_float_map, decode_float_map},
 }};
 
 const Codec* match(std::span<const std::uint8_t> head) {
@@ -113,7 +116,9 @@ std::string looks_like(std::span<const std::uint8_t> head) {
     }
     const bool text = std::all_of(head.begin(), head.end(),
                                   [](std::uint8_t c) { return is_space(c) || (c >= 0x20 && c != 0x7f); });
-    return text ? "it is text, or an unknown format" : "its format is not recognised";
+    return text ? "it is text, or an unknown format (a table of numbers is read as NPY: numpy.save of "
+                  "numpy.loadtxt)"
+                : "its format is not recognised";
 }
 
 }  // namespace
@@ -122,7 +127,18 @@ const Codec* find_codec(const std::filesystem::path& path) {
     return match(load_head(path, kHeadBytes).bytes);
 }
 
-const Codec& require_codec(const std::filesystem::path& path, const char* wanted) {
+std::span<const Codec> codecs() {
+    return kCodecs;
+}
+
+std::string names_of(unsigned gives) {
+    std::string names;
+    for (const Codec& codec : kCodecs)
+        if ((codec.gives & gives) != 0) names.append(names.empty() ? "" : ", ").append(codec.name);
+    return names;
+}
+
+const Codec& require_codec(const std::filesystem::path& path, const std::string& wanted) {
     const SourceFile head = load_head(path, kHeadBytes);
     if (const Codec* codec = match(head.bytes)) return *codec;
     refuse(path, looks_like(head.bytes) + "; give " + wanted);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/readers/decoded_raster.h"
@@ -60,9 +61,17 @@ std::optional<HeicPictures> decode_heic_pair(const SourceFile& source);
 
 enum class Format { png, jpeg, tiff, webp, bmp, pnm, heic, pfm, npy, npz, exr, float_map };
 
+// What a format can hold.
+enum Gives : unsigned {
+    kPicture = 1,
+    kMap = 2,  // exact samples: of disparities, depths, a mask, confidences
+};
+
 struct Codec {
     Format format;
-    const char* name;  // for error messages
+    const char* name;          // for error messages and FORMATS.md
+    std::string_view endings;  // of its files, by which folders are searched
+    unsigned gives;            // of Gives
     bool (*recognises)(std::span<const std::uint8_t> head);
     FileDescription (*describe)(const SourceFile& source);
     Raster (*decode)(const SourceFile& source);
@@ -73,7 +82,12 @@ const Codec* find_codec(const std::filesystem::path& path);
 
 // Returns the codec that recognises the file. Refuses any other file, saying what it seems to be, and that
 // `wanted` would be read.
-const Codec& require_codec(const std::filesystem::path& path, const char* wanted);
+const Codec& require_codec(const std::filesystem::path& path, const std::string& wanted);
+
+// Returns the one table of formats: runs, `info`, batches, errors and FORMATS.md, by a test, follow it.
+std::span<const Codec> codecs();
+// Returns the names of the formats that can hold one of these (Gives): "PNG, JPEG, ...".
+std::string names_of(unsigned gives);
 
 // The words for a map in error messages: "a disparity map", "disparities".
 struct MapWords {

@@ -120,11 +120,8 @@ void refuse_byte_order(const std::filesystem::path& path) {
 
 Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
                        const ReaderLimits& limits) {
-    const Codec& codec = require_codec(
-        path, (std::string(words.map) +
-               " as PNG, PGM (P5), PFM, TIFF, NPY, NPZ, EXR, HEIC, COLMAP's, OpenMVS's or Sintel's")
-                  .c_str());
-    if (codec.format == Format::jpeg || codec.format == Format::webp)
+    const Codec& codec = require_codec(path, std::string(words.map) + " as one of " + names_of(kMap));
+    if ((codec.gives & kMap) == 0)
         refuse(path, std::string(codec.name) + " does not keep " + words.samples +
                          " exactly; give the map as PNG, PGM, PFM, TIFF, NPY or EXR");
     SourceFile source = load_raster_file(path, limits);

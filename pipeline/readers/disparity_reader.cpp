@@ -66,6 +66,28 @@ Meaning meaning_of_floats(const codec::Raster& raster) {
     return {raster.are_floats() ? 1 : kNone, is_unknown ? below.least : kNone};
 }
 
+// Gives StereoSGBM's samples their sign back if the map was saved as unsigned: what was not found, -16 or
+// another negative multiple of 16, is then 65520 or less, on many pixels, and no sample lies far below it.
+void restore_signs(codec::Raster& raster) {
+    constexpr std::uint16_t least_negative = 0x8000, least_unknown = 0xf000;
+    const auto* const words = std::get_if<std::vector<std::uint16_t>>(&raster.samples);
+    if (!words) return;
+    std::uint16_t lowest = 0xffff;
+    for (const std::uint16_t word : *words)
+        if (word >= least_negative) lowest = std::min(lowest, word);
+    if (lowest < least_unknown || lowest % static_cast<int>(kStereoSgbmScale) != 0) return;
+    const auto unknown = static_cast<std::size_t>(std::ranges::count(*words, lowest));
+    if (unknown < 2 || unknown < words->size() / 1000) return;
+    std::vector<float> values(words->size());
+    std::ranges::transform(*words, values.begin(), [](std::uint16_t word) {
+        return static_cast<float>(static_cast<std::int16_t>(word));
+    });
+    raster.samples = std::move(values);
+    raster.integer_bits = 16;
+    raster.is_signed = true;
+    raster.stated.told = "16-bit integers that have lost their sign";
+}
+
 [[noreturn]] void refuse_missing_scale(const std::filesystem::path& path, const codec::Raster& raster,
                                        const std::string& option) {
     if (raster.integer_bits > 0)
@@ -197,6 +219,7 @@ DisparityMap disparities_of_part(codec::Raster raster, const std::filesystem::pa
 
 DisparityFile disparities_of(codec::Raster raster, const std::filesystem::path& path,
                              const DisparityFileConfig& config) {
+    if (config.scale == 0 || config.scale == kStereoSgbmScale) restore_signs(raster);
     DisparityFile file = converted(std::move(raster), path, config, false);
     if (config.flip) codec::flip_rows(file.map.values, file.map.width);
     if (std::none_of(file.map.values.begin(), file.map.values.end(), DisparityMap::known)) {

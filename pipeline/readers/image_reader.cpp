@@ -22,13 +22,10 @@ std::vector<std::uint8_t> to_bytes(const std::vector<Sample>& samples, unsigned 
 }  // namespace
 
 const codec::Codec& require_image_codec(const std::filesystem::path& path) {
-    const codec::Codec& codec =
-        codec::require_codec(path, "a PNG, JPEG, PPM/PGM (P5/P6), TIFF, WebP, BMP or HEIC image");
-    // OpenEXR files may hold colours.
-    if (codec.format >= codec::Format::pfm && codec.format != codec::Format::exr)
-        codec::refuse(path,
-                      std::string("an ") + codec.name +
-                          " file is a map, not an image; give PNG, JPEG, PPM/PGM, TIFF, WebP, BMP or HEIC");
+    const std::string wanted = "an image as one of " + codec::names_of(codec::kPicture);
+    const codec::Codec& codec = codec::require_codec(path, wanted);
+    if ((codec.gives & codec::kPicture) == 0)
+        codec::refuse(path, std::string("an ") + codec.name + " file is a map, not an image; give " + wanted);
     return codec;
 }
 

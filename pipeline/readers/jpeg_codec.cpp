@@ -6,6 +6,7 @@
 // and its message codes come after
 #include <jerror.h>
 
+#include <algorithm>
 #include <csetjmp>
 
 #include "pipeline/readers/codecs.h"
@@ -28,7 +29,8 @@ struct JpegReader {
     jpeg_progress_mgr progress{};
     std::jmp_buf escape{};
     char message[JMSG_LENGTH_MAX] = "";
-    std::uint8_t* samples = nullptr;
+    std::uint8_t* samples = nullptr;  // of the rows decoded so far, and of those up to end_row
+    unsigned end_row = 0;
 };
 
 JpegReader& owner(j_common_ptr jpeg) {
@@ -71,14 +73,20 @@ void header_step(JpegReader& reader) {
     jpeg_read_header(&reader.jpeg, TRUE);
 }
 
-void rows_step(JpegReader& reader) {
+void start_step(JpegReader& reader) {
     jpeg_start_decompress(&reader.jpeg);
+}
+
+void rows_step(JpegReader& reader) {
     const std::size_t stride =
         static_cast<std::size_t>(reader.jpeg.output_width) * reader.jpeg.output_components;
-    while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
+    while (reader.jpeg.output_scanline < reader.end_row) {
         JSAMPROW row = reader.samples + stride * reader.jpeg.output_scanline;
         jpeg_read_scanlines(&reader.jpeg, &row, 1);
     }
+}
+
+void finish_step(JpegReader& reader) {
     jpeg_finish_decompress(&reader.jpeg);
 }
 
@@ -133,13 +141,21 @@ Raster decode_jpeg(const SourceFile& source) {
     jpeg.out_color_space = grey ? JCS_GRAYSCALE : inks ? JCS_CMYK : JCS_RGB;
     const int stored = grey ? 1 : inks ? 4 : 3;
     const unsigned long long pixels = static_cast<unsigned long long>(jpeg.image_width) * jpeg.image_height;
-    // Huffman codes spend at least a bit on a block of 64 pixels; eight times that leaves
-    // room for arithmetic coding.
-    check_length(source, pixels, 4096);
+    // Huffman codes spend at least a bit on a block of 64 pixels; arithmetic codes may spend less.
+    check_length(source, pixels, jpeg.arith_code ? 4096 : 512);
 
-    std::vector<std::uint8_t> samples(pixels * stored);
-    reader.samples = samples.data();
-    run(reader, rows_step);
+    // Memory is touched as rows are decoded: truncated data end before the rows that the header promises.
+    constexpr unsigned band_rows = 64;
+    std::vector<std::uint8_t> samples;
+    samples.reserve(pixels * stored);
+    run(reader, start_step);
+    while (reader.end_row < jpeg.image_height) {
+        reader.end_row = std::min(reader.end_row + band_rows, jpeg.image_height);
+        samples.resize(static_cast<std::size_t>(reader.end_row) * jpeg.image_width * stored);
+        reader.samples = samples.data();
+        run(reader, rows_step);
+    }
+    run(reader, finish_step);
     if (inks) cmyk_to_rgb(samples, jpeg.saw_Adobe_marker);
     return {static_cast<int>(jpeg.image_width),
             static_cast<int>(jpeg.image_height),

@@ -2,6 +2,7 @@
 // whose frame holds nothing with a destructor. Memory is allocated between the steps.
 #include <png.h>
 
+#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstring>
@@ -24,7 +25,9 @@ struct PngReader {
     char message[128] = "";
     png_structp png = nullptr;
     png_infop info = nullptr;
-    png_bytepp rows = nullptr;
+    png_bytepp rows = nullptr;  // all, if interlaced; else those of a band
+    unsigned row_count = 0;
+    bool is_interlaced = false;
 };
 
 void on_error(png_structp png, png_const_charp message) {
@@ -62,12 +65,19 @@ void transform_step(PngReader& reader) {
     if (!has_alpha(reader)) png_set_strip_alpha(reader.png);
     png_set_packing(reader.png);  // 1-2-4-bit grey: one byte each, not stretched
     if (std::endian::native == std::endian::little) png_set_swap(reader.png);
-    png_set_interlace_handling(reader.png);
+    reader.is_interlaced = png_set_interlace_handling(reader.png) > 1;
     png_read_update_info(reader.png, reader.info);
 }
 
-void rows_step(PngReader& reader) {
+void image_step(PngReader& reader) {
     png_read_image(reader.png, reader.rows);
+}
+
+void band_step(PngReader& reader) {
+    png_read_rows(reader.png, reader.rows, nullptr, reader.row_count);
+}
+
+void end_step(PngReader& reader) {
     png_read_end(reader.png, nullptr);
 }
 
@@ -94,13 +104,21 @@ std::vector<Sample> read_rows(PngReader& reader, std::size_t row_samples, std::s
     if (png_get_rowbytes(reader.png, reader.info) != row_samples * sizeof(Sample)) {
         refuse(reader.source.path, "its PNG colour type is not supported; save it as plain grey or RGB");
     }
-    std::vector<Sample> samples(row_samples * height);
-    std::vector<png_bytep> rows(height);
-    for (std::size_t y = 0; y < height; ++y) {
-        rows[y] = reinterpret_cast<png_bytep>(samples.data() + y * row_samples);
+    // Memory is touched as rows are decoded: truncated data end before the rows that the header promises.
+    const std::size_t band_rows = reader.is_interlaced ? height : 64;
+    std::vector<Sample> samples;
+    samples.reserve(row_samples * height);
+    std::vector<png_bytep> rows;
+    for (std::size_t y = 0; y < height; y += rows.size()) {
+        rows.resize(std::min(band_rows, height - y));
+        samples.resize(row_samples * (y + rows.size()));
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            rows[i] = reinterpret_cast<png_bytep>(samples.data() + (y + i) * row_samples);
+        reader.rows = rows.data();
+        reader.row_count = static_cast<unsigned>(rows.size());
+        run(reader, reader.is_interlaced ? image_step : band_step);
     }
-    reader.rows = rows.data();
-    run(reader, rows_step);
+    run(reader, end_step);
     return samples;
 }
 

@@ -26,9 +26,11 @@ Raster decode_webp(const SourceFile& source) {
     const WebPBitstreamFeatures features = read_features(source);
     if (features.has_animation) refuse(source.path, "an animated WebP is no single image; export one frame");
     const int channels = features.has_alpha ? 4 : 3;
-    // Even a picture of one colour needs a hundredth of a bit per block of 256 pixels if it is lossy; a
-    // lossless one may need none, but nobody photographs pictures of that size and kind.
-    check_length(source, static_cast<unsigned long long>(features.width) * features.height, 1 << 16);
+    // The decoder needs memory for all pixels at once, whatever the data hold. A picture of one colour may
+    // take no bits at all, so a small one is believed; of a large one the bytes must be those of a picture.
+    constexpr unsigned long long small = 1 << 24;
+    const unsigned long long pixels = static_cast<unsigned long long>(features.width) * features.height;
+    check_length(source, pixels, pixels <= small ? 1 << 16 : 2048);
     const std::size_t stride = static_cast<std::size_t>(features.width) * channels;
     std::vector<std::uint8_t> samples(stride * features.height);
     const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;

@@ -1,7 +1,6 @@
 #include "pipeline/stamp/stamp.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -11,6 +10,7 @@
 #include "pipeline/config/fields.h"
 #include "pipeline/config/shell_words.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/nesting.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/run_files.h"
@@ -115,6 +115,18 @@ std::string unit_stamp(const job::RunRequest& request) {
     return files::sha256_of(text.data(), text.size());
 }
 
+nlohmann::ordered_json read_report(const fs::path& path) {
+    constexpr std::uintmax_t most_bytes = 64 << 20;
+    try {
+        const std::vector<std::uint8_t> text = readers::codec::load_file(path, most_bytes).bytes;
+        if (is_nested_too_deeply({reinterpret_cast<const char*>(text.data()), text.size()})) return nullptr;
+        Json report = Json::parse(text, nullptr, false);
+        return report.is_object() ? report : Json(nullptr);
+    } catch (const Error&) {
+        return nullptr;
+    }
+}
+
 UnitState stamp_request(job::RunRequest& request) {
     if (request.report.empty() || files::is_standard_output(request.report)) return UnitState::missing;
     request.stamp = unit_stamp(request);
@@ -122,9 +134,8 @@ UnitState stamp_request(job::RunRequest& request) {
 }
 
 UnitState unit_state(const job::RunRequest& request, const std::string& stamp) {
-    std::ifstream file(request.report, std::ios::binary);
-    const Json report = Json::parse(file, nullptr, false);
-    if (!report.is_object() || !report.contains("stamp")) return UnitState::missing;
+    const Json report = read_report(request.report);
+    if (report.is_null() || !report.contains("stamp")) return UnitState::missing;
     if (report["stamp"] != stamp) return UnitState::changed;
     try {
         return are_as_written(request, report.at("outputs")) ? UnitState::current : UnitState::changed;

@@ -1,6 +1,8 @@
 // Tells whether a unit's outputs are those that its inputs and configuration lead to.
 #pragma once
 
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "pipeline/job/request.h"
@@ -18,6 +20,10 @@ enum class UnitState {
     changed,  // an input, the configuration or the version changed, or an output is not as it was written
     current,  // everything is in place, and the outputs have the bytes that the report states
 };
+
+// Reads a report, which others may have written; null if there is none, or it is no JSON object, larger than
+// 64 MiB or nested too deeply.
+nlohmann::ordered_json read_report(const std::filesystem::path& path);
 
 // Compares the stamp with the request's report, which is the last of its files to be written.
 UnitState unit_state(const job::RunRequest& request, const std::string& stamp);

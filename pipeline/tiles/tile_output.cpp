@@ -16,6 +16,9 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::
     files::OutputSet files;
     const auto place = [&](const char* extension) {
         const fs::path path = tile_file(plan, tile, extension);
+        std::error_code none;
+        if (fs::exists(path, none) && !fs::is_regular_file(path, none))
+            throw Error(ErrorKind::output, path.string() + ": is no regular file; remove it");
         files.place(path);
         return path;
     };

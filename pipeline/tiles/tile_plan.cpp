@@ -3,14 +3,17 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "mesher/som/level_plan.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/nesting.h"
 #include "pipeline/files/sha256.h"
 
 namespace hexrelief::tiles {
@@ -28,16 +31,18 @@ std::string numbered(const char* format, int a, int b) {
     return text;
 }
 
-[[noreturn]] void refuse_plan(const fs::path& path, const std::string& why) {
+[[noreturn]] void refuse_plan(const fs::path& path, const char* why) {
     throw Error(ErrorKind::input, path.string() + ": " + why + "; run 'hexrelief tiles plan' again");
 }
 
 std::string read_text(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (!file) refuse_plan(path, "cannot be read, or is no file of a plan");
-    return text.str();
+    constexpr std::uintmax_t longest = 256 << 20;
+    std::error_code code;
+    const std::uintmax_t size = fs::file_size(path, code);
+    std::string text(code ? 0 : std::min(size, longest), ' ');
+    if (!std::ifstream(path, std::ios::binary).read(text.data(), static_cast<std::streamsize>(text.size())))
+        refuse_plan(path, "cannot be read, or is no file of a plan");
+    return text;
 }
 
 Json file_json(const PlannedFile& file) {
@@ -104,21 +109,45 @@ Json plan_json(const TilePlan& plan) {
     return json;
 }
 
+// Returns an integer within its range. Throws Json::exception if it is none.
+int integer(const Json& json, const char* key, int least, int most) {
+    const Json& value = json.at(key);
+    const auto number = value.is_number_integer() ? value.get<std::int64_t>() : std::int64_t{least} - 1;
+    if (number < least || number > most)
+        throw Json::other_error::create(501, std::string(key) + " is out of range", &json);
+    return static_cast<int>(number);
+}
+
+// True if the plan's numbers, each in its range, agree with each other as plan_tiles() leaves them.
+bool is_consistent(const TilePlan& plan) {
+    const auto lattice = som::lattice_size(plan.width, plan.height, plan.config.mesh.spacing_px);
+    const Calibration& camera = plan.calibration;
+    const auto is_positive = [](double value) { return std::isfinite(value) && value > 0; };
+    return plan.columns == lattice.columns && plan.rows == lattice.rows &&
+           std::has_single_bit(static_cast<unsigned>(plan.shrunk_by)) &&
+           plan.shrunk_by <= std::min(plan.width, plan.height) && is_positive(camera.focal_px) &&
+           is_positive(camera.baseline_m) && std::isfinite(camera.doffs_px) && std::isfinite(camera.cx) &&
+           std::isfinite(camera.cy) && is_positive(plan.density.scale_px) &&
+           std::isfinite(plan.density.background_px) && is_positive(plan.grid_step_m) &&
+           std::isfinite(plan.nearest_px) && plan.nearest_px >= plan.farthest_px;
+}
+
 TilePlan plan_of(const Json& json) {
     TilePlan plan;
     const Json& map = json.at("map");
     plan.map = file_of(map);
     if (map.contains("raw")) plan.raw = raw_of(map.at("raw"));
-    plan.width = map.at("width");
-    plan.height = map.at("height");
+    plan.width = integer(map, "width", 1, kLargestTiledSide_px);
+    plan.height = integer(map, "height", 1, kLargestTiledSide_px);
     plan.nearest_px = map.at("nearest_px");
     plan.farthest_px = map.at("farthest_px");
     if (json.contains("color")) plan.color = file_of(json.at("color"));
     plan.calibration = camera_of(json.at("calibration"));
-    plan.columns = json.at("lattice").at("columns");
-    plan.rows = json.at("lattice").at("rows");
-    plan.tile_spacings = json.at("lattice").at("tile_spacings");
-    plan.shrunk_by = json.at("lattice").at("shrunk_by");
+    const Json& lattice = json.at("lattice");
+    plan.columns = integer(lattice, "columns", 3, kLargestTiledSide_px);
+    plan.rows = integer(lattice, "rows", 3, kLargestTiledSide_px);
+    plan.tile_spacings = integer(lattice, "tile_spacings", 1, kLargestTiledSide_px);
+    plan.shrunk_by = integer(lattice, "shrunk_by", 1, kLargestTiledSide_px);
     plan.density = {json.at("density").at("scale_px"), json.at("density").at("background_px")};
     plan.grid_step_m = json.at("grid_step_m");
     return plan;
@@ -207,7 +236,14 @@ void write_plan(TilePlan& plan, files::OutputSet& files) {
     for (const files::WrittenFile& file : files.written())
         plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;
     for (const auto& [name, sum] : plan.sums) json["files"][name] = sum;
-    const std::string text = json.dump(2) + "\n";
+    std::string text;
+    try {
+        text = json.dump(2) + "\n";
+    } catch (const Json::exception&) {
+        throw Error(
+            ErrorKind::input,
+            plan.map.path.string() + ": a plan holds names in UTF-8 only; rename the map or the picture");
+    }
     plan.stamp = files::sha256_of(text.data(), text.size());
     files.place(whole);
     files.files().write(whole, text);
@@ -219,7 +255,7 @@ TilePlan read_plan(const fs::path& folder) {
     const std::string text = read_text(path);
     TilePlan plan;
     try {
-        const Json json = Json::parse(text);
+        const Json json = is_nested_too_deeply(text) ? Json() : Json::parse(text);
         if (json.at("hexrelief").at("plan") != kPlanVersion ||
             json.at("hexrelief").at("version") != HEXRELIEF_VERSION)
             refuse_plan(path, "made by another version of hexrelief");
@@ -232,6 +268,7 @@ TilePlan read_plan(const fs::path& folder) {
     plan.stamp = files::sha256_of(text.data(), text.size());
     check_planned_file(plan, plan_config_file(folder));
     config::apply_config_file(plan.config, plan_config_file(folder));
+    if (!is_consistent(plan)) refuse_plan(path, "damaged: its numbers do not agree");
     check_unchanged(plan.map);
     check_unchanged(plan.color);
     return plan;

@@ -1,9 +1,11 @@
 #include "pipeline/tiles/tile_report.h"
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/nesting.h"
 
 namespace hexrelief::tiles {
 
@@ -27,10 +29,16 @@ std::string report_text(const TileReport& report) {
 }
 
 TileReport read_tile_report(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
+    // The size comes first: a pipe has none, and would be waited for.
+    constexpr std::uintmax_t longest = 16 << 20;
+    std::error_code code;
+    const bool is_file = std::filesystem::is_regular_file(path, code);
+    std::ifstream file(is_file ? path : std::filesystem::path(), std::ios::binary);
     if (!file) throw Error(ErrorKind::input, path.string() + ": is missing; run 'hexrelief tiles solve'");
+    std::string text(std::min(std::filesystem::file_size(path), longest), ' ');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
     try {
-        const Json json = Json::parse(file);
+        const Json json = is_nested_too_deeply(text) ? Json() : Json::parse(text);
         TileReport report;
         report.plan = json.at("plan");
         report.vertices = json.at("vertices");

@@ -267,6 +267,33 @@ def write_depths(out, disparity, left):
     Image.fromarray(confidence).save(out / "confidence.png")
 
 
+def write_maps(out, disparity, depth):
+    """Maps whose samples have to be known: StereoSGBM's, of the other sign, without a unit, packed into colours."""
+    sgbm = (16 * disparity).round().astype(np.int16)
+    sgbm[:, :4] = -16  # what it did not find
+    np.save(out / "sgbm.npy", sgbm)
+    Image.fromarray(sgbm.astype(np.uint16)).save(out / "sgbm.png")
+    np.save(out / "negative.npy", -disparity.astype(np.float16))
+    np.save(out / "affine.npy", ((depth - depth.min()) / np.ptp(depth)).astype(np.float16))  # Marigold's
+    packed = (depth / 1000 * (2 ** 24 - 1)).round().astype(np.uint32)
+    Image.fromarray(np.dstack([packed >> shift & 255 for shift in (0, 8, 16)]).astype(np.uint8)).save(out / "carla.png")
+    (out / "colmap.bin").write_bytes(b"%d&%d&1&" % depth.shape[::-1] + depth.astype("<f4").tobytes())
+
+
+def write_rigs(out, width, height):
+    """Calibrations of stereo cameras, by other programs."""
+    focal, cx, cy = FOCAL_PX / SHRINK, (width - 1) / 2, (height - 1) / 2
+    camera = ("  camera_model: pinhole\n  distortion_model: radtan\n  distortion_coeffs: [0, 0, 0, 0]\n"
+              "  intrinsics: [%g, %g, %g, %g]\n  resolution: [%d, %d]\n" % (focal, focal, cx, cy, width, height))
+    (out / "camchain.yaml").write_text(
+        "cam0:\n" + camera + "cam1:\n" + camera + "  T_cn_cnm1:\n  - [1, 0, 0, %g]\n" % -BASELINE_M +
+        "  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n")
+    (out / "transforms.json").write_text(json.dumps(
+        {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": cx + 0.5, "cy": cy + 0.5, "frames": []}) + "\n")
+    k = np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1]])
+    np.savez(out / "rig.npz", K=k, baseline=BASELINE_M)
+
+
 def write_laser(out, disparity):
     """A KITTI truth: 16 bits, 256 to the pixel, one row in five."""
     kitti = np.zeros(disparity.shape, np.uint16)
@@ -311,6 +338,8 @@ def make_inputs(samples, out):
     write_unrectified(out, left, right)
     write_depths(out, disparity, left)
     write_laser(out, disparity)
+    write_maps(out, disparity, FOCAL_PX / SHRINK * BASELINE_M / disparity)
+    write_rigs(out, left.width, left.height)
     write_cameras(out, left.width, left.height)
 
 

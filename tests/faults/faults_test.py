@@ -93,6 +93,12 @@ class Limits(Fault):
                 self.assertIn(self.assert_told(result, result.returncode) and result.returncode, (3, 4))
                 self.assertEqual(os.listdir(self.folder), [])
 
+    def test_descriptors_of_a_batch(self):
+        for most in (4, 5, 6, 8):
+            arguments = batch_arguments(self.outer, [self.outputs(inputs=MAP)[1:]])
+            result = self.run_program(arguments, preexec_fn=limits(NOFILE=most))
+            self.assertNotEqual(result.returncode, 1, result.stderr)  # no bug
+
     def test_address_space(self):
         for mebibytes in (40, 80, 120, 160, 200, 250, 300):
             result = self.run_program(self.outputs("--threads", "4", "--backend", "cpu"), preexec_fn=limits(AS=mebibytes << 20))

@@ -12,6 +12,7 @@
 #include <ImfTileDescription.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "pipeline/readers/depth/map_names.h"
 #include "pipeline/readers/parse_text.h"
@@ -96,8 +97,19 @@ std::vector<Channel> colors_of(const std::vector<Channel>& channels) {
     return {};
 }
 
-// Returns the channel that the key names, the only one, or the one with the most usual name; three if there
-// are only colours.
+// Returns the channel of the only part that has one alone; nothing if there are several such parts, or none.
+std::optional<Channel> alone_in_its_part(const std::vector<Channel>& channels) {
+    std::optional<Channel> found;
+    for (const Channel& channel : channels) {
+        if (std::ranges::count(channels, channel.part, &Channel::part) != 1) continue;
+        if (found) return std::nullopt;
+        found = channel;
+    }
+    return found;
+}
+
+// Returns the channel that the key names, the only one, the one with the most usual name, or that of a part
+// of its own; three if there are only colours, and for a picture if there are any.
 std::vector<Channel> chosen_channels(const SourceFile& source, const std::vector<Channel>& channels) {
     std::vector<std::string> names(channels.size());
     std::ranges::transform(channels, names.begin(), &Channel::full_name);
@@ -112,8 +124,12 @@ std::vector<Channel> chosen_channels(const SourceFile& source, const std::vector
         return {*found};
     }
     if (channels.size() == 1) return channels;
+    const bool is_picture = !source.is_map && source.wanted == Wanted::map;
+    std::vector<Channel> colors = colors_of(channels);
+    if (is_picture && !colors.empty()) return colors;
     if (const auto usual = usual_name(names, source.wanted)) return {channels[*usual]};
-    if (std::vector<Channel> colors = colors_of(channels); !colors.empty()) return colors;
+    if (const auto alone = alone_in_its_part(channels)) return {*alone};
+    if (!colors.empty()) return colors;
     for (const char* const name : {"Y", "R"})
         if (const auto found = std::ranges::find(channels, name, &Channel::name); found != channels.end())
             return {*found};
@@ -145,6 +161,12 @@ Layout layout_of(const SourceFile& source, const Imf::MultiPartInputFile& file) 
     check_box(source, layout.display);
     if (!layout.data.intersects(layout.display))
         refuse(source.path, "its data window lies outside of its display window; crop or save it again");
+    // What lies outside of the data window takes no bytes in the file, but memory.
+    constexpr long long small = 1 << 24, most_times = 64;
+    const auto area = [](const Box2i& box) { return Layout::width(box) * Layout::height(box); };
+    if (area(layout.display) > std::max(small, most_times * area(layout.data)))
+        refuse(source.path,
+               "its display window has more than 64 times the pixels of its data window; crop it");
     for (const Channel& channel : layout.channels)
         if (channel.is_subsampled)
             refuse(source.path, "its channel is subsampled; save it with a sample for each pixel");

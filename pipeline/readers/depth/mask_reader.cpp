@@ -51,7 +51,7 @@ PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config,
     source.several = "give a file that has one alone";
     source.wanted = codec::Wanted::mask;
     codec::Raster raster = codec.decode(source);
-    if (codec.format == codec::Format::jpeg || codec.format == codec::Format::webp)
+    if ((codec.gives & codec::kMap) == 0)
         for (std::uint8_t& sample : std::get<std::vector<std::uint8_t>>(raster.samples))
             sample = sample < kHalf ? 0 : sample;
     return mask_of(raster, path, config);

@@ -189,7 +189,8 @@ StereoViews read_stereo_file(const std::filesystem::path& path, const StereoFile
 std::optional<StereoFileDescription> describe_stereo_file(const std::filesystem::path& path,
                                                           const ReaderLimits& limits) {
     const codec::Codec* const codec = codec::find_codec(path);
-    if (!codec || codec->format >= codec::Format::pfm) return std::nullopt;
+    if (!codec || (codec->gives & codec::kPicture) == 0 || codec->format == codec::Format::exr)
+        return std::nullopt;
     const codec::SourceFile source = codec::load_raster_file(path, limits);
     if (codec->format == codec::Format::heic) {
         const auto pair = codec::find_heic_pair(source.bytes);

@@ -1,10 +1,12 @@
 #include "exporters/core/folder_lock.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <functional>
 
@@ -154,6 +156,24 @@ TEST(FolderLock, NobodyElseCanPlantRenames) {
     });
     { const FolderLock next(shared, never); }
     EXPECT_EQ(contents(shared / "b"), "old");
+}
+
+TEST(FolderLock, AnotherUserIsNotWaitedForWithoutEnd) {
+    const TemporaryFolder folder;
+    const fs::path path = folder / temporary_name("lock");
+    put(path, "");
+    const int held = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+    ASSERT_EQ(::flock(held, LOCK_EX | LOCK_NB), 0);
+    if (::geteuid() != 0 || ::chown(path.c_str(), 65534, 65534) != 0) {
+        ::close(held);
+        GTEST_SKIP() << "only root can make a file of another user";
+    }
+    const std::atomic<bool> never{false};
+    const auto begun = std::chrono::steady_clock::now();
+    { const FolderLock lock(folder.path(), never); }
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(30));
+    EXPECT_TRUE(fs::exists(path)) << "a lock that was not taken is not removed";
+    ::close(held);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Tests that describe_mesh() returns or throws an Error that names the file, whatever the file holds.
+#include <sys/resource.h>
+
 #include <sys/stat.h>
 
 #include <csignal>
@@ -220,6 +222,17 @@ TEST(Limited, ResultsAndErrorsComeBack) {
     EXPECT_EQ(run_limited(limits, "", [] { return WorkBytes{}; }), WorkBytes{});
     EXPECT_EQ(refusal(limits, []() -> WorkBytes { throw Error(ErrorKind::input, "it is bad"); }),
               "it is bad");
+}
+
+TEST(Limited, WorkIsNotDoneInThisProcess) {
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    rlimit none = before;
+    none.rlim_cur = 0;
+    setrlimit(RLIMIT_NOFILE, &none);  // no pipe to another process
+    const std::string told = refusal({5, 1000000, 1000}, []() -> WorkBytes { return {1}; });
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_NE(told.find("a process of its own"), std::string::npos) << told;
 }
 
 TEST(Limited, WildWorkEndsAlone) {

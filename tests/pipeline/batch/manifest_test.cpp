@@ -164,5 +164,30 @@ TEST(ShellWords, AreReadAndWritten) {
     EXPECT_THROW(config::shell_quoted("a\nb"), Error);
 }
 
+TEST(Manifest, OneFileUnderTwoNamesIsFound) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory_symlink(".", folder / "l");
+    write_text(folder / "m.csv", "left,right,name\na,b,x\na,b,l/x\n");
+    ManifestOptions options = kOptions;
+    options.output = folder.path();
+    const std::vector<BatchUnit> units = read_manifest(folder / "m.csv", options);
+    ASSERT_EQ(units.size(), 2u);
+    EXPECT_EQ(units[0].wrong, "");
+    EXPECT_NE(units[1].wrong.find("is that of"), std::string::npos) << units[1].wrong;
+}
+
+TEST(Manifest, WhatWouldFillTheMemoryIsRefusedByItsSize) {
+    const TemporaryFolder folder;
+    EXPECT_THROW(read_units(folder, "m.csv", "left,right\n" + std::string(2 << 20, ',')), Error);
+    EXPECT_THROW(read_units(folder, "m.yaml", std::string(3 << 20, '[')), Error);
+    EXPECT_NE(wrong_of("m.jsonl", R"({"left":)" + std::string(100000, '[')).find("nested"),
+              std::string::npos);
+}
+
+TEST(ShellWords, HaveNoControlCharacters) {
+    EXPECT_EQ(shell_quoted("\x1b[31m\xc2\x9b'\\\xc3\xa4"), R"($'\x1b[31m\xc2\x9b\'\\\xc3\xa4')");
+    EXPECT_EQ(shell_quoted("\xc3\xa4"), "'\xc3\xa4'");
+}
+
 }  // namespace
 }  // namespace hexrelief::batch

@@ -63,5 +63,11 @@ TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
     EXPECT_GT(memory_to_use(), 1u << 20);
 }
 
+TEST(BatchTable, CellsAreNoFormulas) {
+    const std::string text = table_csv({{"=1+1", "m:1", {UnitOutcome::failed, 0, 0, 3, "-4.5e-3"}, {}},
+                                        {"@x", "m:2", {UnitOutcome::failed, 0, 0, 3, "+x"}, {}}});
+    EXPECT_EQ(text, "name,status,exit_code,error\n'=1+1,failed,3,-4.5e-3\n'@x,failed,3,'+x\n");
+}
+
 }  // namespace
 }  // namespace hexrelief::batch

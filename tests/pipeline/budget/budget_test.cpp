@@ -258,5 +258,14 @@ TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
     EXPECT_NE(both.process.err.find("exclude each other"), std::string::npos) << both.process.err;
 }
 
+// The coarsest spacing at which three levels fit is no whole number of hundredths.
+TEST(Budget, LevelsOfDetailLimitTheSpacing) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program({"tiles", "make-map", "--size", "150x110", "-o", folder / "l.pfm"}).exit_code, 0);
+    const auto result = run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3",
+                                     "--max-bytes", "40000", "-o", folder / "f.obj", "--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 }  // namespace
 }  // namespace hexrelief::budget

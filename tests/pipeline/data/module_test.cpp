@@ -35,6 +35,9 @@ TEST(Module, OfAnotherOwnerIsRefused) {
     std::ofstream(file) << "x";
     EXPECT_TRUE(is_trusted(file, file));
     EXPECT_FALSE(is_trusted(file, file.string() + "-missing"));
+    fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
+    EXPECT_FALSE(is_trusted(file, file)) << "anybody may write to it";
+    fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
     EXPECT_TRUE(is_trusted("/proc/self/exe", "/usr/bin/env") || getuid() != 0);
     if (getuid() == 0 && chown(file.c_str(), 12345, 12345) == 0) {
         EXPECT_FALSE(is_trusted(file, "/usr/bin/env"));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <thread>
 
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
@@ -30,6 +31,18 @@ TEST(UnchangedFiles, ToldWhereOneWasWrittenToOrReplaced) {
         fs::rename(folder / "b", path);
     });
     check([&] { fs::remove(path); });
+}
+
+TEST(UnchangedFiles, ATimeThatWasSetBackIsToldByThatOfTheAttributes) {
+    const test::TemporaryFolder folder;
+    const fs::path path = folder / "a";
+    test::write_text(path, "old");
+    const auto time = fs::last_write_time(path);
+    const UnchangedFiles files({path});
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // a file system's clock may be coarse
+    test::write_text(path, "new");
+    fs::last_write_time(path, time);
+    EXPECT_THROW(files.check(), Error);
 }
 
 }  // namespace

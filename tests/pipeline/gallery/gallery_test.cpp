@@ -128,5 +128,26 @@ TEST(Gallery, WhatCannotBeListedIsToldInOneLine) {
     EXPECT_EQ(folder.entries(), 0);
 }
 
+// Parsing or copying what is nested 100,000 times would exhaust the stack; a sparse file would fill the
+// memory.
+TEST(Gallery, ForeignFilesNeitherEndItNorHoldItUp) {
+    const exporters::TemporaryFolder folder;
+    const std::string nested = std::string(100000, '[') + std::string(100000, ']');
+    exporters::put(folder / "a.html",
+                   R"(<script id="facts">{"levels":[{"vertices":1}],"figures":)" + nested + "}<");
+    exporters::put(folder / "a.json", R"({"hexrelief":1,"surface":{},"mesh":{},"outputs":)" + nested + "}");
+    exporters::put(folder / "sparse.html", "");
+    std::filesystem::resize_file(folder / "sparse.html", std::uintmax_t{20} << 30);
+    exporters::put(folder / "sparse.json", "");
+    std::filesystem::resize_file(folder / "sparse.json", std::uintmax_t{20} << 30);
+    std::filesystem::create_symlink("/dev/zero", folder / "device.html");
+    std::filesystem::create_symlink("/proc/kmsg", folder / "log.json");
+    exporters::put(folder / "page.html", std::string(200000, 'x') + page_text("40"));
+    const std::vector<FoundResult> results = find_results(folder.path());
+    ASSERT_EQ(results.size(), 1u);
+    EXPECT_EQ(results[0].file, folder / "page.html");
+    EXPECT_EQ(results[0].figures.triangles, 40);
+}
+
 }  // namespace
 }  // namespace hexrelief::gallery

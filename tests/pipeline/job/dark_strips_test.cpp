@@ -36,6 +36,19 @@ TEST(DarkStrips, AreHiddenAlongAnySide) {
         << "a slanted strip";
 }
 
+// Lines thinner than 2 px are left.
+TEST(DarkStrips, MayBeWedges) {
+    constexpr int kWedge = 3 * (8 + 7 + 6 + 5 + 4 + 3 + 2);
+    EXPECT_EQ(hidden([](int x, int y) { return x < 8 - y / 3; }), kWedge);
+    EXPECT_EQ(hidden([](int x, int y) { return x >= kWidth - 8 + (kHeight - 1 - y) / 3; }), kWedge);
+    EXPECT_EQ(hidden([](int x, int y) { return x < 8 - y / 3 || x >= kWidth - 8 + (kHeight - 1 - y) / 3; }),
+              2 * kWedge);
+    EXPECT_EQ(hidden([](int x, int y) { return y < 8 - x / 3; }), kWedge);
+    EXPECT_EQ(hidden([](int x, int y) { return x * x + y * y < 100; }), 0) << "a round thing in a corner";
+    EXPECT_EQ(hidden([](int x, int y) { return x < 8 - std::abs(y - 20) / 3; }), 0)
+        << "it begins at no corner";
+}
+
 TEST(DarkStrips, OtherDarkPartsAreKept) {
     EXPECT_EQ(hidden([](int, int) { return false; }), 0);
     EXPECT_EQ(hidden([](int, int) { return true; }), 0) << "a black picture";

@@ -136,5 +136,39 @@ TEST_F(RunFiles, NoInputIsOverwritten) {
     EXPECT_NE(refusal_of(request_).find("would overwrite the input"), std::string::npos);
 }
 
+TEST_F(RunFiles, AllInputsCountInTheEstimate) {
+    request_.outputs = {folder_ / "r.glb"};
+    const std::uint64_t alone = estimated_memory(request_);
+    request_.source = DisparityFiles{test::sample("disparity.pfm"), test::sample("left.png")};
+    EXPECT_EQ(estimated_memory(request_), alone + 320 * 240 * 8);
+}
+
+// The header alone is read: the file holds no sample.
+TEST_F(RunFiles, AMaskMuchLargerThanItsMapIsRefusedUndecoded) {
+    request_.outputs = {folder_ / "r.glb"};
+    const auto with_mask = [&](const std::string& size) {
+        test::write_text(folder_ / "mask.pgm", "P5 " + size + " 255\n");
+        request_.source = DisparityFiles{test::sample("disparity.pfm"), {}, folder_ / "mask.pgm"};
+        return refusal_of(request_);
+    };
+    EXPECT_NE(with_mask("20000 20000").find("it has 20000x20000 px, but"), std::string::npos);
+    EXPECT_EQ(with_mask("16000 12000"), "") << "the same shape";
+    EXPECT_EQ(with_mask("12000 16000"), "") << "turned";
+}
+
+TEST_F(RunFiles, NamesHoldNoByteOfZero) {
+    request_.outputs = {folder_ / std::string("r.glb\0.ply", 10)};
+    EXPECT_NE(refusal_of(request_).find("a byte of 0"), std::string::npos);
+}
+
+TEST_F(RunFiles, OutputsInAFolderOfAnotherUserAreNotOneFile) {
+    std::filesystem::create_directory(folder_ / "private");
+    std::filesystem::permissions(folder_ / "private", std::filesystem::perms::none);
+    request_.outputs = {folder_ / "private/a.glb", folder_ / "private/b.ply"};
+    const std::string refusal = refusal_of(request_);
+    EXPECT_EQ(refusal.find("would be one file"), std::string::npos) << refusal;
+    std::filesystem::permissions(folder_ / "private", std::filesystem::perms::owner_all);
+}
+
 }  // namespace
 }  // namespace hexrelief::job

@@ -123,8 +123,29 @@ TEST(ReadBmp, IsDescribedByItsHeader) {
     EXPECT_EQ(description->channels, 3);
 }
 
+// Indices of greys, the lower row first: runs, pixels one by one with a filling, a step, ends.
+TEST(ReadBmp, RunsOfPaletteIndices) {
+    BmpKind kind{.bits = 8, .compression = 1, .colors = 16, .palette = {}};
+    for (std::uint8_t grey = 0; grey < 16; ++grey) kind.palette = kind.palette + Bytes{grey, grey, grey, 0};
+    const Bytes runs = {2, 7, 1, 9, 0, 0, 0, 3, 1, 2, 3, 0, 0, 1};
+    EXPECT_EQ(read(make_bmp(3, 2, runs, kind)).pixels, (Bytes{1, 2, 3, 7, 7, 9}));
+    EXPECT_EQ(read(make_bmp(3, 2, {1, 5, 0, 2, 1, 1, 1, 6, 0, 1}, kind)).pixels, (Bytes{0, 0, 6, 5, 0, 0}));
+    kind.bits = 4;
+    kind.compression = 2;
+    EXPECT_EQ(read(make_bmp(3, 2, {3, 0x78, 0, 0, 0, 3, 0x12, 0x30, 0, 1}, kind)).pixels,
+              (Bytes{1, 2, 3, 7, 8, 7}));
+    EXPECT_CONTAINS(error_for(make_bmp(3, 2, {4, 0x78, 0, 1}, kind)), "leaves the picture");
+    EXPECT_CONTAINS(error_for(make_bmp(3, 1, {0, 0, 3, 0, 0, 1}, kind)), "leaves the picture");
+    EXPECT_CONTAINS(error_for(make_bmp(3, 1, {0, 2, 255, 255, 1, 1, 0, 1}, kind)), "leaves the picture");
+    EXPECT_CONTAINS(error_for(make_bmp(20000, 20000, {0, 1}, kind)), "truncated");
+    const Bytes whole = {3, 0x78, 0, 0, 0, 3, 0x12, 0x30, 0, 1};
+    for (std::size_t length = 0; length < whole.size(); ++length)
+        EXPECT_CONTAINS(error_for(make_bmp(3, 2, Bytes(whole.begin(), whole.begin() + length), kind)),
+                        "truncated");
+}
+
 TEST(ReadBmp, RefusesWhatItDoesNotRead) {
-    EXPECT_CONTAINS(error_for(make_bmp(2, 1, {2, 7, 0, 1}, {.bits = 8, .compression = 1})), "uncompressed");
+    EXPECT_CONTAINS(error_for(make_bmp(2, 1, {2, 7, 0, 1}, {.bits = 4, .compression = 1})), "uncompressed");
     EXPECT_CONTAINS(error_for(make_bmp(1, 1, Bytes(4, 0), {.header = 64, .compression = 3})), "uncompressed");
     EXPECT_CONTAINS(error_for(make_bmp(1, 1, Bytes(4, 0), {.bits = 2})), "2 bits");
     EXPECT_CONTAINS(error_for(make_bmp(1, 1, Bytes(4, 0), {.bits = 0})), "0 bits");

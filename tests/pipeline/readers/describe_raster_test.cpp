@@ -1,5 +1,11 @@
 #include "pipeline/readers/describe_raster.h"
 
+#include <fstream>
+#include <sstream>
+
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {
@@ -82,6 +88,18 @@ TEST(DescribeRaster, RefusesMissingFilesAndMalformedHeaders) {
     const Folder folder;
     EXPECT_CONTAINS(error_of([&] { describe_raster(folder.path() / "none"); }), "no such file");
     EXPECT_CONTAINS(error_of([&] { describe_raster(folder.write("bad", "P5\nx")); }), "width");
+}
+
+TEST(DescribeRaster, ThePageOfFormatsFollowsTheTable) {
+    std::ifstream file(HEXRELIEF_SOURCE_DIR "/exporters/FORMATS.md");
+    std::stringstream page;
+    page << file.rdbuf();
+    EXPECT_CONTAINS(page.str(), "| images | " + codec::names_of(codec::kPicture) + ";");
+    EXPECT_CONTAINS(page.str(), "| maps | " + codec::names_of(codec::kMap) + " |");
+    const Folder folder;
+    const auto text = folder.write("a.txt", "1,2,3\n");
+    EXPECT_CONTAINS(error_of([&] { read_image(text); }), codec::names_of(codec::kPicture));
+    EXPECT_CONTAINS(error_of([&] { read_disparity_map(text, {}); }), codec::names_of(codec::kMap));
 }
 
 }  // namespace

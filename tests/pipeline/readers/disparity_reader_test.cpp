@@ -141,6 +141,28 @@ TEST(ReadDisparity, StereoSgbmIsKnownByItsTypeAndItsUnknown) {
     EXPECT_CONTAINS(error_of([&] { file_of({-41, 30, -16}); }), "does not say how many are one pixel");
 }
 
+TEST(ReadDisparity, StereoSgbmIsKnownWithoutItsSign) {
+    const Folder folder;
+    const auto file_of = [&](const std::vector<std::uint16_t>& samples,
+                             const DisparityFileConfig& config = {}) {
+        return read_disparity_file(folder.write("d.tiff", make_tiff(static_cast<int>(samples.size()), 1,
+                                                                    bytes_of(samples), {.bits = 16})),
+                                   config);
+    };
+    const DisparityFile file = file_of({65520, 65520, 24, 160});
+    EXPECT_EQ(file.map.values, (Values{kInf, kInf, 1.5f, 10}));
+    EXPECT_EQ(file.believed,
+              "16-bit integers that have lost their sign, 1/16 px as StereoSGBM's, -16 unknown");
+    EXPECT_EQ(file_of({65520, 65520, 24}, {.scale = 16}).map.values, (Values{kInf, kInf, 1.5f}));
+    // A search from -4 px on: -80 is unknown, -64 and -30 are known.
+    EXPECT_EQ(file_of({65456, 65456, 65472, 24, 65506}, {.beyond_px = -9}).map.values,
+              (Values{kInf, kInf, -4, 1.5f, -1.875f}));
+    // KITTI's: near surfaces, one sample alone, a limit that is no multiple of 16.
+    EXPECT_EQ(file_of({65520, 512, 40000, 40000}).map.values[1], 2);
+    EXPECT_EQ(file_of({65520, 512, 600}).map.values[1], 2);
+    EXPECT_EQ(file_of({65535, 65535, 512}).map.values[2], 2);
+}
+
 TEST(ReadDisparity, SaysWhatItAssumes) {
     const Folder folder;
     const auto said = [&](const Bytes& bytes, const DisparityFileConfig& config) {

@@ -2,6 +2,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <array>
 
@@ -52,6 +53,33 @@ TEST(ReadWebp, HeadersAloneTakeNoMemory) {
     const Bytes file = to_bytes(
         std::string_view("RIFF\x1a\0\0\0WEBPVP8L\x0e\0\0\0\x2f\xfe\xbf\xff\x0f\0\0\0\0\0\0\0\0\0", 34));
     EXPECT_LT(peak_MiB(file), peak_MiB({}) + 300);
+}
+
+TEST(ReadJpeg, RowsThatAreNotThereTakeNoMemory) {
+    // Two rows of blocks, in a header that promises 16384 x 16384 pixels.
+    Bytes file = make_jpeg(16384, 16, Bytes(16384 * 16 * 3, 100), JpegKind::rgb);
+    for (std::size_t i = 0; i + 9 < file.size(); ++i)
+        if (file[i] == 0xff && file[i + 1] == 0xc0) file[i + 5] = 0x40, file[i + 6] = 0;
+    EXPECT_LT(peak_MiB(file), peak_MiB({}) + 100);
+    file.resize(600000);  // as long as such a picture may be
+    EXPECT_LT(peak_MiB(file), peak_MiB({}) + 100);
+}
+
+TEST(ReadJpeg, AProgressiveHeaderTakesNoMemory) {
+    Bytes file = make_jpeg(16384, 16, Bytes(16384 * 16 * 3, 100), JpegKind::rgb_progressive);
+    for (std::size_t i = 0; i + 9 < file.size(); ++i)
+        if (file[i] == 0xff && file[i + 1] == 0xc2) file[i + 5] = 0x40, file[i + 6] = 0;
+    file.resize(65000);
+    EXPECT_LT(peak_MiB(file), peak_MiB({}) + 100);
+}
+
+TEST(ReadPng, RowsThatAreNotThereTakeNoMemory) {
+    Bytes file = make_png(16384, 64, Bytes(16384 * 64, 100), {});
+    file[22] = 0x40, file[23] = 0;  // 16384 rows
+    const auto sum = static_cast<std::uint32_t>(crc32(0, file.data() + 12, 17));
+    for (std::size_t i = 0; i < 4; ++i) file[29 + i] = static_cast<std::uint8_t>(sum >> (24 - 8 * i));
+    file.resize(file.size() + 300000);
+    EXPECT_LT(peak_MiB(file), peak_MiB({}) + 100);
 }
 
 }  // namespace

@@ -185,5 +185,13 @@ TEST(Stamp, APairThatNeedsNoRectifyingHasNoRectifiedFiles) {
     EXPECT_NE(unit_stamp(request), stamp);
 }
 
+TEST(Stamp, ReportsNestedTooDeeplyAreNone) {
+    const TemporaryFolder folder;
+    const job::RunRequest request = map_request(folder);
+    test::write_text(request.report,
+                     R"({"stamp":)" + std::string(100000, '[') + std::string(100000, ']') + "}");
+    EXPECT_EQ(unit_state(request, unit_stamp(request)), UnitState::missing);
+}
+
 }  // namespace
 }  // namespace hexrelief::stamp

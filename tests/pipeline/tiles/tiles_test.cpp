@@ -2,6 +2,7 @@
 // level, whatever solves it.
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -353,6 +354,40 @@ TEST(TilesByCommand, MistakesAreOneLine) {
     expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "has changed since the plan");
     write_text(folder / "p/plan.json", "{");
     expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "plan.json: damaged");
+}
+
+TEST(Tiles, APlanWhoseNumbersDoNotAgreeIsRefused) {
+    const PlannedFolder tiled(busy_map(kWidth_px, kHeight_px, 2));
+    const std::filesystem::path file = plan_file(tiled.plan.folder);
+    const std::string plan = read_text(file);
+    const auto error_with = [&](const std::string& key, const std::string& value) {
+        std::string text = plan;
+        const std::size_t at = text.find("\"" + key + "\": ") + key.size() + 4;
+        write_text(file, text.replace(at, text.find_first_of(",\n", at) - at, value));
+        try {
+            read_plan(tiled.plan.folder);
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (const char* const key : {"rows", "columns", "tile_spacings", "shrunk_by", "width", "height"})
+        for (const char* const value : {"0", "-1", "4294967296", "1e9", "\"x\"", "2000001"})
+            EXPECT_NE(error_with(key, value).find("damaged"), std::string::npos) << key << value;
+    EXPECT_NE(error_with("grid_step_m", "0").find("do not agree"), std::string::npos);
+    EXPECT_NE(error_with("focal_px", "-1").find("do not agree"), std::string::npos);
+    EXPECT_NE(error_with("plan", std::string(100000, '[')).find("damaged"), std::string::npos);
+}
+
+TEST(Tiles, APipeAmongThemIsNotWaitedFor) {
+    const PlannedFolder tiled(busy_map(kWidth_px, kHeight_px, 2));
+    const std::filesystem::path tile = tile_file(tiled.plan, tiled.tiles().front(), ".mesh");
+    std::filesystem::create_directories(tile.parent_path());
+    ASSERT_EQ(mkfifo(tile.c_str(), 0600), 0);
+    std::string failed;
+    solve_tiles(tiled.plan, {tiled.tiles().front()}, *cpu(1), {1, 1, 0},
+                {[&](const TileNumber&, const std::string& failure, int) { failed = failure; }});
+    EXPECT_NE(failed.find("is no regular file"), std::string::npos) << failed;
 }
 
 }  // namespace
