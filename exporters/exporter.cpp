@@ -1,6 +1,7 @@
 #include "exporters/exporter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -49,6 +50,27 @@ ExportConfig with_normals_decided(const Scene& scene, ExportConfig config, const
     return config;
 }
 
+// Returns the mesh turned about the z axis so that `up` becomes +Y.
+SurfaceMesh turned(SurfaceMesh mesh, const std::array<double, 2>& up) {
+    for (std::vector<Vec3f>* vectors : {&mesh.positions, &mesh.normals})
+        for (Vec3f& v : *vectors)
+            v = {static_cast<float>(up[1] * v.x - up[0] * v.y), static_cast<float>(up[0] * v.x + up[1] * v.y),
+                 v.z};
+    return mesh;
+}
+
+// A scene whose meshes stand upright; it owns them.
+struct UprightScene {
+    explicit UprightScene(const Scene& given) : scene(given), meshes{turned(*given.mesh, given.up)} {
+        for (const SurfaceMesh* mesh : given.coarser) meshes.push_back(turned(*mesh, given.up));
+        scene.up = {0, 1};
+        scene.mesh = &meshes[0];
+        for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
+    }
+    Scene scene;
+    std::vector<SurfaceMesh> meshes;
+};
+
 }  // namespace
 
 ExportConfig config_of_file(const Scene& scene, const ExportConfig& asked,
@@ -65,6 +87,8 @@ void export_scene(const Scene& scene, const ExportConfig& asked, const std::file
     const MeshFormat& format = export_format(path);
     const ExportConfig config = with_normals_decided(scene, asked, format);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
+    if (scene.up != std::array<double, 2>{0, 1})
+        return export_scene(UprightScene(scene).scene, asked, path, files);
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
     if (!format.has_separate_levels(config)) {

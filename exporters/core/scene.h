@@ -96,6 +96,9 @@ struct Scene {
     int threads = 1;                               // threads that may work at once; they change no byte
     int image_width = 0, image_height = 0;         // size of the left image, in which the camera is measured
     const PageContent* page = nullptr;             // contents of an .html page; null = the relief only
+    // What is up in the mesh's xy plane, a unit vector: files hold the mesh turned about the camera's axis so
+    // that this is +Y.
+    std::array<double, 2> up = {0, 1};
     // If above 0, a power of two: all positions are multiples of it, of less than 2^24 steps, and every
     // file holds them exactly.
     double grid_step_m = 0;

@@ -32,7 +32,8 @@ struct DisparityBounds {
     double least_px = 0, largest_px = 0;  // of nearly all matches that their neighbours support
     double median_px = 0;
     double infinity_px = 0;
-    // False if the farthest point may be anywhere: the scene is then taken to be half as deep as it is wide.
+    // False if the farthest point may be anywhere: the scene is then taken to be three tenths as deep as it
+    // is wide.
     bool is_infinity_known = false;
 };
 
@@ -48,6 +49,12 @@ struct Alignment {
 
     // True if the focal length was given, or the matches determine it.
     bool is_focal_determined() const;
+    // True if a rectified pair shows disparities that are below 0 for sure.
+    bool is_partly_negative() const { return verdict == Verdict::rectified && disparities.least_px < -1; }
+    // True if the pair's depths are a guess, because infinity may lie anywhere.
+    bool is_relief() const {
+        return (verdict == Verdict::aligned || is_partly_negative()) && !disparities.is_infinity_known;
+    }
 };
 
 // Looks for points in both pictures and decides. The pictures have one size. The same bits for any number of

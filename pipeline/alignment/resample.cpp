@@ -153,6 +153,18 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
     return {{std::move(left.image), std::move(right.image)}, std::move(left.known), std::move(right.known)};
 }
 
+std::array<double, 2> up_of(const Alignment& alignment) {
+    const Estimate& estimate = alignment.estimate;
+    const Camera& camera = estimate.camera;
+    const View left = estimate.views().left;
+    const Point middle{camera.width / 2, camera.height / 2};
+    const Point above =
+        estimate.is_quarter_turned ? Point{middle.x - 1, middle.y} : Point{middle.x, middle.y - 1};
+    const Point from = left.rectified(middle), to = left.rectified(above);
+    const double x = to.x - from.x, y = from.y - to.y, length = std::sqrt(x * x + y * y);
+    return {x / length, y / length};
+}
+
 Calibration camera_of(const Alignment& alignment) {
     Calibration camera;
     camera.focal_px = alignment.focal_px;

@@ -1,6 +1,7 @@
 // The aligned pair.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct AlignedPair {
 // match others. alignment: one with the verdict `aligned`, of this pair. The same bytes for any number of
 // threads.
 AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads);
+
+// Returns the direction that is up in the left picture as given, in its aligned view: a unit vector, x to the
+// right and y up. (0, 1) if the picture was not turned.
+std::array<double, 2> up_of(const Alignment& alignment);
 
 // Returns the camera of the aligned pair; its baseline is 0, not known.
 Calibration camera_of(const Alignment& alignment);

@@ -10,6 +10,9 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/job/input.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
@@ -91,6 +94,23 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
 }
 
+// Returns what a run without a calibration would do to the rows of a file's two views.
+std::string alignment_of(const fs::path& path, const readers::ReaderLimits& limits) {
+    try {
+        job::RunLog log;
+        const job::RunInput input =
+            job::read_input(job::StereoFile{path}, {}, limits, job::effective_threads(0), log);
+        const alignment::Alignment& found = *input.pair()->alignment;
+        if (job::is_aligned(found))
+            return job::alignment_text(found, input.calibration.focal_px, input.focal_from);
+        if (!found.reason.empty()) return "none: " + found.reason;
+        return "none: rows are off by " + number(found.estimate.before.median_px) + " px in the median of " +
+               std::to_string(found.matches) + " points";
+    } catch (const Error& error) {
+        return std::string("refused: ") + error.what();
+    }
+}
+
 // Adds how a file that holds both views is read by `run --stereo`.
 void tell_views(const fs::path& path, const RasterOptions& options, Text& text) {
     const auto views = readers::describe_stereo_file(path, options.limits());
@@ -104,7 +124,7 @@ void tell_views(const fs::path& path, const RasterOptions& options, Text& text) 
              "focal " + number(camera.focal_px) + " px, baseline " +
                  (camera.baseline_m > 0 ? number(camera.baseline_m) + " m: a mesh in metres" : "not known") +
                  ", said by the file");
-    line(text, "alignment", "by the points of both views, if their rows are off and --calib is not given");
+    line(text, "alignment", alignment_of(path, options.limits()));
 }
 
 // Adds a photograph's focal length, its orientation and its transparent pixels.

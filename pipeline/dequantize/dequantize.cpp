@@ -11,20 +11,18 @@ namespace {
 constexpr float kJoined_px = 1.0001f;
 // Share of half a quantum: whole pixels that are two apart must stay more than 1 px apart, a discontinuity.
 constexpr double kFree = 0.97;
-constexpr int kLevels = 5;
-// Weight of the given disparities against the bending of waves of one pixel. A wave twice as long bends 16
-// times less. Waves longer than some 30 px follow the given disparities.
-constexpr float kPull = 0.002f, kPullGrowth = 16;
+constexpr float kPullGrowth = 16;  // from one level to the next
 
 }  // namespace
 
-DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads) {
+DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
+                        const Smoothness& smoothness) {
     DisparityMap result = map;
     ThreadPool pool(threads);
     const auto half_px = static_cast<float>(0.5 * kFree * quantum_px);
-    std::vector<PyramidLevel> pyramid = build_pyramid(map, half_px, kJoined_px, kLevels, pool);
-    float pulls[kLevels] = {kPull};
-    for (int level = 1; level < kLevels; ++level) pulls[level] = kPullGrowth * pulls[level - 1];
+    std::vector<PyramidLevel> pyramid = build_pyramid(map, half_px, kJoined_px, smoothness.levels, pool);
+    std::vector<float> pulls = {smoothness.pull};
+    while (pulls.size() < pyramid.size()) pulls.push_back(kPullGrowth * pulls.back());
     for (std::size_t level = pyramid.size(); level-- > 0;) {
         if (level + 1 < pyramid.size()) prolong(pyramid[level + 1], pyramid[level], half_px, pool);
         relax(pyramid[level], pulls[level], half_px, pool);

@@ -51,6 +51,8 @@ struct RunInput {
     bool is_aligned() const {
         return pair() && pair()->alignment && pair()->alignment->verdict == alignment::Verdict::aligned;
     }
+    // True if a pair's depths are a guess, because its points do not tell where infinity lies.
+    bool is_relief() const { return pair() && pair()->alignment && pair()->alignment->is_relief(); }
     // Returns the calibration in effect as text, with the origins of focal length and baseline.
     std::string camera_text() const { return job::camera_text(calibration, focal_from, baseline_from); }
     const InputPair* pair() const { return std::get_if<InputPair>(&views); }

@@ -118,9 +118,8 @@ void complete_right_view(RightView& right, const LeftView& left, const Disparity
         if (DisparityMap::known(d)) d = std::max(d + static_cast<float>(right.place.shift_px), left.least_px);
         if (d < background_px || (!mask.empty() && !mask.kept[i])) d = kUnknownDisparity;
     }
-    if (disparity.noise_px > 0)
-        right.map =
-            dequantize::dequantize(right.map, dequantize::smoothing_quantum_px(disparity.noise_px), threads);
+    if (const auto& noise = disparity.noise; noise.noise_px > 0)
+        right.map = dequantize::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
     right.density = density_of_view(right.map, config, threads);
 }
 

@@ -20,6 +20,7 @@ exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                            extras_json(view, result),
                            &view.calibration,
                            {}};
+    scene.up = view.up;
     scene.image_width = view.disparity.width;
     scene.image_height = view.disparity.height;
     for (const SurfaceMesh& level : coarser) scene.coarser.push_back(&level);

@@ -10,6 +10,7 @@
 #include "pipeline/checks/pair_support.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/fields.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/stages/surface.h"
 
 namespace hexrelief::job {
@@ -138,7 +139,7 @@ Json matching_json(const Relief& relief) {
     json["filled_share"] = shares->filled;
     json["support"] = disparity.support;
     json["support_word"] = relief.support();
-    json["noise_px"] = disparity.noise_px > 0 ? Json(disparity.noise_px) : Json(nullptr);
+    json["noise_px"] = disparity.noise.noise_px > 0 ? Json(disparity.noise.noise_px) : Json(nullptr);
     json["backdrop"] = backdrop_json(relief);
     return json;
 }
@@ -259,7 +260,8 @@ LeftView Relief::view() const {
             input.calibration,
             pair_camera,
             disparity.backdrop ? disparity.backdrop->disparity_px : 0,
-            right ? &*right : nullptr};
+            right ? &*right : nullptr,
+            input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright};
 }
 
 double Relief::depth_of_backdrop() const {
@@ -353,6 +355,7 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     json["hexrelief"]["config"] = std::move(parameters);
     json["hexrelief"]["calibration"] = calibration_json(view.pair_camera);
     json["hexrelief"]["image"] = {{"width", view.disparity.width}, {"height", view.disparity.height}};
+    if (view.up != LeftView::kUpright) json["hexrelief"]["up"] = view.up;
     json["hexrelief"]["percent_cost"] = finite(result.quality.percent_cost);
     return dump(json, -1);
 }

@@ -144,10 +144,12 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
     relief.pair_camera = relief.input.calibration;
+    if (const InputPair* const pair = relief.input.pair(); pair && pair->alignment)
+        press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     if (config.disparity.dequantize == stages::Dequantization::automatic)
-        smooth_noise(relief.disparity, backend.threads(), log);
+        smooth_noise(relief.disparity, relief.input.is_relief(), backend.threads(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),
                           backend.threads(), log);

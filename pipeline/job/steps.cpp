@@ -156,6 +156,13 @@ void end_scene(DisparityResult& disparity, const Calibration& calibration, const
                    fixed(100 * disparity.backdrop->moved_share, 1) + " % seemed farther");
 }
 
+void press_near(DisparityResult& disparity, double nearest_px, const RunLog& log) {
+    const std::size_t moved = stages::press_near(disparity.map, nearest_px);
+    if (moved > 0)
+        log.decide("disparity: " + std::to_string(moved) + " px seemed nearer than the " +
+                   fixed(nearest_px, 2) + " px that matches support, and lie where their surroundings do");
+}
+
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
                          const RunLog& log) {
     const auto is_far = [](float d) { return DisparityMap::known(d) && d <= 0; };
@@ -197,14 +204,13 @@ DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, c
     return result;
 }
 
-void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
+void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log) {
     if (!disparity.matched) return;
-    const double noise_px = dequantize::find_noise_px(disparity.map);
-    if (noise_px < dequantize::kLeastNoise_px) return;
-    disparity.noise_px = noise_px;
-    disparity.map =
-        dequantize::dequantize(disparity.map, dequantize::smoothing_quantum_px(noise_px), threads);
-    log.decide("disparity: smoothed within its noise of " + fixed(noise_px, 3) + " px");
+    const auto noise = dequantize::smoothing_for(dequantize::find_noise_px(disparity.map), is_relief);
+    if (noise.noise_px == 0) return;
+    disparity.noise = noise;
+    disparity.map = dequantize::dequantize(disparity.map, noise.quantum_px, threads, noise.smoothness);
+    log.decide("disparity: smoothed within its noise of " + fixed(noise.noise_px, 3) + " px");
 }
 
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,

@@ -1,6 +1,7 @@
 // Steps of a run from a pair or a map to the surface: values in, a value out.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
+#include "pipeline/dequantize/noise.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/log/run_log.h"
@@ -34,7 +36,7 @@ struct DisparityResult {
     double quantum_px = 0;                           // quantisation step that was smoothed; 0 = none
     DisparityMap smooth = {};                        // the map without these steps; empty = no steps
     double support = 0;                              // of a matched map by its pair (checks/pair_support.h)
-    double noise_px = 0;                             // of a matched map, which was smoothed; 0 = it was not
+    dequantize::NoiseSmoothing noise = {};           // of a matched map
     std::optional<stages::Backdrop> backdrop = {};   // of a matched map; none = it has no end
 
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
@@ -60,6 +62,8 @@ struct LeftView {
     const Calibration& pair_camera;    // with the doffs that `calibration` may have in the map
     float least_px = 0;                // no vertex has a smaller disparity
     const RightView* right = nullptr;  // null = the surface is made of the left view only
+    static constexpr std::array<double, 2> kUpright = {0, 1};
+    std::array<double, 2> up = kUpright;  // as in exporters::Scene
 };
 
 // The part of a surface that the left camera does not see.
@@ -119,14 +123,17 @@ void judge_support(DisparityResult& disparity, const Image& left, const readers:
 void end_scene(DisparityResult& disparity, const Calibration& calibration, const SurfaceConfig& config,
                const RunLog& log);
 
+// Moves what is nearer than nearest_px, which the matches do not support, to what is around it.
+void press_near(DisparityResult& disparity, double nearest_px, const RunLog& log);
+
 // Adds doffs to all disparities and sets the calibration's doffs to 0, if doffs is above 0 and some
 // disparities are 0 or less, or if `always`. The points stay the same. Without this, disparities from -doffs
 // to 0, which have a depth, would be left out.
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
                          const RunLog& log);
 
-// Smooths a matched map within its noise (dequantize/noise.h), if there is much.
-void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log);
+// Smooths a matched map within its noise (dequantize/noise.h), if there is much. is_relief: as there.
+void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log);
 
 // Removes the quantisation steps from a supplied map, unless max_error_px is above 0 and less than a step.
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log);

@@ -158,4 +158,38 @@ std::optional<Backdrop> put_backdrop(DisparityMap& map, int min_px, double doffs
     return backdrop;
 }
 
+std::size_t press_near(DisparityMap& map, double nearest_px) {
+    const auto limit = static_cast<float>(nearest_px);
+    const auto is_near = [&](float d) { return DisparityMap::known(d) && d > limit; };
+    std::size_t moved = 0;
+    std::vector<std::size_t> part;
+    std::vector<float> border;
+    std::vector<std::uint8_t> is_taken(map.values.size(), 0);
+    for (std::size_t start = 0; start < map.values.size(); ++start) {
+        if (is_taken[start] || !is_near(map.values[start])) continue;
+        part.assign(1, start);
+        border.clear();
+        is_taken[start] = 1;
+        const auto look_at = [&](std::size_t at) {
+            const float d = map.values[at];
+            if (!DisparityMap::known(d) || is_taken[at]) return;
+            if (!is_near(d)) return border.push_back(d);
+            is_taken[at] = 1;
+            part.push_back(at);
+        };
+        const auto width = static_cast<std::size_t>(map.width);
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const std::size_t at = part[i], x = at % width;
+            if (x > 0) look_at(at - 1);
+            if (x + 1 < width) look_at(at + 1);
+            if (at >= width) look_at(at - width);
+            if (at + width < map.values.size()) look_at(at + width);
+        }
+        const float d = border.empty() ? limit : static_cast<float>(quantile(border, 0.5));
+        for (const std::size_t at : part) map.values[at] = d;
+        moved += part.size();
+    }
+    return moved;
+}
+
 }  // namespace hexrelief::stages

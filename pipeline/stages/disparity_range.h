@@ -1,6 +1,7 @@
 // Estimates the range of a pair's disparities, and ends its map there.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "pipeline/data/disparity_map.h"
@@ -54,5 +55,10 @@ struct Backdrop {
 // has no match, or lies beyond the range, ends there. doffs_px as in Calibration: depth is proportional to 1
 // / (d + doffs_px). Returns nothing and changes nothing if fewer than 100 matches count.
 std::optional<Backdrop> put_backdrop(DisparityMap& map, int min_px, double doffs_px, double farthest);
+
+// Moves what is nearer than nearest_px to the surface around it: each connected part takes the median of the
+// disparities along its border that are not nearer; nearest_px if there are none. Returns the number of
+// pixels.
+std::size_t press_near(DisparityMap& map, double nearest_px);
 
 }  // namespace hexrelief::stages

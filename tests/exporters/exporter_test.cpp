@@ -124,6 +124,23 @@ TEST_P(EveryFormat, ReturnsAllFilesPathFirst) {
     EXPECT_EQ(paths.size(), GetParam()->companion ? 3u : 1u);
 }
 
+TEST_P(EveryFormat, HoldsTheMeshUpright) {
+    SurfaceMesh turned = mesh_;  // by a quarter: what was up points to +X
+    for (std::vector<Vec3f>* vectors : {&turned.positions, &turned.normals})
+        for (Vec3f& v : *vectors) v = {v.y, -v.x, v.z};
+    Scene lying = scene_;
+    lying.mesh = &turned;
+    lying.up = {1, 0};
+    const auto size_of = [&](const Scene& scene) {
+        export_scene(scene, {}, folder_ / name_);
+        const inspect::MeshDescription found = describe_mesh(folder_ / name_);
+        return std::pair{found.max.x - found.min.x, found.max.y - found.min.y};
+    };
+    const auto upright = size_of(scene_), stood_up = size_of(lying);
+    EXPECT_NEAR(stood_up.first, upright.first, 1e-3);
+    EXPECT_NEAR(stood_up.second, upright.second, 1e-3);
+}
+
 TEST_P(EveryFormat, SameBytesTwice) {
     for (const bool draco : {false, true}) {
         ExportConfig config;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <utility>
 
 #include "pipeline/alignment/resample.h"
@@ -17,19 +18,14 @@ using alignment::DisparityBounds;
 using alignment::Verdict;
 
 // Added to the range of the matches, which lie between the nearest and the farthest surface: shares of it.
-constexpr double kFarMargin = 0.08, kNearMargin = 0.2;
-constexpr double kFarMargin_px = 2, kNearMargin_px = 4;
-constexpr double kBehind_px = 1;   // disparities below -1 px are negative for sure
+constexpr double kFarMargin = 0.08, kNearMargin = 0.25;
+constexpr double kFarMargin_px = 2, kNearMargin_px = 1;
 constexpr double kMostBehind = 3;  // of a pair in two files: farther behind infinity than before it
 
 std::string digits(double value, int places) {
     char text[32];
     std::snprintf(text, sizeof text, "%.*f", places, value);
     return text;
-}
-
-bool is_partly_negative(const Alignment& found) {
-    return found.verdict == Verdict::rectified && found.disparities.least_px < -kBehind_px;
 }
 
 void tell_infinity(PairAlignment& pair) {
@@ -101,7 +97,7 @@ void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, 
         else
             bounds = {};
     }
-    if (!is_partly_negative(pair.found)) return;
+    if (!pair.found.is_partly_negative()) return;
     pair.camera.calibration.doffs_px = -bounds.infinity_px;
     set_unit(pair.camera, bounds);
     tell_infinity(pair);
@@ -140,6 +136,12 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
     return pair;
 }
 
+std::array<double, 2> up_if_turned(const Alignment& found) {
+    constexpr double kCosine = 0.9397;  // of 20 degrees
+    const std::array<double, 2> up = alignment::up_of(found);
+    return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
+}
+
 std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {
     const alignment::Estimate& estimate = found.estimate;
     const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);
@@ -149,13 +151,19 @@ std::string alignment_text(const Alignment& found, double focal_px, const std::s
            " degrees; focal length of " + digits(focal_px, 0) + " px: " + focal_from;
 }
 
+double nearest_px(const Alignment& found) {
+    if (!is_aligned(found) && !found.is_partly_negative()) return std::numeric_limits<double>::infinity();
+    const DisparityBounds& bounds = found.disparities;
+    return bounds.largest_px + kNearMargin * (bounds.largest_px - bounds.least_px) + kNearMargin_px;
+}
+
 stages::DisparityConfig with_range_of(const Alignment& found, int width, const config::Config& config) {
     stages::DisparityConfig searched = config.disparity;
-    if (!is_aligned(found) && !is_partly_negative(found)) return searched;
+    if (!is_aligned(found) && !found.is_partly_negative()) return searched;
     const DisparityBounds& bounds = found.disparities;
     const double spread = bounds.largest_px - bounds.least_px;
     const double least = std::max(bounds.least_px - kFarMargin * spread - kFarMargin_px, bounds.infinity_px),
-                 most = bounds.largest_px + kNearMargin * spread + kNearMargin_px;
+                 most = nearest_px(found);
     const int columns = std::min(width, stages::kLargestRange_px);
     if (!config.given.contains("disparity.min_disparity_px"))
         searched.min_disparity_px = std::clamp(static_cast<int>(std::floor(least)), 1 - columns, columns - 1);

@@ -1,6 +1,7 @@
 // Aligns an uncalibrated pair by its own points (pipeline/alignment), as input.rectify says.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -47,8 +48,16 @@ inline bool is_aligned(const alignment::Alignment& found) {
     return found.verdict == alignment::Verdict::aligned;
 }
 
+// Returns what is up in an aligned pair, if it was turned by more than 20 degrees; else (0, 1), so that the
+// camera's rows stay horizontal. As in exporters::Scene.
+std::array<double, 2> up_if_turned(const alignment::Alignment& found);
+
 // Returns what was done to an aligned pair as one line. camera: of the aligned pair.
 std::string alignment_text(const alignment::Alignment& found, double focal_px, const std::string& focal_from);
+
+// Returns the disparity of the nearest things that the matches of an aligned pair support, or of a pair whose
+// disparities are partly negative; infinity for others. In px of the pair at full size.
+double nearest_px(const alignment::Alignment& found);
 
 // Returns the configuration with the range that the matches of an aligned pair of this width support, or of a
 // pair whose disparities are partly negative; as far as the keys of the range are not given.

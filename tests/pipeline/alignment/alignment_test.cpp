@@ -91,8 +91,8 @@ TEST(Alignment, DisparitiesAreThoseOfTheScene) {
     EXPECT_GT(found.least_px, 0);
 }
 
-TEST(Alignment, ASceneOfUnknownDepthIsHalfAsDeepAsWide) {
-    for (const auto& [focal_px, farthest] : {std::pair{640.0, 2.0}, {1280.0, 4 / 3.0}, {320.0, 4.0}}) {
+TEST(Alignment, ASceneOfUnknownDepthIsThreeTenthsAsDeepAsWide) {
+    for (const auto& [focal_px, farthest] : {std::pair{640.0, 1 / 0.7}, {1280.0, 1 / 0.85}, {160.0, 4.0}}) {
         std::vector<Match> matches;  // from -10 to 10 px: a stereo window
         for (int i = 0; i <= 400; ++i) matches.push_back({{i + i / 20.0 - 10, 9}, {1.0 * i, 9}});
         const DisparityBounds bounds = bounds_as_given(as_given({640, 480, focal_px}, matches), 1);
@@ -140,6 +140,18 @@ TEST(Alignment, CamerasAboveEachOtherAreTurned) {
     ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
     EXPECT_LT(alignment.estimate.held_out.median_px, 0.15);
     EXPECT_GT(alignment.disparities.least_px - alignment.disparities.infinity_px, 10);
+    const std::array<double, 2> up = up_of(alignment);
+    EXPECT_NEAR(std::fabs(up[0]), 1, 0.01);
+    EXPECT_NEAR(up[1], std::cos(88 * kDegree), 0.03);
+}
+
+TEST(Alignment, UpIsWhereTheLeftPictureHasIt) {
+    EXPECT_NEAR(up_of(aligned_by({.pitch = 1, .roll = 1}, 576))[1], 1, 1e-3);
+    const std::array<double, 2> up = up_of(aligned_by({.pitch = 1, .common_roll = 30}, 576)),
+                                other = up_of(aligned_by({.pitch = 1, .common_roll = -30}, 576));
+    EXPECT_NEAR(up[1], std::cos(30 * kDegree), 0.02);
+    EXPECT_NEAR(std::fabs(up[0]), 0.5, 0.02);
+    EXPECT_NEAR(up[0], -other[0], 0.04);
 }
 
 TEST(Alignment, SaysWhyItRefuses) {

@@ -60,12 +60,22 @@ TEST(Noise, FilledPixelsDoNotCount) {
 
 TEST(Noise, IsSmoothedAndTheStepStays) {
     const DisparityMap truth = matched(0, 1), noisy = matched(0.12, 1);
-    const DisparityMap smooth = dequantize(noisy, smoothing_quantum_px(find_noise_px(noisy)), 2);
+    const DisparityMap smooth = dequantize(noisy, smoothing_for(find_noise_px(noisy), false).quantum_px, 2);
     EXPECT_LT(rmse_px(smooth, truth), 0.5 * rmse_px(noisy, truth));
     for (int y = 0; y < truth.height; ++y) {
         EXPECT_GT(smooth.at(89, y) - smooth.at(90, y), 20);
         EXPECT_NEAR(smooth.at(89, y), truth.at(89, y), 0.7);
     }
+}
+
+TEST(Noise, OfAReliefIsSmoothedMore) {
+    const DisparityMap truth = matched(0, 1), noisy = matched(0.05, 1);
+    EXPECT_EQ(smoothing_for(0.05, false).noise_px, 0);
+    EXPECT_EQ(smoothing_for(0.02, true).noise_px, 0);
+    const NoiseSmoothing relief = smoothing_for(0.05, true);
+    const DisparityMap smooth = dequantize(noisy, relief.quantum_px, 2, relief.smoothness);
+    EXPECT_LT(rmse_px(smooth, truth), 0.4 * rmse_px(noisy, truth));
+    EXPECT_GT(smooth.at(89, 70) - smooth.at(90, 70), 20);
 }
 
 }  // namespace

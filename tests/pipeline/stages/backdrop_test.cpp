@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "pipeline/stages/disparity_range.h"
@@ -92,6 +93,30 @@ TEST(Backdrop, WithoutMatchesThereIsNone) {
     map.origins.assign(map.values.size(), PixelOrigin::filled);
     const std::vector<float> before = map.values;
     EXPECT_FALSE(put_backdrop(map, 0, 0, 1.1));
+    EXPECT_EQ(map.values, before);
+}
+
+TEST(Near, WhatIsNearerThanTheMatchesLiesWhereItsSurroundingsDo) {
+    DisparityMap map = floor_map();
+    for (float& d : map.values) d = 20;
+    for (int y = 50; y < 60; ++y)
+        for (int x = 40; x < 45; ++x) map.at(x, y) = 60;
+    map.at(0, 0) = 31;
+    map.at(1, 0) = map.at(0, 1) = kUnknownDisparity;
+    map.at(70, 70) = 29;
+    EXPECT_EQ(press_near(map, 30), 51u);
+    EXPECT_EQ(map.at(42, 55), 20);
+    EXPECT_EQ(map.at(0, 0), 30);  // nothing around it is known
+    EXPECT_EQ(map.at(70, 70), 29);
+    EXPECT_FALSE(DisparityMap::known(map.at(1, 0)));
+}
+
+TEST(Near, ASlopeEndsAtTheNearestMatches) {
+    DisparityMap map = floor_map();
+    EXPECT_GT(press_near(map, 30), 0u);
+    EXPECT_NEAR(*std::max_element(map.values.begin(), map.values.end()), 30, 0.3);
+    const std::vector<float> before = map.values;
+    EXPECT_EQ(press_near(map, std::numeric_limits<double>::infinity()), 0u);
     EXPECT_EQ(map.values, before);
 }
 
