@@ -185,8 +185,8 @@ TEST(Manifest, WhatWouldFillTheMemoryIsRefusedByItsSize) {
 }
 
 TEST(ShellWords, HaveNoControlCharacters) {
-    EXPECT_EQ(shell_quoted("\x1b[31m\xc2\x9b'\\\xc3\xa4"), R"($'\x1b[31m\xc2\x9b\'\\\xc3\xa4')");
-    EXPECT_EQ(shell_quoted("\xc3\xa4"), "'\xc3\xa4'");
+    EXPECT_EQ(config::shell_quoted("\x1b[31m\xc2\x9b'\\\xc3\xa4"), R"($'\x1b[31m\xc2\x9b\'\\\xc3\xa4')");
+    EXPECT_EQ(config::shell_quoted("\xc3\xa4"), "'\xc3\xa4'");
 }
 
 }  // namespace

@@ -131,9 +131,9 @@ TEST_F(ProgramMatcherTest, FailuresAreOneLine) {
         expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, log_); });
     };
     expect(sh("echo first >&2; echo 'no model' >&2; exit 3\n", "{out}"),
-           "ended with exit code 3: \"no model\"");
+           "ended with exit code 3: 'no model'");
     expect(sh("kill -9 $$\n", "{out}"), "was ended: Killed");
-    expect(in_folder("no-such-program") + " {out}", "could not be started: \"No such file");
+    expect(in_folder("no-such-program") + " {out}", "could not be started: 'No such file");
     expect(sh("exit 0\n", "{out}"), "wrote no map");
     expect(sh("echo rubbish > \"$1\"\n", "{out}"), "disparity.pfm");
     expect(sh("head -c 1000 left.pfm > \"$1\"\n", "{out}"), "disparity.pfm");
@@ -166,9 +166,9 @@ TEST_F(ProgramMatcherTest, AWorkerThatFailsIsReplaced) {
         expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, log_); });
     };
     expect("read line; echo loading the model\n", "loading the model");
-    expect("read line; echo 'out of memory' >&2; exit 4\n", "ended with exit code 4: \"out of memory\"");
+    expect("read line; echo 'out of memory' >&2; exit 4\n", "ended with exit code 4: 'out of memory'");
     expect("read line; exit 0\n", "ended without an answer");
-    expect("read line; echo '{\"error\": \"too large\"}'\n", "not matched: \"too large\"");
+    expect("read line; echo '{\"error\": 'too large'}'\n", "not matched: 'too large'");
     expect("read line; head -c 100000 /dev/zero | tr '\\0' x; sleep 600\n", "more than 64 KiB");
     config_.timeout_s = 1;
     expect("read line; sleep 600\n", "gave no answer within disparity.timeout_s, 1 s");
