@@ -21,7 +21,8 @@ packages=(
 command -v node >/dev/null || packages+=(nodejs)
 command -v npm >/dev/null || packages+=(npm)
 if [[ ${1:-} == tests || ${1:-} == nightly ]]; then
-    packages+=(draco ca-certificates clang-format libheif-examples python3-matplotlib python3-numpy python3-pytest)
+    packages+=(draco ca-certificates clang-format libheif-examples python3-matplotlib python3-numpy python3-opencv)
+    packages+=(python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
     [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
     [[ $1 == tests ]] || packages+=(clang clang-tidy)

@@ -168,7 +168,7 @@ TEST_F(ProgramMatcherTest, AWorkerThatFailsIsReplaced) {
     expect("read line; echo loading the model\n", "loading the model");
     expect("read line; echo 'out of memory' >&2; exit 4\n", "ended with exit code 4: 'out of memory'");
     expect("read line; exit 0\n", "ended without an answer");
-    expect("read line; echo '{\"error\": 'too large'}'\n", "not matched: 'too large'");
+    expect("read line; echo '{\"error\": \"too large\"}'\n", "not matched: 'too large'");
     expect("read line; head -c 100000 /dev/zero | tr '\\0' x; sleep 600\n", "more than 64 KiB");
     config_.timeout_s = 1;
     expect("read line; sleep 600\n", "gave no answer within disparity.timeout_s, 1 s");

@@ -57,6 +57,17 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     EXPECT_THROW(unit_stamp(request), Error);
 }
 
+TEST(Stamp, DependsOnTheFilesOfAMatchersCommand) {
+    const TemporaryFolder folder;
+    job::RunRequest request = map_request(folder);
+    test::write_text(folder / "match.py", "first");
+    request.config.disparity.command = "python3 " + (folder / "match.py").string() + " {out}";
+    const std::string stamp = unit_stamp(request);
+    EXPECT_EQ(unit_stamp(request), stamp);
+    test::write_text(folder / "match.py", "second");
+    EXPECT_NE(unit_stamp(request), stamp);
+}
+
 TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
     const TemporaryFolder folder;
     job::RunRequest request = map_request(folder);
