@@ -9,12 +9,12 @@
 
 #include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/memory.h"
-#include "pipeline/config/shell_words.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/tiles/tiles_commands.h"
+#include "pipeline/config/shell_words.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
