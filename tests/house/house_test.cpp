@@ -237,10 +237,11 @@ std::vector<std::string> speech_and_exits(const SourceFile& file) {
     static const std::regex speech(
         R"(\bstd::(cout|cerr|clog)\b|\b(f|v|vf)?printf\s*\(|\bf?puts\s*\(|\b(perror|stderr)\b)"),
         exits(R"(\b(_?exit|abort|quick_exit|std::terminate)\s*\()");
-    // The first two end processes that they have forked. The third ends a program that has called
+    // All but the last end processes that they have forked. The last ends a program that has called
     // install_interrupt_handling().
     static const std::set<std::string> may_exit = {
-        "exporters/inspect/limited.cpp", "pipeline/batch/worker.cpp", "pipeline/files/interrupt.cpp"};
+        "exporters/inspect/limited.cpp", "pipeline/batch/worker.cpp",
+        "pipeline/job/matchers/child_program.cpp", "pipeline/files/interrupt.cpp"};
     std::vector<std::string> found;
     for (std::size_t i = 0; i < file.lines.size(); ++i) {
         const auto has = [&](const std::string& code) {
