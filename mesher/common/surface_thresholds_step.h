@@ -24,6 +24,15 @@ inline constexpr float kLowStep_px = 2.3f;
 inline constexpr int kSlopeReach_px = 6;
 inline constexpr float kSlopeShare = 2;
 inline constexpr float kSlopeMostStep = 2;
+// A vertical step does not part two surfaces either if lines through up to kLineReach_px pixels of the column
+// on each side, at least kLineLeast_px, come within kMeeting_px of each other there and slope against the
+// step by at most -kMeetingSlope; or if both slope with it by kFoldSlope and miss each other by no more than
+// they rise in kFoldRows rows. Both pixels of the step lie within kLineOff_px of their lines.
+inline constexpr int kLineReach_px = 12, kLineLeast_px = 3;
+inline constexpr float kLineOff_px = 1.5f, kMeeting_px = 1.5f;
+inline constexpr float kMeetingSlope = -0.1f;  // px per row
+inline constexpr float kFoldSlope = 0.15f;     // px per row
+inline constexpr float kFoldRows = 8;
 
 // --- Holes and speckles: regions that are merged into their surroundings. Holes are smaller than
 // a lattice cell ---

@@ -15,9 +15,9 @@ struct Smoothness {
 // Removes the quantisation steps of a map. A map of whole pixels, or of other steps of quantum_px > 0
 // (find_quantum_px()), has a staircase on each slanted surface, which shows as rings when lit. Each disparity
 // moves by less than half a step, to where the surface bends least. Nothing is smoothed across depth
-// discontinuities (neighbours more than 1 px apart), and those of a map of whole pixels remain
-// discontinuities. Unknown pixels stay unknown, and disparities of at most half a step are unchanged. The
-// result is the same for any number of threads (>= 1).
+// discontinuities (neighbours more than 1 px apart, unless down a column of a slope), and those of a map of
+// whole pixels remain discontinuities. Unknown pixels stay unknown, and disparities of at most half a step
+// are unchanged. The result is the same for any number of threads (>= 1).
 DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
                         const Smoothness& smoothness = {});
 

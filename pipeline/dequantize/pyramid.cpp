@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesher/common/column_slope_step.h"
+
 namespace hexrelief::dequantize {
 namespace {
 
@@ -18,6 +20,7 @@ void find_joins(PyramidLevel& level, float join_px, ThreadPool& pool) {
             const std::size_t row = level.at(0, static_cast<int>(y));
             const float *own = &level.given[row], *below = own + level.stride;
             std::uint8_t* flags = &level.flags[row];
+            const int above = static_cast<int>(y), beneath = level.height - 2 - above;
             // Whether a pixel takes part is read off its given value, which is 0 if it does not; its flag may
             // be being written by another thread.
             for (int x = 0; x < level.width; ++x) {
@@ -26,6 +29,10 @@ void find_joins(PyramidLevel& level, float join_px, ThreadPool& pool) {
                 flags[x] = static_cast<std::uint8_t>((own[x] != 0 ? kIsSmoothed : 0) |
                                                      (right ? kJoinsRight : 0) | (down ? kJoinsBelow : 0));
             }
+            for (int x = 0; x < level.width; ++x)
+                if (!has(flags[x], kJoinsBelow) && own[x] != 0 && below[x] != 0 &&
+                    step::is_slope(own + x, level.stride, above, beneath, join_px))
+                    flags[x] |= kJoinsBelow;
         }
     });
 }

@@ -31,7 +31,8 @@ struct PyramidLevel {
 };
 
 // Builds at most `levels` levels, fine to coarse, with smooth = given. Pixels above half_quantum_px take
-// part; neighbours that differ by at most join_px are joined. A coarse pixel takes part, with the mean as its
+// part; neighbours that differ by at most join_px are joined, and so are those down a column whose step the
+// surface stage takes for a slope (step::is_slope()). A coarse pixel takes part, with the mean as its
 // value, if its four fine pixels are joined.
 std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quantum_px, float join_px,
                                         int levels, ThreadPool& pool);

@@ -14,9 +14,10 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 2;             // views of what no camera saw are smaller by this, as they are smooth
-constexpr double kCoarser = 1.5;        // spacing of the other views: what has no match has little detail
-constexpr double kFittingSpacings = 3;  // of solve_mesh()
+constexpr int kReduced = 2;       // views of what no camera saw are smaller by this, as they are smooth
+constexpr double kCoarser = 1.5;  // spacing of the other views: what has no match has little detail
+constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
+constexpr double kFittingSpacings = 3;    // of solve_mesh()
 
 ViewPlace left_place(const LeftView& view) {
     return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
@@ -26,10 +27,19 @@ double least_of(const SurfaceMesh& mesh) {
     return *std::min_element(mesh.disparities.begin(), mesh.disparities.end());
 }
 
+// True if a part of the view that matters is background: then the scene is open between its things, and such
+// gaps are not behind a silhouette.
+bool is_without_background(const LeftView& view) {
+    const std::vector<float>& values = view.disparity.values;
+    const auto dropped = std::count_if(values.begin(), values.end(), [&](float d) {
+        return DisparityMap::known(d) && d < view.density.background_px;
+    });
+    return static_cast<double>(dropped) > kMostBackground * static_cast<double>(values.size());
+}
+
 // The places from which gaps behind silhouettes are looked for.
 std::vector<ViewPlace> places_beyond(const LeftView& view, double far_px, double behind) {
-    // Without its background a scene is open between its things: such gaps are not behind a silhouette.
-    if (behind == 0 || view.density.background_px > 0) return {};
+    if (behind == 0 || is_without_background(view)) return {};
     const int width = view.disparity.width / kReduced, height = view.disparity.height / kReduced;
     std::vector<ViewPlace> places;
     for (const auto& [right, up] :

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "mesher/common/column_slope_step.h"
 #include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
@@ -22,10 +23,6 @@ HEXRELIEF_HD float foreground(float d, float background_px) {
     return is_finite(d) & (d > 0) & !(d < background_px) ? d : 0.0f;
 }
 
-HEXRELIEF_HD float distance(float a, float b) {
-    return a < b ? b - a : a - b;
-}
-
 // True if the step from d[0] to d[next] is higher than kLowStep_px or the steepest part, and the first of
 // equal ones, of a step that is spread over several pixels: then it may be a discontinuity. before, after:
 // true if there are pixels at -next and at 2 * next.
@@ -38,30 +35,6 @@ HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, 
     const bool after_is_stronger =
         last > 0 && (last - other > 0) == (step > 0) && distance(other, last) > height;
     return !before_is_stronger && !after_is_stronger;
-}
-
-// True if a vertical step belongs to a slope, such as a floor seen at a grazing angle, which both cameras see
-// at any slope. Each step around it counts as at most kSlopeMostStep times this one's height, because one
-// high step makes no slope. above, below: number of rows above and below the two of the step.
-HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
-    const int up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
-    const float upper = d[0], lower = d[next], height = distance(upper, lower),
-                most = kSlopeMostStep * height;
-    if (up == 0 || down == 0 || !(d[-up * next] > 0) || !(upper > 0) || !(lower > 0) ||
-        !(d[(1 + down) * next] > 0))
-        return false;
-    const float sign = lower > upper ? 1.0f : -1.0f;
-    float over = 0, under = 0;
-    for (int k = 0; k < kSlopeReach_px; ++k) {
-        const auto step = [&](std::ptrdiff_t from, bool counts) {
-            const float* const at = d + (counts ? from * next : 0);
-            return counts ? clamp_to(sign * (at[next] - at[0]), -most, most) : 0.0f;
-        };
-        over += step(-1 - k, k < up);
-        under += step(1 + k, k < down);
-    }
-    const float slope = min_of(over / static_cast<float>(up), under / static_cast<float>(down));
-    return height - kSlopeShare * max_of(0.0f, slope) <= least;
 }
 
 // Returns kDiscontinuityRight | kDiscontinuityDown for the steps from a pixel to its right and lower
@@ -81,9 +54,10 @@ HEXRELIEF_HD bool is_discontinuity_of_step(const float* d, const Crack& c, int w
 }
 
 // Reach of a change: the disparity at (x, y) affects the discontinuities of its row from x - 2 to x + 1, and
-// of its column from y - 1 - kSlopeReach_px to y + kSlopeReach_px.
+// of its column from y - kLineReach_px to y + kLineReach_px - 1.
 inline constexpr int kDiscontinuitiesLeft_px = 2, kDiscontinuitiesRight_px = 1;
-inline constexpr int kDiscontinuitiesAbove_px = kSlopeReach_px + 1, kDiscontinuitiesBelow_px = kSlopeReach_px;
+inline constexpr int kDiscontinuitiesAbove_px = kLineReach_px, kDiscontinuitiesBelow_px = kLineReach_px - 1;
+static_assert(kSlopeReach_px < kLineReach_px);
 
 // The two kinds of regions that take a disparity from their surroundings. A hole is mostly what the other
 // camera does not see, a part of the farther surface around it. A speckle is an error on the nearer surface.

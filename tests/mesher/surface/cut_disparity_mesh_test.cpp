@@ -164,6 +164,19 @@ TEST(CutDisparityMesh, KeepsAFloorAtAGrazingAngleWhole) {
     }
 }
 
+TEST(CutDisparityMesh, KeepsAFloorWithUnevenStepsAndFoldsWhole) {
+    // as of a cloth: a slope of 0.5 px a row in whole pixels with steps of 3 px, and a fold that hides six
+    // rows
+    const auto cloth_at = [](double, double y) { return 20 + 3 * std::floor(y / 6); };
+    EXPECT_EQ(components(Scene(cloth_at).open()), 1u);
+    const auto folded_at = [](double, double y) { return 20 + 0.5 * y + (y > 50 ? 3 : 0); };
+    EXPECT_EQ(components(Scene(folded_at).open()), 1u);
+    const auto parted_at = [](double, double y) { return 20 + 0.5 * y + (y > 50 ? 6 : 0); };
+    EXPECT_EQ(components(Scene(parted_at).open()), 2u) << "what hides twelve rows is in front";
+    const auto shelf_at = [](double, double y) { return y > 50 ? 23.0 : 20.0; };
+    EXPECT_EQ(components(Scene(shelf_at).open()), 2u);
+}
+
 TEST(CutDisparityMesh, BridgesWhereAsked) {
     Scene scene([](double x, double y) { return disc(x, y, 60, 20); });
     scene.config.discontinuities = Discontinuities::bridge;

@@ -92,6 +92,12 @@ TEST(Dequantize, KeepsTheDiscontinuitiesOfWholePixels) {
     }
 }
 
+TEST(Dequantize, SmoothsAcrossTheStepsOfAFloor) {
+    const Surface floor_at = [](int, int y) { return 30 + 1.4 * y; };
+    const DisparityMap truth = sampled(90, 80, floor_at), map = rounded(truth, 1);
+    EXPECT_LT(rmse_inside(dequantize(map, 1, 1), truth, 8), 0.5 * rmse_inside(map, truth, 8));
+}
+
 TEST(Dequantize, StaysWithinHalfAQuantumAndLeavesUnknownAndZeroAlone) {
     for (const double quantum_px : {1.0, 1 / 3.0, 0.125}) {
         const DisparityMap map = made_up(123, 77, 7, quantum_px), smooth = dequantize(map, quantum_px, 1);

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/mesher/naive_slope.h"
+
 namespace hexrelief::dequantize::naive {
 namespace {
 
@@ -51,7 +53,10 @@ Level finest(const DisparityMap& map, double half) {
         for (int x = 0; x < map.width; ++x) {
             const int i = level.at(x, y);
             level.right[i] = x + 1 < map.width && joined(i, i + 1);
-            level.below[i] = y + 1 < map.height && joined(i, i + map.width);
+            const NaiveColumn column{
+                [&](int k) { return static_cast<float>(level.given[i + k * map.width]); }, y,
+                map.height - 2 - y};
+            level.below[i] = y + 1 < map.height && (joined(i, i + map.width) || column.is_slope(1.0001f));
         }
     level.smooth = level.given;
     return level;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "oracle_parts.h"
+#include "tests/mesher/naive_slope.h"
 
 namespace hexrelief::surface::oracle {
 namespace {
@@ -134,22 +135,8 @@ bool is_steepest(const Profile& p) {
     return !weaker_than_before && !weaker_than_after;
 }
 
-// True if a vertical step is part of a slope: less than `least` higher than twice the mean step of up to six
-// rows above, or below, whichever is less; each step counts as at most twice this one's height.
 bool is_slope(const Profile& p, float least) {
-    const int up = std::min(p.c.y, 6), down = std::min(p.s.height - 2 - p.c.y, 6);
-    if (up == 0 || down == 0) return false;
-    for (const int k : {-up, 0, 1, 1 + down})
-        if (!(p.at(k) > 0)) return false;
-    const float height = std::fabs(p.at(1) - p.at(0)), sign = p.at(1) > p.at(0) ? 1.0f : -1.0f;
-    const auto counted = [&](int k) {
-        return std::clamp(sign * (p.at(k + 1) - p.at(k)), -2 * height, 2 * height);
-    };
-    float above = 0, below = 0;
-    for (int k = 1; k <= up; ++k) above += counted(-k);
-    for (int k = 1; k <= down; ++k) below += counted(k);
-    const float slope = std::min(above / static_cast<float>(up), below / static_cast<float>(down));
-    return height - 2 * std::max(0.0f, slope) <= least;
+    return NaiveColumn{[&](int k) { return p.at(k); }, p.c.y, p.s.height - 2 - p.c.y}.is_slope(least);
 }
 
 void find_discontinuities(const Config& config, Surfaces& s) {
