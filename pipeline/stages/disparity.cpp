@@ -27,6 +27,7 @@ std::string wrong_disparity_config(const DisparityConfig& config) {
         {"disparity.working_px", config.working_px, Config::kWorkingSize_px},
         {"disparity.min_disparity_px", config.min_disparity_px, Config::kMinDisparity_px},
         {"disparity.num_disparities_px", config.num_disparities_px, Config::kNumDisparities_px},
+        {"disparity.timeout_s", config.timeout_s, Config::kTimeout_s},
         {"disparity.p1", config.p1, Config::kPenalty},
         {"disparity.p2", config.p2, Config::kPenalty},
         {"disparity.speckle_window_px", config.speckle_window_px, Config::kSpeckleWindow_px},
