@@ -61,7 +61,7 @@ TEST(Stamp, DependsOnTheFilesOfAMatchersCommand) {
     const TemporaryFolder folder;
     job::RunRequest request = map_request(folder);
     test::write_text(folder / "match.py", "first");
-    request.config.disparity.command = "python3 " + (folder / "match.py").string() + " {out}";
+    request.config.disparity.command = "python3 " + (folder / "match.py") + " {out}";
     const std::string stamp = unit_stamp(request);
     EXPECT_EQ(unit_stamp(request), stamp);
     test::write_text(folder / "match.py", "second");
