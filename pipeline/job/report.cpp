@@ -259,7 +259,8 @@ LeftView Relief::view() const {
             input.calibration,
             pair_camera,
             disparity.backdrop ? disparity.backdrop->disparity_px : 0,
-            right ? &*right : nullptr};
+            right ? &*right : nullptr,
+            input.texture_file.empty() ? nullptr : &input.texture_file};
 }
 
 double Relief::depth_of_backdrop() const {

@@ -60,6 +60,7 @@ struct LeftView {
     const Calibration& pair_camera;    // with the doffs that `calibration` may have in the map
     float least_px = 0;                // no vertex has a smaller disparity
     const RightView* right = nullptr;  // null = the surface is made of the left view only
+    const std::vector<std::uint8_t>* texture_file = nullptr;  // as in exporters::Scene
 };
 
 // The part of a surface that the left camera does not see.
