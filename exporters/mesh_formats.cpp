@@ -8,12 +8,13 @@
 namespace hexrelief::exporters {
 
 // The rows of the formats, each defined beside its writer.
-extern const MeshFormat glb_format, gltf_format, drc_format, obj_format, ply_format, stl_format, usdz_format,
-    html_format;
+extern const MeshFormat glb_format, gltf_format, drc_format, obj_format, ply_format, stl_format,
+    threemf_format, usdz_format, html_format;
 
 const std::vector<const MeshFormat*>& mesh_formats() {
-    static const std::vector<const MeshFormat*> all = {&glb_format, &gltf_format, &drc_format,  &obj_format,
-                                                       &ply_format, &stl_format,  &usdz_format, &html_format};
+    static const std::vector<const MeshFormat*> all = {&glb_format,     &gltf_format, &drc_format,
+                                                       &obj_format,     &ply_format,  &stl_format,
+                                                       &threemf_format, &usdz_format, &html_format};
     return all;
 }
 

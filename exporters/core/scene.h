@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -32,9 +33,12 @@ enum class LevelStorage { files, inside };
 // The unit of one number in an .stl file, which cannot state it.
 enum class StlUnit { metre, millimetre };
 
-// The material of the texture in glTF and USD. emissive: light of its own, which shows the
-// photograph as it is in every program tried; unlit: KHR_materials_unlit, which VTK 9.1 shows as
-// white; lit: by the program's lights.
+// The contents of .stl and .3mf: the surface, or a body that stands on a flat base.
+enum class SolidKind { none, base };
+
+// The material of the texture in glTF and USD. unlit: the photograph as it is, by KHR_materials_unlit; USD
+// has no such material, so it emits the texture there. emissive: a black surface that emits the texture, for
+// readers of glTF without that extension. lit: by the program's lights.
 enum class MaterialKind { emissive, unlit, lit };
 
 // automatic: normals are written if a program's lights fall on the mesh, that is, unless its material
@@ -54,7 +58,7 @@ struct ExportConfig {
     double tolerance_share = 0;
     double tolerance_deg = 1;
     NormalsKind normals = NormalsKind::automatic;
-    MaterialKind material = MaterialKind::emissive;
+    MaterialKind material = MaterialKind::unlit;
     bool texcoords = true;  // false leaves the texture out as well, which cannot be mapped without them
     TextureFormat texture = TextureFormat::jpeg;
     int texture_quality = 90;  // for JPEG and WebP
@@ -63,7 +67,9 @@ struct ExportConfig {
     bool camera = true;        // writes the left camera to glTF if the image's size is known
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;
-    int lod = 1;  // number of levels of detail, the scene's mesh included
+    SolidKind solid = SolidKind::none;
+    double solid_size_mm = 100;  // longer side of the base
+    int lod = 1;                 // number of levels of detail, the scene's mesh included
     LevelStorage lod_storage = LevelStorage::files;
 };
 
@@ -105,6 +111,9 @@ struct Scene {
     // Position of the mesh's own origin in space, a multiple of grid_step_m: the node's translation in .glb
     // and .gltf. Other formats ignore it.
     std::array<double, 3> origin_m = {};
+    // The JPEG file that the top left of the texture was read from; null = none. A texture in JPEG is made of
+    // its blocks if that takes fewer bytes than encoding them anew.
+    const std::vector<std::uint8_t>* texture_file = nullptr;
 };
 
 }  // namespace hexrelief::exporters

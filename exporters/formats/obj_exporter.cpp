@@ -72,7 +72,7 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
     const bool image = textured.textured;
     files.write(path, mesh_text(textured.mesh, scene.generator, material_path.filename().string()));
     files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
-    if (image) files.write(image_path, encode_texture(*scene.texture, textured, config).bytes);
+    if (image) files.write(image_path, encode_texture(scene, textured, config).bytes);
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
-// Binary STL, for printing and CAD: only triangles, in export.stl_unit.
+// Binary STL, for printing and CAD: only triangles, in export.stl_unit, or a body in mm.
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
 
 #include "exporters/core/mesh_format.h"
+#include "exporters/formats/solid_body.h"
 #include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/error.h"
 
@@ -23,11 +24,14 @@ Vec3f face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
 
 void write_stl(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    const SurfaceMesh& mesh = *scene.mesh;
+    SurfaceMesh body;
+    const bool is_solid = config.solid == SolidKind::base;
+    if (is_solid) body = solid_body(*scene.mesh, config.solid_size_mm);
+    const SurfaceMesh& mesh = is_solid ? body : *scene.mesh;
     if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorKind::output, "cannot write '" + path.string() +
                                            "': an STL holds at most 4,294,967,295 triangles; write .ply");
-    const float scale = config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
+    const float scale = !is_solid && config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
     // The header must not begin with "solid", which would mark the file as text.
     std::string bytes = "binary STL, " + scene.generator;
     bytes.resize(kStlHeader + 4 + kStlTriangle * mesh.triangles.size());
@@ -52,7 +56,7 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
 
 extern const MeshFormat stl_format = {
     .extension = ".stl",
-    .holds = "binary, triangles alone, for printing and CAD; `export.stl_unit: mm` for slicers",
+    .holds = "binary, triangles alone, for CAD, in `export.stl_unit`; for printing with `export.solid: base`",
     .write = write_stl,
     .describe = inspect::describe_stl,
 };

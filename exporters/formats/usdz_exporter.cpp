@@ -130,7 +130,7 @@ void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesy
     EncodedTexture texture;
     std::string texture_name;
     if (textured.textured) {
-        texture = encode_texture(*scene.texture, textured, config);
+        texture = encode_texture(scene, textured, config);
         texture_name = texture.mime_type == "image/png" ? "texture.png" : "texture.jpg";
     }
     const std::string text = usd_text(scene, textured.mesh, texture_name, config.material);

@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "exporters/core/file_transaction.h"
+#include "exporters/images/jpeg_memory.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
@@ -61,58 +62,6 @@ bool run_png(png_structp png, png_infop info, const Image& image) {
     for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
     png_write_end(png, info);
     return true;
-}
-
-struct JpegErrors {
-    jpeg_error_mgr manager;  // first, so that a pointer to it is also a pointer to JpegErrors
-    std::jmp_buf jump;
-    char message[JMSG_LENGTH_MAX];
-};
-
-[[noreturn]] void jpeg_failed(j_common_ptr common) {
-    auto* errors = reinterpret_cast<JpegErrors*>(common->err);
-    common->err->format_message(common, errors->message);
-    std::longjmp(errors->jump, 1);
-}
-
-void jpeg_said(j_common_ptr) {}
-
-// Where libjpeg writes. Its own destination in memory leaves a freed buffer behind if memory ends.
-struct JpegSink {
-    jpeg_destination_mgr manager = {};  // first, so that a pointer to it is also a pointer to JpegSink
-    std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(1 << 16);
-
-    void offer_from(std::size_t written) {
-        manager.next_output_byte = bytes.data() + written;
-        manager.free_in_buffer = bytes.size() - written;
-    }
-};
-
-JpegSink& sink_of(j_compress_ptr jpeg) {
-    return *reinterpret_cast<JpegSink*>(jpeg->dest);
-}
-
-void jpeg_begins(j_compress_ptr jpeg) {
-    sink_of(jpeg).offer_from(0);
-}
-
-boolean jpeg_is_full(j_compress_ptr jpeg) {
-    JpegSink& sink = sink_of(jpeg);
-    const std::size_t written = sink.bytes.size();
-    bool is_grown = true;
-    try {
-        sink.bytes.resize(2 * written);
-    } catch (const std::bad_alloc&) {
-        is_grown = false;  // no jump out of a handler
-    }
-    if (!is_grown) ERREXIT1(jpeg, JERR_OUT_OF_MEMORY, 0);
-    sink.offer_from(written);
-    return TRUE;
-}
-
-void jpeg_ends(j_compress_ptr jpeg) {
-    JpegSink& sink = sink_of(jpeg);
-    sink.bytes.resize(sink.bytes.size() - sink.manager.free_in_buffer);
 }
 
 // Separate from its caller, as run_png().
@@ -166,11 +115,8 @@ std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
     check(image);
     jpeg_compress_struct jpeg = {};
     JpegErrors errors = {};
-    jpeg.err = jpeg_std_error(&errors.manager);
-    errors.manager.error_exit = jpeg_failed;
-    errors.manager.output_message = jpeg_said;
+    jpeg.err = catch_errors(errors);
     JpegSink sink;
-    sink.manager = {nullptr, 0, jpeg_begins, jpeg_is_full, jpeg_ends};
     const bool done = run_jpeg(jpeg, errors, sink, image, quality);
     jpeg_destroy_compress(&jpeg);
     if (!done) {

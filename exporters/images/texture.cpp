@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "exporters/images/image_writer.h"
+#include "exporters/images/jpeg_blocks.h"
 #include "exporters/images/resize.h"
 
 namespace hexrelief::exporters {
@@ -29,11 +30,30 @@ PixelRect used_part(const std::vector<Vec2f>& texcoords, const Image& image) {
     return {left, top, ceil_px(high.x, image.width, left) - left, ceil_px(high.y, image.height, top) - top};
 }
 
+// Returns the part from the blocks of a JPEG file on that it begins in.
+PixelRect from_blocks(const PixelRect& part) {
+    const int left = part.x % kJpegBlock_px, top = part.y % kJpegBlock_px;
+    return {part.x - left, part.y - top, part.width + left, part.height + top};
+}
+
 // Returns the length of a side after the part's longest side is limited to max_px.
 int capped(int side, const PixelRect& part, int max_px) {
     const int longest = std::max(part.width, part.height);
     if (max_px <= 0 || longest <= max_px) return side;
     return std::max(1, static_cast<int>(std::lround(static_cast<double>(side) * max_px / longest)));
+}
+
+// Encodes a texture at a quality, or as the file was that it comes from, whichever is smaller: what the file
+// has lost comes back at no quality.
+std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& texture,
+                                            const TexturedMesh& mesh, int quality) {
+    std::vector<std::uint8_t> encoded = encode_jpeg(texture, quality);
+    if (!scene.texture_file) return encoded;
+    const bool is_scaled = texture.width != mesh.part.width || texture.height != mesh.part.height;
+    const PixelRect whole{0, 0, texture.width, texture.height};
+    std::vector<std::uint8_t> kept = encode_jpeg_as(*scene.texture_file, is_scaled ? texture : *scene.texture,
+                                                    is_scaled ? whole : mesh.part);
+    return kept.empty() || kept.size() > encoded.size() ? encoded : kept;
 }
 
 }  // namespace
@@ -91,6 +111,7 @@ std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig
         for (const TexturedMesh& level : levels)
             all.insert(all.end(), level.mesh.texcoords.begin(), level.mesh.texcoords.end());
         part = used_part(all, image);
+        if (scene.texture_file && config.texture == TextureFormat::jpeg) part = from_blocks(part);
     }
     for (TexturedMesh& level : levels) {
         level.textured = true;
@@ -115,15 +136,15 @@ Image texture_of(const Image& picture, const TexturedMesh& mesh) {
     return resized(texture, mesh.width_px, mesh.height_px);
 }
 
-EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, const ExportConfig& config) {
-    const Image texture = texture_of(picture, mesh);
+EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config) {
+    const Image texture = texture_of(*scene.texture, mesh);
     switch (config.texture) {
         case TextureFormat::png:
             return {encode_png(texture), "image/png"};
         case TextureFormat::webp:
             return {encode_webp(texture, config.texture_quality), "image/webp"};
         default:
-            return {encode_jpeg(texture, config.texture_quality), "image/jpeg"};
+            return {encode_small_jpeg(scene, texture, mesh, config.texture_quality), "image/jpeg"};
     }
 }
 

@@ -46,6 +46,7 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 
 // Returns the texture of a textured mesh, cut from the scene's picture.
 Image texture_of(const Image& picture, const TexturedMesh& mesh);
-EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, const ExportConfig& config);
+// Encodes it. A JPEG texture never takes more bytes than one encoded as scene.texture_file is.
+EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config);
 
 }  // namespace hexrelief::exporters

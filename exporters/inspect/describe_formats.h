@@ -24,6 +24,7 @@ MeshDescription describe_obj(const std::filesystem::path& path);
 MeshDescription describe_html(const std::filesystem::path& path);  // the GLB inside the page
 MeshDescription describe_ply(const std::filesystem::path& path);
 MeshDescription describe_stl(const std::filesystem::path& path);
+MeshDescription describe_3mf(const std::filesystem::path& path);
 MeshDescription describe_usdz(const std::filesystem::path& path);
 
 // Describes a glTF file in memory. bytes: not empty; those of a binary file may end after the header of its

@@ -20,9 +20,9 @@ std::vector<Field> export_fields() {
         number("export.tolerance_deg", "deg", {0.01, 30}, "largest error of compressed normals",
                MEMBER(exporting.tolerance_deg)),
         choice("export.material", {"emissive", "unlit", "lit"},
-               "how .glb, .gltf and .usdz show the texture: emissive = as it is, in every program tried; "
-               "unlit = by "
-               "KHR_materials_unlit, white in VTK 9.1 and f3d 1.3; lit = by the program's lights",
+               "how .glb, .gltf and .usdz show the texture: unlit = as it is, by KHR_materials_unlit, which "
+               "VTK 9.1 and f3d 1.3 show white; emissive = as light of its own, right there, but black in "
+               "CesiumJS and too bright in model-viewer; lit = by the program's lights",
                MEMBER(exporting.material)),
         choice("export.normals", {"auto", "always", "never"},
                "auto = where lights fall on the mesh: not in .glb, .gltf and .usdz with a texture that is "
@@ -36,7 +36,8 @@ std::vector<Field> export_fields() {
             "export.texture", {"none", "jpeg", "png", "webp"},
             "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out",
             MEMBER(exporting.texture)),
-        number("export.texture_quality", "", {1, 100}, "of a JPEG or WebP texture",
+        number("export.texture_quality", "", {1, 100},
+               "of a JPEG or WebP texture; a JPEG whose own file was smaller keeps that file's blocks",
                MEMBER(exporting.texture_quality)),
         number("export.texture_max_px", "px", {0, 65500},
                "longest side of the texture, larger ones are scaled down; 0 = as large as it is",
@@ -49,6 +50,13 @@ std::vector<Field> export_fields() {
         choice("export.stl_unit", {"m", "mm"},
                "what 1 means in an .stl, which cannot say it; slicers take it for mm",
                MEMBER(exporting.stl_unit)),
+        choice(
+            "export.solid", {"none", "base"},
+            "contents of .stl and .3mf: none = the surface; base = a closed body in mm on a flat base, for "
+            "printing, of the left view only",
+            MEMBER(exporting.solid)),
+        number("export.solid_size_mm", "mm", {10, 10000}, "longer side of that base",
+               MEMBER(exporting.solid_size_mm)),
         number("export.lod", "", {1, 8},
                "levels of detail, each of twice the spacing of the one before; 1 = the mesh alone",
                MEMBER(exporting.lod)),

@@ -23,6 +23,7 @@ exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
     scene.up = view.up;
     scene.image_width = view.disparity.width;
     scene.image_height = view.disparity.height;
+    scene.texture_file = view.texture_file;
     for (const SurfaceMesh& level : coarser) scene.coarser.push_back(&level);
     return scene;
 }

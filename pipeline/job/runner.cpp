@@ -1,5 +1,7 @@
 #include "pipeline/job/runner.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <future>
 #include <string>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/steps.h"
+#include "pipeline/readers/source.h"
 
 namespace hexrelief::job {
 
@@ -33,11 +36,26 @@ int threads_for(const config::Config& config, const RunLog& log) {
     return threads;
 }
 
+// Returns the file of the left picture if it is a JPEG of which the texture may keep something; else nothing.
+std::vector<std::uint8_t> jpeg_of(const RunInput& input, const config::Config& config) {
+    const auto file = std::find_if(input.files.begin(), input.files.end(), [](const InputFile& f) {
+        return f.role == "left" || f.role == "stereo" || f.role == "color";
+    });
+    if (file == input.files.end() || config.exporting.texture != exporters::TextureFormat::jpeg) return {};
+    constexpr std::uint8_t kStart[] = {0xff, 0xd8};
+    const readers::codec::SourceFile head = readers::codec::open_file(file->path, sizeof kStart);
+    if (!std::equal(head.bytes.begin(), head.bytes.end(), std::begin(kStart), std::end(kStart))) return {};
+    const std::size_t most = 2 * input.texture().pixels.size();  // both views of one file, hardly compressed
+    if (head.size() > most) return {};
+    return readers::codec::load_file(file->path, most).bytes;
+}
+
 RunInput read_source(RunRequest& request, int threads, RunLog& log) {
     const std::vector<std::filesystem::path> files = read_files(request);
     const files::UnchangedFiles sources(files);
     RunInput input = read_input(std::move(request.source), request.config.input,
                                 request.config.limits.reading, threads, log);
+    input.texture_file = jpeg_of(input, request.config);
     reduce_pair(input, request.config.disparity, threads, log);
     if (input.pair() && input.pair()->is_rectified && !request.stages_folder.empty())
         for (const std::filesystem::path& name : rectified_file_names())

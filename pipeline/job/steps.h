@@ -62,6 +62,7 @@ struct LeftView {
     const Calibration& pair_camera;    // with the doffs that `calibration` may have in the map
     float least_px = 0;                // no vertex has a smaller disparity
     const RightView* right = nullptr;  // null = the surface is made of the left view only
+    const std::vector<std::uint8_t>* texture_file = nullptr;  // as in exporters::Scene
     static constexpr std::array<double, 2> kUpright = {0, 1};
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
 };

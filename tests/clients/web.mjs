@@ -13,7 +13,7 @@ const { chromium } = require('playwright-core');
 const version = (name) => JSON.parse(readFileSync(join(modules, 'node_modules', name, 'package.json'))).version;
 
 const kHead = `<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,">
-<style>html,body{margin:0;background:#335}canvas,#v{width:400px;height:300px}</style>`;
+<style>html,body{margin:0;background:#335}canvas,#v{width:320px;height:240px}</style>`;
 const kDraco = '/m/three/examples/jsm/libs/draco/gltf/';
 
 // Each page shows one file from where its camera stands, and sets window.done to "ok" or a message.
@@ -49,7 +49,7 @@ async function load() {
 }
 try {
     const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
-    renderer.setSize(400, 300);
+    renderer.setSize(320, 240);
     document.body.append(renderer.domElement);
     const world = new THREE.Scene();
     world.background = new THREE.Color(0x333355);
@@ -80,7 +80,13 @@ await customElements.whenDefined('model-viewer');
 const v = document.createElement('model-viewer');
 v.id = 'v';
 v.style.cssText = 'display:block;background-color:#333355';
-v.setAttribute('camera-orbit', '0deg 85deg auto');
+// The sample's camera, which model-viewer does not read from the file: it looks along -z with 240 rows at 320 px.
+v.setAttribute('camera-orbit', '0deg 90deg 2m');
+v.setAttribute('camera-target', '0m 0m -2m');
+v.setAttribute('min-camera-orbit', 'auto auto 0m');
+v.setAttribute('min-field-of-view', '10deg');
+v.setAttribute('field-of-view', 2 * Math.atan(120 / 320) * 180 / Math.PI + 'deg');
+v.setAttribute('interpolation-decay', '1');
 v.setAttribute('interaction-prompt', 'none');
 v.addEventListener('load', () => setTimeout(() => { window.done = 'ok'; }, 800));
 v.addEventListener('error', (e) => { window.done = 'error ' + (e.detail?.sourceError ?? e.detail?.type); });
@@ -88,7 +94,7 @@ v.src = '/s/' + encodeURIComponent(file);
 document.body.append(v);
 </script>`;
 
-const kBabylon = kHead + `<canvas id="c" width="400" height="300"></canvas>
+const kBabylon = kHead + `<canvas id="c" width="320" height="240"></canvas>
 <script src="/m/babylonjs/babylon.js"></script><script src="/m/babylonjs-loaders/babylonjs.loaders.min.js"></script>
 <script type="module">
 const file = decodeURIComponent(location.hash.slice(1));
@@ -112,9 +118,37 @@ try {
 } catch (error) { window.done = String(error); }
 </script>`;
 
+const kCesium = kHead + `<canvas id="c" width="320" height="240"></canvas>
+<script>window.CESIUM_BASE_URL = '/m/cesium/Build/Cesium/';</script>
+<script src="/m/cesium/Build/Cesium/Cesium.js"></script>
+<script type="module">
+const file = decodeURIComponent(location.hash.slice(1));
+try {
+    const scene = new Cesium.Scene({ canvas: document.getElementById('c'),
+        contextOptions: { webgl: { preserveDrawingBuffer: true } } });
+    scene.backgroundColor = Cesium.Color.fromBytes(51, 51, 85);
+    scene.highDynamicRange = false;
+    const model = await Cesium.Model.fromGltfAsync({ url: '/s/' + encodeURIComponent(file), upAxis: Cesium.Axis.Z,
+        forwardAxis: Cesium.Axis.X, backFaceCulling: false });
+    scene.primitives.add(model);
+    const { camera } = scene;
+    camera.position = new Cesium.Cartesian3(0, 0, 0);
+    camera.direction = new Cesium.Cartesian3(0, 0, -1);
+    camera.up = new Cesium.Cartesian3(0, 1, 0);
+    camera.right = new Cesium.Cartesian3(1, 0, 0);
+    camera.frustum = new Cesium.PerspectiveFrustum({ fov: 2 * Math.atan(160 / 320), aspectRatio: 4 / 3, near: 0.1, far: 1e4 });
+    for (let i = 0; i < 100 && !(model.ready && i > 20); i++) {
+        scene.render();
+        await new Promise((done) => setTimeout(done, 30));
+    }
+    window.done = model.ready ? 'ok' : 'not ready';
+} catch (error) { window.done = String(error); }
+</script>`;
+
 const programs = [
     { name: 'three.js', module: 'three', page: kThree, knows: /\.(glb|gltf|drc|obj|ply|stl|usdz)$/ },
     { name: 'model-viewer', module: '@google/model-viewer', page: kModelViewer, knows: /\.(glb|gltf)$/ },
+    { name: 'Cesium', module: 'cesium', page: kCesium, knows: /\.(glb|gltf)$/ },
     { name: 'Babylon.js', module: 'babylonjs', page: kBabylon, knows: /\.(glb|gltf|obj|ply|stl)$/ },
 ];
 const kTypes = { '.js': 'text/javascript', '.mjs': 'text/javascript', '.wasm': 'application/wasm', '.html': 'text/html' };
@@ -139,7 +173,7 @@ await mkdir(pictures, { recursive: true });
 const files = (await readdir(scenes)).filter((name) => !/^\.|_texture\.|\.(bin|mtl|json)$/.test(name)).sort();
 for (const program of programs) {
     for (const file of files.filter((name) => program.knows.test(name))) {
-        const page = await browser.newPage({ viewport: { width: 400, height: 300 } });
+        const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
         const said = [];
         page.on('console', (message) => { if (message.type() === 'error') said.push(message.text()); });
         page.on('response', (r) => { if (r.status() >= 400) said.push('no ' + r.url()); });

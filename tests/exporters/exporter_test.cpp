@@ -56,7 +56,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
     const SurfaceMesh mesh = sample_mesh(6, 5);
     const std::map<std::string, std::string> begins = {
         {".glb", "glTF"},  {".gltf", "{"},         {".drc", "DRACO"},  {".obj", "# "},
-        {".ply", "ply\n"}, {".stl", "binary STL"}, {".usdz", "PK\3\4"}};
+        {".ply", "ply\n"}, {".stl", "binary STL"}, {".3mf", "PK\3\4"}, {".usdz", "PK\3\4"}};
     for (const MeshFormat* format : mesh_formats()) {
         if (format->is_page) continue;  // needs more than the other formats: viewer/html_test.cpp
         const std::string extension = format->extension;

@@ -34,9 +34,8 @@ std::string percent_encoded(const std::string& name) {
     return out;
 }
 
-// Makes a black material that emits its texture: the photograph already contains its light, so it is shown as
-// it is. The texture is also the base colour's, times black, for programs that do not support emission or
-// ignore the black factor.
+// Makes a black material that emits its texture, for programs that do not know the unlit one. The texture is
+// also the base colour's, times black, for programs that do not support emission or ignore the black factor.
 void make_emissive(tinygltf::Material& material) {
     const tinygltf::TextureInfo& base = material.pbrMetallicRoughness.baseColorTexture;
     material.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
@@ -151,7 +150,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     std::future<EncodedTexture> encoded;
     if (levels[0].textured)
         encoded =
-            start_work(scene.threads, [&] { return encode_texture(*scene.texture, levels[0], config); });
+            start_work(scene.threads, [&] { return encode_texture(scene, levels[0], config); });
     std::vector<GltfGeometry> geometries;
     for (const TexturedMesh& level : levels) geometries.push_back(add_geometry(parts, level, scene, config));
     if (levels[0].textured) {

@@ -49,7 +49,8 @@ function readScaled(json, binary, index, scale, offset) {
   return values;
 }
 
-// {levels: [{positions, texcoords (null: none), indices}], fine to coarse, image: Blob or null}
+// {levels: [{positions, texcoords (null: none), indices}], fine to coarse, image: Blob or null, json: the document,
+// picture: bytes of the image}
 export function readGlb(bytes) {
   const header = new DataView(bytes.buffer, bytes.byteOffset);
   const jsonBytes = header.getUint32(12, true);
@@ -68,6 +69,58 @@ export function readGlb(bytes) {
       };
     });
   const image = json.images?.[0];
-  const picture = image && new Blob([viewBytes(json, binary, image.bufferView)], { type: image.mimeType });
-  return { levels, image: picture ?? null };
+  const picture = image && viewBytes(json, binary, image.bufferView);
+  return { levels, image: picture ? new Blob([picture], { type: image.mimeType }) : null, json, picture };
+}
+
+// The finest level as a GLB without extensions that a reader must know: floats, 32 bits an index, the same material and
+// picture.
+export function writePlainGlb(bytes) {
+  const { levels: [{ positions, texcoords, indices }], image, json: from, picture } = readGlb(bytes);
+  const parts = [];
+  let length = 0;
+  const bufferViews = [];
+  const addView = (array, more = {}) => {
+    bufferViews.push({ buffer: 0, byteOffset: length, byteLength: array.byteLength, ...more });
+    const padding = (4 - (array.byteLength % 4)) % 4;
+    parts.push(new Uint8Array(array.buffer, array.byteOffset, array.byteLength), new Uint8Array(padding));
+    length += array.byteLength + padding;
+    return bufferViews.length - 1;
+  };
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  positions.forEach((value, i) => {
+    low[i % 3] = Math.min(low[i % 3], value);
+    high[i % 3] = Math.max(high[i % 3], value);
+  });
+  const count = positions.length / 3;
+  const accessors = [
+    { bufferView: addView(positions, { target: 34962 }), componentType: 5126, count, type: 'VEC3', min: low, max: high },
+    { bufferView: addView(Uint32Array.from(indices), { target: 34963 }), componentType: 5125, count: indices.length, type: 'SCALAR' },
+  ];
+  const attributes = { POSITION: 0 };
+  if (texcoords) {
+    attributes.TEXCOORD_0 = accessors.length;
+    accessors.push({ bufferView: addView(texcoords, { target: 34962 }), componentType: 5126, count, type: 'VEC2' });
+  }
+  const extensionsUsed = (from.extensionsUsed ?? []).filter((name) => name === 'KHR_materials_unlit' || name === 'EXT_texture_webp');
+  const material = structuredClone(from.materials[0]);
+  const base = material.pbrMetallicRoughness?.baseColorTexture;
+  if (base) delete base.extensions; // texture coordinates are scaled already
+  const json = {
+    asset: from.asset, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ name: 'relief', mesh: 0 }],
+    meshes: [{ name: 'relief', primitives: [{ attributes, indices: 1, material: 0 }] }], materials: [material],
+    accessors, bufferViews,
+    ...(extensionsUsed.length > 0 && { extensionsUsed }),
+    ...(from.extensionsRequired?.includes('EXT_texture_webp') && { extensionsRequired: ['EXT_texture_webp'] }),
+  };
+  if (image) {
+    const { textures, samplers } = from;
+    Object.assign(json, { textures, samplers, images: [{ bufferView: addView(picture), mimeType: image.type }] });
+  }
+  json.buffers = [{ byteLength: length }];
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const textPadding = new Uint8Array((4 - (text.length % 4)) % 4).fill(0x20);
+  const textLength = text.length + textPadding.length;
+  const head = new Uint32Array([0x46546c67, 2, 28 + textLength + length, textLength, 0x4e4f534a]);
+  return new Blob([head, text, textPadding, new Uint32Array([length, 0x004e4942]), ...parts]);
 }

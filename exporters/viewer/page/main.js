@@ -1,7 +1,7 @@
 import { WebGLRenderer } from 'three';
 import { OrbitCamera } from './camera.js';
 import { listen } from './gestures.js';
-import { readGlb } from './glb.js';
+import { readGlb, writePlainGlb } from './glb.js';
 import { kLooks } from './materials.js';
 import { Measure } from './measure.js';
 import { rounded, showFigures, showLevels, showPictures, showScale } from './panel.js';
@@ -9,6 +9,7 @@ import { makeTexture, Relief } from './relief.js';
 
 const kWiggle_rad = 0.06;
 const kWiggle_s = 3.2;
+const kGreetings = 2; // times that the relief sways after the page is opened
 
 const byId = (id) => document.getElementById(id);
 const say = (text) => { byId('status').textContent = text ?? ''; };
@@ -26,6 +27,10 @@ function save(blob, name) {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+function saveMesh(glb, name) {
+  save(new Blob([glb], { type: 'model/gltf-binary' }), `${name}.glb`);
 }
 
 // The page without its view: the picture of the relief, and why there is no more.
@@ -77,6 +82,8 @@ class Viewer {
 
   draw() {
     this.orbit.update(this.relief.sphere);
+    const { width, height } = byId('view');
+    this.relief.fadeWire(width * height * (this.orbit.depth / this.orbit.distance) ** 2);
     this.renderer.render(this.relief.scene, this.orbit.camera);
   }
 
@@ -86,6 +93,7 @@ class Viewer {
     this.pending = requestAnimationFrame((now) => {
       this.pending = null;
       if (this.wiggleSince !== null) {
+        if (now - this.wiggleSince > this.wiggleEnds_ms) return this.wiggle(false);
         this.orbit.sway = kWiggle_rad * Math.sin(((now - this.wiggleSince) / 1000 / kWiggle_s) * 2 * Math.PI);
         this.redraw();
       }
@@ -93,11 +101,25 @@ class Viewer {
     });
   }
 
-  wiggle(on) {
+  wiggle(on, times = Infinity) {
     this.wiggleSince = on ? performance.now() : null;
+    this.wiggleEnds_ms = times * kWiggle_s * 1000;
     this.orbit.sway = 0;
     byId('wiggle').ariaPressed = String(on);
     this.redraw();
+  }
+
+  // Shows at first sight that this is no picture. The first touch ends it.
+  greet() {
+    if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
+    this.wiggle(true, kGreetings);
+    const touched = new AbortController();
+    const end = () => {
+      touched.abort();
+      if (this.wiggleSince !== null && this.wiggleEnds_ms < Infinity) this.wiggle(false);
+    };
+    for (const kind of ['pointerdown', 'wheel', 'keydown'])
+      window.addEventListener(kind, end, { signal: touched.signal, capture: true, passive: true });
   }
 
   back() {
@@ -167,7 +189,9 @@ class Viewer {
   }
 
   togglePanel() {
-    document.body.classList.toggle('bare');
+    const isBare = document.body.classList.toggle('bare');
+    byId('panel').textContent = isBare ? 'Show panel' : 'Hide panel';
+    byId('panel').ariaExpanded = String(!isBare);
     this.resize();
   }
 }
@@ -193,7 +217,9 @@ function listenToControls(viewer, glb) {
     measure: () => viewer.setMeasuring(!viewer.isMeasuring),
     fullscreen: () => viewer.toggleFullscreen(),
     picture: () => viewer.savePicture(),
-    'mesh-file': () => save(new Blob([glb], { type: 'model/gltf-binary' }), `${viewer.facts.name}.glb`),
+    panel: () => viewer.togglePanel(),
+    'mesh-file': () => saveMesh(writePlainGlb(glb), viewer.facts.name),
+    'small-mesh-file': () => saveMesh(glb, viewer.facts.name),
   };
   for (const [id, action] of Object.entries(actions)) byId(id).addEventListener('click', action);
   listenToKeys(viewer, actions);
@@ -205,7 +231,7 @@ function listenToControls(viewer, glb) {
 function listenToKeys(viewer, actions) {
   const keys = {
     p: actions.back, w: actions.wiggle, m: actions.measure, f: actions.fullscreen, s: actions.picture,
-    h: () => viewer.togglePanel(),
+    h: actions.panel,
     escape: () => { viewer.wiggle(false); viewer.setMeasuring(false); },
   };
   kLooks.forEach((look, i) => {
@@ -251,6 +277,7 @@ async function start() {
   byId('poster').hidden = true;
   document.body.dataset.state = 'ready';
   performance.mark('ready');
+  viewer.greet();
   return viewer;
 }
 

@@ -81,9 +81,9 @@ export function surfaceMaterial(uniforms) {
 
 export function wireMaterial(uniforms) {
   return new ShaderMaterial({
-    uniforms: { lift: uniforms.lift, flatDepth: uniforms.flatDepth, colour: { value: new Color() } },
+    uniforms: { lift: uniforms.lift, flatDepth: uniforms.flatDepth, colour: { value: new Color() }, opacity: { value: 0.5 } },
     vertexShader: kPlacedAlone,
-    fragmentShader: 'uniform vec3 colour; void main() { gl_FragColor = vec4(colour, 0.5); }',
+    fragmentShader: 'uniform vec3 colour; uniform float opacity; void main() { gl_FragColor = vec4(colour, opacity); }',
     transparent: true, depthWrite: false, toneMapped: false,
   });
 }

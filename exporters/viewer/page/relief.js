@@ -2,6 +2,10 @@
 import { BufferAttribute, BufferGeometry, LineSegments, Mesh, Scene, Sphere, Texture, LinearMipmapLinearFilter } from 'three';
 import { hatchMaterial, kLooks, makeUniforms, surfaceMaterial, wireMaterial } from './materials.js';
 
+const kWireOpacity = 0.5;
+const kLeastWireOpacity = 0.1;
+const kFreeSide_px = 10; // triangles of this side and larger ones leave their surface visible
+
 // The photograph on the graphics card; smaller where that takes no such large one.
 export async function makeTexture(image, renderer) {
   const options = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' };
@@ -115,6 +119,14 @@ export class Relief {
     this.wireframe = shown;
     if (shown && !this.wires[this.level]) this.wires[this.level] = this.#makeWire();
     this.wires.forEach((wire, i) => { if (wire) wire.visible = shown && i === this.level; });
+  }
+
+  // Lines a few px apart would cover the surface: they are drawn fainter the closer they lie. area: of the relief
+  // on the screen, px^2.
+  fadeWire(area) {
+    const triangles = this.mesh.geometry.index.count / 3;
+    const side_px = Math.sqrt((2.3 * area) / triangles); // of an equilateral triangle
+    this.wire.uniforms.opacity.value = Math.min(kWireOpacity, Math.max(kLeastWireOpacity, (kWireOpacity * side_px) / kFreeSide_px));
   }
 
   // All sides of all triangles: what two of them share is drawn twice, which nobody sees.

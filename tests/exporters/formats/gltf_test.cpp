@@ -148,10 +148,11 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
         config.texture = format;
         const tinygltf::Model model = exported(mesh, &texture, config);
         const tinygltf::Material& material = model.materials.at(0);
-        EXPECT_TRUE(material.extensions.empty() && model.extensionsUsed.empty());
-        EXPECT_EQ(material.emissiveFactor, (std::vector<double>{1, 1, 1}));
-        EXPECT_EQ(material.emissiveTexture.index, material.pbrMetallicRoughness.baseColorTexture.index);
-        EXPECT_EQ(material.pbrMetallicRoughness.baseColorFactor, (std::vector<double>{0, 0, 0, 1}));
+        EXPECT_TRUE(material.extensions.contains("KHR_materials_unlit"));
+        EXPECT_EQ(model.extensionsUsed, std::vector<std::string>{"KHR_materials_unlit"});
+        EXPECT_TRUE(model.extensionsRequired.empty());
+        EXPECT_EQ(material.emissiveTexture.index, -1);
+        EXPECT_EQ(material.pbrMetallicRoughness.baseColorFactor, (std::vector<double>{1, 1, 1, 1}));
         EXPECT_TRUE(material.doubleSided);
         EXPECT_EQ(material.pbrMetallicRoughness.metallicFactor, 0);
         EXPECT_EQ(material.pbrMetallicRoughness.roughnessFactor, 1);
@@ -180,7 +181,10 @@ TEST_P(Gltf, MaterialDecidesAboutNormals) {
         const bool is_unlit = material == MaterialKind::unlit;
         EXPECT_EQ(model.materials.at(0).extensions.contains("KHR_materials_unlit"), is_unlit);
         EXPECT_EQ(model.extensionsUsed.size(), is_unlit ? 1u : 0u);
-        EXPECT_EQ(model.materials[0].emissiveTexture.index, material == MaterialKind::emissive ? 0 : -1);
+        const bool is_emissive = material == MaterialKind::emissive;
+        EXPECT_EQ(model.materials[0].emissiveTexture.index, is_emissive ? 0 : -1);
+        EXPECT_EQ(model.materials[0].emissiveFactor, std::vector<double>(3, is_emissive ? 1 : 0));
+        EXPECT_EQ(model.materials[0].pbrMetallicRoughness.baseColorFactor[0], is_emissive ? 0 : 1);
         return model.meshes.at(0).primitives.at(0).attributes.contains("NORMAL");
     };
     EXPECT_FALSE(written(MaterialKind::emissive, NormalsKind::automatic));

@@ -27,19 +27,21 @@ TEST_P(Describe, TellsWhatWasWritten) {
     EXPECT_EQ(out.format, format);
     EXPECT_EQ(out.vertices, 432);
     EXPECT_EQ(out.triangles, 782);
-    EXPECT_EQ(out.normals, format != "stl");
-    EXPECT_EQ(out.texcoords, textured && format != "ply" && format != "stl");
+    const bool is_bare = format == "stl" || format == "3mf";
+    EXPECT_EQ(out.normals, !is_bare);
+    EXPECT_EQ(out.texcoords, textured && format != "ply" && !is_bare);
     EXPECT_EQ(out.colors, textured && format == "ply");
     EXPECT_EQ(out.compression, draco || format == "drc" ? "draco" : "none");
-    EXPECT_EQ(out.texture_bytes > 0, textured && format != "ply" && format != "drc" && format != "stl");
+    EXPECT_EQ(out.texture_bytes > 0, textured && format != "ply" && format != "drc" && !is_bare);
     EXPECT_EQ(out.generator, format == "drc" ? "" : exporters::kGenerator);
     ASSERT_TRUE(out.has_bounds);
     const float tolerance = out.compression == "draco" ? 2.f / 4095 : 0;
-    EXPECT_NEAR(out.min.x, -1, tolerance);
-    EXPECT_NEAR(out.max.x, 1, tolerance);
-    EXPECT_NEAR(out.min.y, -0.5, tolerance);
-    EXPECT_NEAR(out.max.y, 0.5, tolerance);
-    EXPECT_LT(out.max.z, -1.6);
+    const float scale = format == "3mf" ? 1000 : 1;  // whose numbers are mm
+    EXPECT_NEAR(out.min.x, -scale, tolerance);
+    EXPECT_NEAR(out.max.x, scale, tolerance);
+    EXPECT_NEAR(out.min.y, -0.5f * scale, tolerance);
+    EXPECT_NEAR(out.max.y, 0.5f * scale, tolerance);
+    EXPECT_LT(out.max.z, -1.6f * scale);
     if (paths.size() == 3) {
         EXPECT_EQ(out.texture_bytes, static_cast<long long>(std::filesystem::file_size(paths[2])));
     }
@@ -52,7 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Files, Describe,
                                            Case{"a.drc", false, false}, Case{"two words.obj", false, true},
                                            Case{"a.obj", false, false}, Case{"a.ply", false, true},
                                            Case{"a.ply", false, false}, Case{"a.stl", false, true},
-                                           Case{"a.usdz", false, true}, Case{"a.usdz", false, false}),
+                                           Case{"a.3mf", false, true}, Case{"a.usdz", false, true},
+                                           Case{"a.usdz", false, false}),
                          [](const auto& instance) { return std::to_string(instance.index); });
 
 TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {

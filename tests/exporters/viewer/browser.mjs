@@ -9,9 +9,10 @@ export function launch(modules) {
   return chromium.launch({ executablePath: '/usr/bin/chromium', args: kArguments });
 }
 
-// A page, once it shows its relief or says why not. `complaints` grows by what it logs and asks for.
+// A page, once it shows its relief or says why not. `complaints` grows by what it logs and asks for. It does not sway,
+// unless options say so.
 export async function open(browser, file, options = {}, script = undefined) {
-  const context = await browser.newContext({ acceptDownloads: true, ...options });
+  const context = await browser.newContext({ acceptDownloads: true, reducedMotion: 'reduce', ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(10000);
   const complaints = [];

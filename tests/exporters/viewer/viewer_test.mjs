@@ -265,7 +265,7 @@ await check('the keyboard alone reaches everything', async () => {
   await page.keyboard.press('h'); // the panel is back
   await page.evaluate(() => document.activeElement.blur());
   const reached = new Set();
-  for (let i = 0; i < 25; ++i) {
+  for (let i = 0; i < 28; ++i) {
     await page.keyboard.press('Tab');
     reached.add(await page.evaluate(() => {
       const { id, name, tagName } = document.activeElement;
@@ -273,7 +273,7 @@ await check('the keyboard alone reaches everything', async () => {
     }));
   }
   const wanted = ['view', 'back', 'wiggle', 'measure', 'look', 'wireframe', 'flat', 'holes', 'lift', 'level', 'fullscreen',
-    'picture', 'mesh-file', 'SUMMARY'];
+    'picture', 'mesh-file', 'small-mesh-file', 'panel', 'SUMMARY'];
   assert.deepEqual(wanted.filter((id) => !reached.has(id)), []);
   await page.focus('#view');
   await page.keyboard.press('m');
@@ -283,6 +283,28 @@ await check('the keyboard alone reaches everything', async () => {
   assert.match(await page.textContent('#status'), /Distance: /);
   await page.keyboard.press('Escape');
   await page.keyboard.press('p');
+});
+
+await check('the mesh is saved as a GLB that needs no extension', async () => {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.evaluate(() => document.getElementById('mesh-file').click())]);
+  const glb = readFileSync(await download.path());
+  assert.equal(glb.readUInt32LE(8), glb.length);
+  const json = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString());
+  assert.equal(json.extensionsRequired, undefined);
+  const [{ attributes, indices }] = json.meshes[0].primitives;
+  const { levels } = await page.evaluate(() => JSON.parse(document.getElementById('facts').textContent));
+  assert.equal(json.accessors[indices].count, 3 * levels[0].triangles);
+  assert.equal(json.accessors[attributes.POSITION].count, levels[0].vertices);
+  assert.equal(json.images.length, 1);
+});
+
+await check('the relief sways at first sight, until it is touched', async () => {
+  const { page: swaying } = await open(browser, file, { reducedMotion: 'no-preference' });
+  const isPressed = () => swaying.getAttribute('#wiggle', 'aria-pressed');
+  assert.equal(await isPressed(), 'true');
+  await swaying.mouse.click(60, 60);
+  assert.equal(await isPressed(), 'false');
+  await swaying.context().close();
 });
 
 await check('everything has a name, and nothing is wider than 360 px', async () => {

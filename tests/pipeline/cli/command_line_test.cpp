@@ -1,6 +1,9 @@
 // The built program: help, errors and exit codes.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -106,6 +109,13 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing_px=200"}), 2, "mesh.spacing_px: 200 is");
     expect_failure(pair_arguments({"-o", out, "--set", "input.calibration.cx=1e4"}), 3, "(10000, ");
     EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(CommandLine, NoMeshGoesToATerminal) {
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    ASSERT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+    EXPECT_EQ(run_program_into(ptsname(terminal), pair_arguments({"-o", "-"})), 2);
+    close(terminal);
 }
 
 TEST(CommandLine, ConfigErrorsNameFileAndLine) {
