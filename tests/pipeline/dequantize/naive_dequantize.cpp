@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/mesher/naive_slope.h"
+#include "tests/mesher/surface/oracle/naive_slope.h"
 
 namespace hexrelief::dequantize::naive {
 namespace {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <set>
 
+#include "naive_slope.h"
 #include "oracle_parts.h"
-#include "tests/mesher/naive_slope.h"
 
 namespace hexrelief::surface::oracle {
 namespace {
