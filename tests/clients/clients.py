@@ -3,7 +3,8 @@
 every program of Debian's and npm's that is here. Prints what each makes of each file, and names what it skipped.
 
 A picture "shows colours" where what differs from its ground is coloured as the sample is; all pictures are in
-DIR/pictures, to be looked at. Exits with 1 where a program that is here does not show the colours of relief.glb.
+DIR/pictures, to be looked at. Exits with 1 where a program that is here does not show the colours of relief.glb,
+or of relief-emissive.glb if it does not know the unlit material.
 
 Debian's packages: blender, python3-open3d, assimp-utils, f3d, python3-vtk9, chromium, xvfb, xauth, python3-pil, nodejs, npm.
 """
@@ -22,7 +23,7 @@ PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's modules
 FILES = {  # name -> settings
     "relief.glb": [],
     "relief-lit.glb": ["export.material=lit"],
-    "relief-unlit.glb": ["export.material=unlit"],
+    "relief-emissive.glb": ["export.material=emissive"],
     "relief-draco.glb": ["export.compression=draco"],
     "relief-meshopt.glb": ["export.compression=meshopt"],
     "relief-quantized.glb": ["export.compression=quantized"],
@@ -125,7 +126,7 @@ def assimp(files, wanted):
 
 
 def npm_programs(out, files_folder, pictures, wanted):
-    if not any(map(wanted, ("gltf-validator", "glTF-Transform", "three.js", "model-viewer", "Babylon.js"))):
+    if not any(map(wanted, ("gltf-validator", "glTF-Transform", "three.js", "model-viewer", "Cesium", "Babylon.js"))):
         return
     modules = out / "npm"
     if not shutil.which("npm"):
@@ -142,7 +143,7 @@ def npm_programs(out, files_folder, pictures, wanted):
     if browser:
         runs.append(["node", HERE / "web.mjs", modules, files_folder, pictures, browser])
     else:
-        yield "three.js, model-viewer, Babylon.js", "", "", "SKIPPED: needs the package chromium"
+        yield "three.js, model-viewer, Cesium, Babylon.js", "", "", "SKIPPED: needs the package chromium"
     for command in runs:
         run = subprocess.run(command, capture_output=True, text=True)
         if run.returncode:
@@ -173,7 +174,9 @@ def main():
         for name, version, file, said in results:
             print(f"{name:15} {version:28} {file:22} {said}", flush=True)
             skipped += said.startswith("SKIPPED")
-            shown = file == "relief.glb" and (name in PICTURED or name in ("three.js", "model-viewer", "Babylon.js"))
+            told_unlit = name not in ("f3d", "VTK")  # Debian's do not know the unlit material
+            shown = file == ("relief.glb" if told_unlit else "relief-emissive.glb") and (
+                name in PICTURED or name in ("three.js", "model-viewer", "Cesium", "Babylon.js"))
             failed += shown and not said.startswith("shows colours")
     print(f"{failed} programs do not show relief.glb, {skipped} skipped")
     return 1 if failed else 0
