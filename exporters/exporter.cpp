@@ -59,6 +59,23 @@ SurfaceMesh turned(SurfaceMesh mesh, const std::array<double, 2>& up) {
     return mesh;
 }
 
+// Returns the camera whose picture the mesh fills: the given one's picture lies on its side.
+Calibration framing(const SurfaceMesh& mesh, Calibration camera) {
+    double left = 0, right = 0, top = 0, bottom = 0;
+    bool is_first = true;
+    for (const Vec3f& v : mesh.positions) {
+        if (!(v.z < 0)) continue;
+        const double x = camera.focal_px * v.x / -v.z, y = camera.focal_px * v.y / v.z;
+        left = is_first ? x : std::min(left, x), right = is_first ? x : std::max(right, x);
+        top = is_first ? y : std::min(top, y), bottom = is_first ? y : std::max(bottom, y);
+        is_first = false;
+    }
+    camera.cx = -left, camera.cy = -top;
+    camera.width = std::max(1, static_cast<int>(std::ceil(right - left)));
+    camera.height = std::max(1, static_cast<int>(std::ceil(bottom - top)));
+    return camera;
+}
+
 // A scene whose meshes stand upright; it owns them.
 struct UprightScene {
     explicit UprightScene(const Scene& given) : scene(given), meshes{turned(*given.mesh, given.up)} {
@@ -66,9 +83,13 @@ struct UprightScene {
         scene.up = {0, 1};
         scene.mesh = &meshes[0];
         for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
+        if (!given.camera) return;
+        camera = framing(meshes[0], *given.camera);
+        scene.camera = &camera;
     }
     Scene scene;
     std::vector<SurfaceMesh> meshes;
+    Calibration camera;
 };
 
 }  // namespace
@@ -87,8 +108,11 @@ void export_scene(const Scene& scene, const ExportConfig& asked, const std::file
     const MeshFormat& format = export_format(path);
     const ExportConfig config = with_normals_decided(scene, asked, format);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
-    if (scene.up != std::array<double, 2>{0, 1})
-        return export_scene(UprightScene(scene).scene, asked, path, files);
+    if (scene.up != std::array<double, 2>{0, 1}) {
+        ExportConfig without_camera = asked;  // a glTF camera's axis goes through the middle of its picture
+        without_camera.camera = false;
+        return export_scene(UprightScene(scene).scene, without_camera, path, files);
+    }
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
     if (!format.has_separate_levels(config)) {

@@ -66,8 +66,8 @@ Json camera_json(const Scene& scene) {
             {"baseline_m", camera.baseline_m},
             {"doffs_px", camera.doffs_px},
             {"metric", camera.metric},
-            {"width", scene.image_width},
-            {"height", scene.image_height}};
+            {"width", camera.width > 0 ? camera.width : scene.image_width},
+            {"height", camera.height > 0 ? camera.height : scene.image_height}};
 }
 
 Json levels_json(const Scene& scene) {

@@ -32,7 +32,7 @@ struct DisparityBounds {
     double least_px = 0, largest_px = 0;  // of nearly all matches that their neighbours support
     double median_px = 0;
     double infinity_px = 0;
-    // False if the farthest point may be anywhere: the scene is then taken to be three tenths as deep as it
+    // False if the farthest point may be anywhere: the scene is then taken to be a quarter as deep as it
     // is wide.
     bool is_infinity_known = false;
 };

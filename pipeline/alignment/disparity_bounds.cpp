@@ -12,7 +12,7 @@ namespace {
 constexpr double kLeastYawDeviation = 0.15 * kDegree, kLeastYawDeviationGuessed = 0.3 * kDegree;
 // Farthest over nearest distance, at most: if infinity is not known, and if it is.
 constexpr double kFarthest = 4, kFarthestKnown = 40;
-constexpr double kDeepForWide = 0.3;  // a scene whose infinity is not known: its depth over its width
+constexpr double kDeepForWide = 0.25;  // a scene whose infinity is not known: its depth over its width
 constexpr std::size_t kNeighbours = 8, kSupporting = 3;
 constexpr double kSupport_px = 2, kSupportSlope = 0.1;
 constexpr std::size_t kLeastForSupport = 30, kLeastSupported = 20;

@@ -91,8 +91,8 @@ TEST(Alignment, DisparitiesAreThoseOfTheScene) {
     EXPECT_GT(found.least_px, 0);
 }
 
-TEST(Alignment, ASceneOfUnknownDepthIsThreeTenthsAsDeepAsWide) {
-    for (const auto& [focal_px, farthest] : {std::pair{640.0, 1 / 0.7}, {1280.0, 1 / 0.85}, {160.0, 4.0}}) {
+TEST(Alignment, ASceneOfUnknownDepthIsAQuarterAsDeepAsWide) {
+    for (const auto& [focal_px, farthest] : {std::pair{640.0, 1 / 0.75}, {1280.0, 1 / 0.875}, {160.0, 4.0}}) {
         std::vector<Match> matches;  // from -10 to 10 px: a stereo window
         for (int i = 0; i <= 400; ++i) matches.push_back({{i + i / 20.0 - 10, 9}, {1.0 * i, 9}});
         const DisparityBounds bounds = bounds_as_given(as_given({640, 480, focal_px}, matches), 1);
