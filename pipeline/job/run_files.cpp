@@ -52,7 +52,8 @@ void check_names(const RunRequest& request) {
     names.insert(names.end(), {request.report, request.depfile, request.stages_folder});
     for (const fs::path& name : names)
         if (name.native().find('\0') != std::string::npos)
-            refuse("the name '" + name.string() + "' holds a byte of 0; no file has such a name");
+            refuse(std::string("the name '") + name.c_str() +
+                   "' goes on behind a byte of 0; no file has such a name");
 }
 
 // True if the run may rectify its pair, which only the calibration file's contents decide.

@@ -108,6 +108,13 @@ TEST(Inputs, APictureIsTurnedByItsOrientationUnlessThatIsOff) {
     expect_failure(off, 3, "same aspect");
 }
 
+TEST(Inputs, InfoTellsTheCameraInAnArchive) {
+    const std::string told = run_program({"info", kInputs / "rig.npz"}).out;
+    EXPECT_NE(told.find("K: 3 x 3"), std::string::npos) << told;
+    EXPECT_NE(told.find("0.16 m"), std::string::npos) << told;
+    EXPECT_EQ(told.find("cannot read"), std::string::npos) << told;
+}
+
 TEST(Inputs, OnePictureTwiceIsAnErrorWhereStrict) {
     const TemporaryFolder folder;
     const std::string left = kInputs / "left.png";
