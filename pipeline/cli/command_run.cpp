@@ -96,9 +96,10 @@ void add_run_options(Command& command, FileRequest& files, Options& options, Ver
 void run_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
     for (const std::string& output : files.outputs)
         if (files::is_standard_output(output) && isatty(STDOUT_FILENO))
-            throw Error(ErrorKind::usage, "-o " + output +
-                                              ": the standard output is a terminal, which cannot show a mesh; "
-                                              "redirect it, as in '-o - > relief.glb'");
+            throw Error(ErrorKind::usage,
+                        "-o " + output +
+                            ": the standard output is a terminal, which cannot show a mesh; "
+                            "redirect it, as in '-o - > relief.glb'");
     const auto begun = std::chrono::steady_clock::now();
     const bool quiet = verbosity == Verbosity::quiet, verbose = verbosity == Verbosity::verbose;
     Options said = options;

@@ -76,8 +76,7 @@ double texture_bytes(const LeftView& view, const SurfaceResult& result,
     const exporters::ExportConfig config = with_texture(result.config.exporting, texture);
     const exporters::Scene scene = scene_of(view, result, {});
     return static_cast<double>(
-        exporters::encode_texture(scene, exporters::textured_mesh(scene, config), config)
-            .bytes.size());
+        exporters::encode_texture(scene, exporters::textured_mesh(scene, config), config).bytes.size());
 }
 
 }  // namespace

@@ -149,8 +149,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     if (config.lod_storage == LevelStorage::files) levels.resize(1);
     std::future<EncodedTexture> encoded;
     if (levels[0].textured)
-        encoded =
-            start_work(scene.threads, [&] { return encode_texture(scene, levels[0], config); });
+        encoded = start_work(scene.threads, [&] { return encode_texture(scene, levels[0], config); });
     std::vector<GltfGeometry> geometries;
     for (const TexturedMesh& level : levels) geometries.push_back(add_geometry(parts, level, scene, config));
     if (levels[0].textured) {

@@ -12,6 +12,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/other_views/other_view.h"
+#include "tests/pipeline/process.h"
 #include "tests/pipeline/stages/expect_error.h"
 
 namespace hexrelief::job {
@@ -24,8 +25,6 @@ using stages::expect_error;
 class ProgramMatcherTest : public testing::Test {
   protected:
     ProgramMatcherTest() {
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
         const fs::path samples = fs::path(HEXRELIEF_SOURCE_DIR) / "samples";
         pair_ = {readers::read_image(samples / "left.png"), readers::read_image(samples / "right.png")};
         left_ = readers::read_disparity_map(samples / "disparity.pfm", {});
@@ -34,7 +33,6 @@ class ProgramMatcherTest : public testing::Test {
         config_.timeout_s = 60;
         write(left_, mirrored_right());
     }
-    ~ProgramMatcherTest() override { fs::remove_all(folder_); }
 
     // A map of the right view: each pixel has the nearest disparity that the left view shows of it.
     DisparityMap right() const {
@@ -75,7 +73,8 @@ class ProgramMatcherTest : public testing::Test {
         EXPECT_EQ(maps.right.values, right().values);
     }
 
-    fs::path folder_ = fs::path(testing::TempDir()) / "program_matcher_test";
+    const test::TemporaryFolder place_;
+    const fs::path folder_ = place_.path();
     StereoPair pair_;
     DisparityMap left_;
     stages::DisparityConfig config_;
