@@ -1,16 +1,14 @@
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
 #include <memory>
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
+#include "pipeline/cli/standard_output.h"
 #include "pipeline/cli/summary.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/terminal/progress_line.h"
 #include "pipeline/data/error.h"
-#include "pipeline/files/output_set.h"
 
 namespace hexrelief::cli {
 namespace {
@@ -94,12 +92,7 @@ void add_run_options(Command& command, FileRequest& files, Options& options, Ver
 }
 
 void run_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
-    for (const std::string& output : files.outputs)
-        if (files::is_standard_output(output) && isatty(STDOUT_FILENO))
-            throw Error(ErrorKind::usage,
-                        "-o " + output +
-                            ": the standard output is a terminal, which cannot show a mesh; "
-                            "redirect it, as in '-o - > relief.glb'");
+    refuse_terminal(files.outputs);
     const auto begun = std::chrono::steady_clock::now();
     const bool quiet = verbosity == Verbosity::quiet, verbose = verbosity == Verbosity::verbose;
     Options said = options;

@@ -165,9 +165,11 @@ TEST(CutDisparityMesh, KeepsAFloorAtAGrazingAngleWhole) {
 }
 
 TEST(CutDisparityMesh, KeepsAFloorWithUnevenStepsAndFoldsWhole) {
-    // as of a cloth: a slope of 0.5 px a row in whole pixels with steps of 3 px, and a fold that hides six
-    // rows
-    const auto cloth_at = [](double, double y) { return 20 + 3 * std::floor(y / 6); };
+    // as of a cloth: a slope of 0.5 px a row in whole pixels, in its middle with steps of 3 px, and a fold
+    // that hides six rows
+    const auto cloth_at = [](double, double y) {
+        return 20 + (y < 24 || y >= 84 ? std::floor(0.5 * y) : 3 * std::floor(y / 6));
+    };
     EXPECT_EQ(components(Scene(cloth_at).open()), 1u);
     const auto folded_at = [](double, double y) { return 20 + 0.5 * y + (y > 50 ? 3 : 0); };
     EXPECT_EQ(components(Scene(folded_at).open()), 1u);

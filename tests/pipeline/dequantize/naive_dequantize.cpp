@@ -53,7 +53,7 @@ Level finest(const DisparityMap& map, double half) {
         for (int x = 0; x < map.width; ++x) {
             const int i = level.at(x, y);
             level.right[i] = x + 1 < map.width && joined(i, i + 1);
-            const NaiveColumn column{
+            const surface::NaiveColumn column{
                 [&](int k) { return static_cast<float>(level.given[i + k * map.width]); }, y,
                 map.height - 2 - y};
             level.below[i] = y + 1 < map.height && (joined(i, i + map.width) || column.is_slope(1.0001f));

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-namespace hexrelief {
+namespace hexrelief::surface {
 
 // A column as seen from a step, which lies between the pixels 0 and 1.
 struct NaiveColumn {
@@ -74,4 +74,4 @@ struct NaiveColumn {
     bool is_slope(float least) const { return is_like_steps_around(least) || is_explained_by_lines(); }
 };
 
-}  // namespace hexrelief
+}  // namespace hexrelief::surface
