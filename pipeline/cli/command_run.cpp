@@ -8,7 +8,6 @@
 #include "pipeline/cli/summary.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/terminal/progress_line.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief::cli {
 namespace {
