@@ -69,7 +69,10 @@ const setValue = (id, value) => page.evaluate(([control, to]) => {
 
 assert.equal(await page.evaluate(() => document.body.dataset.state), 'ready');
 await page.keyboard.press('h'); // without the panel the view has the photograph's size
-await page.evaluate(() => { document.getElementById('view').style.outline = 'none'; });
+await page.evaluate(() => {
+  document.getElementById('view').style.outline = 'none';
+  document.getElementById('panel').style.opacity = 0; // it lies on the view
+});
 await setSwitch('holes', false);
 await settle(page);
 const { name: savedName, picture: saved } = await savedPicture();
@@ -286,7 +289,8 @@ await check('the keyboard alone reaches everything', async () => {
 });
 
 await check('the mesh is saved as a GLB that needs no extension', async () => {
-  const [download] = await Promise.all([page.waitForEvent('download'), page.evaluate(() => document.getElementById('mesh-file').click())]);
+  const [download] = await Promise.all(
+    [page.waitForEvent('download'), page.evaluate(() => document.getElementById('mesh-file').click())]);
   const glb = readFileSync(await download.path());
   assert.equal(glb.readUInt32LE(8), glb.length);
   const json = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString());
