@@ -27,6 +27,8 @@ constexpr std::size_t kLongestLine = 65536;
 constexpr std::size_t kKept = 4096;  // of what is printed for people: enough for its last line
 constexpr int kNotStarted = 127;     // exit code of shells for this
 constexpr int kSlice_ms = 50;        // between two looks at the program, and at the clock
+constexpr int kLooksAtClosed = 40;   // at a program that closed its streams and goes on
+constexpr int kParts = 32;           // of 4 KiB: more than two pipes hold
 
 using Ends = std::array<int, 2>;
 
@@ -138,6 +140,11 @@ bool ChildProgram::read_some(int wait_ms) {
     return output_ >= 0 || errors_ >= 0;
 }
 
+void ChildProgram::read_rest() {
+    // Not until the streams' end: what the program started may keep them open.
+    for (int part = 0; part < kParts && (output_ >= 0 || errors_ >= 0); ++part) read_some(0);
+}
+
 void ChildProgram::write_line(const std::string& line) {
     const std::string text = line + "\n";
     for (std::size_t written = 0; written < text.size();) {
@@ -149,7 +156,7 @@ void ChildProgram::write_line(const std::string& line) {
 
 std::string ChildProgram::read_line(double timeout_s) {
     const double until = now_seconds() + timeout_s;
-    for (;;) {
+    for (int looks_at_closed = 0;;) {
         if (const std::size_t end = printed_.find('\n'); end != std::string::npos) {
             std::string line = printed_.substr(0, end);
             printed_.erase(0, end + 1);
@@ -157,14 +164,13 @@ std::string ChildProgram::read_line(double timeout_s) {
         }
         if (printed_.size() > kLongestLine) fail("printed a line of more than 64 KiB in place of an answer");
         const bool is_open = read_some(kSlice_ms);
+        const bool ended = has_ended();
+        if (ended) read_rest();
         if (printed_.find('\n') != std::string::npos) continue;
-        if (has_ended()) {
-            while (read_some(0)) {
-            }
-            if (status_ != 0) fail_by_status();
-            fail("ended without an answer");
-        }
-        if (!is_open) fail("closed its output without an answer");
+        if (ended && status_ != 0) fail_by_status();
+        if (ended) fail("ended without an answer");
+        // Streams close a moment before a program that ends can be waited for.
+        if (!is_open && ++looks_at_closed > kLooksAtClosed) fail("closed its output without an answer");
         if (now_seconds() > until)
             fail("gave no answer within disparity.timeout_s, " + fixed(timeout_s, 0) + " s");
     }
@@ -174,15 +180,12 @@ void ChildProgram::finish(double timeout_s) {
     close_end(input_);
     const double until = now_seconds() + timeout_s;
     while (!has_ended()) {
-        if (read_some(kSlice_ms))
-            printed_.clear();  // for people, who read the error stream's last line
-        else
-            ::poll(nullptr, 0, kSlice_ms);
+        read_some(kSlice_ms);
+        printed_.clear();  // for people, who read the error stream's last line
         if (now_seconds() > until)
             fail("did not end within disparity.timeout_s, " + fixed(timeout_s, 0) + " s");
     }
-    // Not until its end: what it started may keep the stream open.
-    if (errors_ >= 0) read_some(0);
+    read_rest();
     if (status_ != 0) fail_by_status();
 }
 

@@ -31,6 +31,7 @@ class ChildProgram {
     // Reads what there is into the buffers, for at most `wait_ms`. Returns false once both streams are at
     // their end.
     bool read_some(int wait_ms);
+    void read_rest();  // what a program that ended has left in its streams
     void take(int& stream, std::string& kept);
     [[noreturn]] void fail(const std::string& what);
     [[noreturn]] void fail_by_status();

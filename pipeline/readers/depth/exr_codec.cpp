@@ -12,6 +12,7 @@
 #include <ImfTileDescription.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "pipeline/readers/depth/map_names.h"
@@ -44,10 +45,38 @@ class Stream : public Imf::IStream {
     std::uint64_t at_ = 0;
 };
 
+// Refuses a header with an attribute longer than the file: the library takes memory for it before it reads.
+// An attribute is a name and a type, each ended by a zero, four bytes of length and the value; an empty name
+// ends the header of a part, and another one those of several parts.
+void check_attributes(const SourceFile& source) {
+    std::array<std::uint8_t, 520> head{};  // holds the longest names
+    source.read_at(0, head.data(), 8);
+    const bool has_parts = (head[5] & 0x10) != 0;
+    bool ended = false;
+    for (std::uint64_t at = 8;;) {
+        const auto end =
+            head.begin() + static_cast<std::ptrdiff_t>(source.read_at(at, head.data(), head.size()));
+        const auto name_end = std::find(head.begin(), end, 0);
+        if (name_end == end || (name_end == head.begin() && (!has_parts || ended))) return;
+        ended = name_end == head.begin();
+        if (ended) {
+            ++at;
+            continue;
+        }
+        const auto type_end = std::find(name_end + 1, end, 0);
+        if (end - type_end < 5) return;
+        std::uint32_t length = 0;
+        for (int i = 4; i > 0; --i) length = length << 8 | type_end[i];
+        at += static_cast<std::uint64_t>(type_end + 5 - head.begin()) + length;
+        if (at > source.size()) throw Iex::InputExc("an attribute is longer than the file");
+    }
+}
+
 // Calls read(), and refuses the file if the library does.
 template <typename Read>
 auto guarded(const SourceFile& source, Read read) {
     try {
+        check_attributes(source);
         return read();
     } catch (const Iex::BaseExc& error) {
         refuse(source.path,

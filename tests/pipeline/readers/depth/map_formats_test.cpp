@@ -247,6 +247,20 @@ TEST(Exr, TheChannelIsTheOnlyOneUsualOrNamed) {
     EXPECT_TRUE(found->is_float);
 }
 
+TEST(Exr, AttributesLongerThanTheFileAreRefused) {
+    const std::array<int, 4> window{0, 0, 1, 0};
+    const std::string name("displayWindow\0box2i", 20);  // with the zeros after both words
+    for (const Bytes& good :
+         {make_exr(2, 1, {{"Z", {1, 2}}}),
+          make_exr_parts({{"a", {{"A", {3, 4}}}, window, window}, {"b", {{"Z", {1, 2}}}, window, window}})}) {
+        Bytes bad = good;
+        const auto found = std::find_end(bad.begin(), bad.end(), name.begin(), name.end());
+        ASSERT_NE(found, bad.end());
+        found[23] = 0x60;  // 1.5 GiB
+        EXPECT_CONTAINS(error_in(bad), "an attribute is longer than the file");
+    }
+}
+
 TEST(Exr, ThePartIsTheOneWithTheUsualNameOrNamed) {
     const std::vector<float> near = {1, 2, 3, 4, 5, 6}, far = {7, 8, 9, 10, 11, 12};
     const std::array<int, 4> window{0, 0, 2, 1};
