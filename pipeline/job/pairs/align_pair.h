@@ -17,7 +17,7 @@ namespace hexrelief::job {
 struct PairCamera {
     Calibration calibration;
     bool is_focal_known = false, is_baseline_known = false;
-    std::string focal_from, baseline_from;
+    std::string focal_from = {}, baseline_from = {};
 };
 
 // How a pair was given.

@@ -294,7 +294,8 @@ TEST(ReadTiff, FloatColoursAreOfZeroToOne) {
 }
 
 TEST(FloatColors, LinearLightIsEncoded) {
-    codec::Raster raster{2, 1, 3};
+    codec::Raster raster;
+    raster.width = 2, raster.height = 1, raster.channels = 3;
     raster.samples = std::vector<float>{0, 0.0002f, 0.2140f, 0.5f, 0.9999f, 1};
     const codec::Raster bytes = codec::to_bytes(raster, codec::FloatColors::linear, "a.exr");
     EXPECT_EQ(std::get<Bytes>(bytes.samples), (Bytes{0, 1, 127, 188, 255, 255}));
