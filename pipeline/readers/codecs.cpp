@@ -4,6 +4,8 @@
 #include <array>
 #include <string_view>
 
+#include "pipeline/readers/parse_text.h"
+
 namespace hexrelief::readers::codec {
 namespace {
 
@@ -13,10 +15,6 @@ bool begins(std::span<const std::uint8_t> head, std::string_view magic, std::siz
     return head.size() >= at + magic.size() &&
            std::equal(magic.begin(), magic.end(), head.begin() + at,
                       [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
-}
-
-bool is_space(std::uint8_t c) {
-    return c == ' ' || (c >= '\t' && c <= '\r');
 }
 
 // The letters "P5" might begin any text, so a white space or a comment must follow.

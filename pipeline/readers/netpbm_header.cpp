@@ -5,14 +5,6 @@
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
-namespace {
-
-bool is_space(std::uint8_t c) {
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-}  // namespace
-
 std::string_view NetpbmHeader::next_word() {
     const auto& bytes = source_.bytes;
     while (at_ < bytes.size() && (is_space(bytes[at_]) || bytes[at_] == '#')) {

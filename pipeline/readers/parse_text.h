@@ -8,6 +8,11 @@
 
 namespace hexrelief::readers::codec {
 
+// True of blanks, tabulators and line ends in the C locale.
+constexpr bool is_space(unsigned char c) {
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
 std::string_view trim(std::string_view text);
 
 // Returns the words between white space; commas count as white space.

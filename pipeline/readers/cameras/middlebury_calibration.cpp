@@ -10,13 +10,13 @@ namespace {
 
 using Lines = std::map<std::string, std::string, std::less<>>;
 
-std::string_view without_comment(std::string_view line) {
+std::string_view before_hash(std::string_view line) {
     return line.substr(0, line.find('#'));
 }
 
 bool is_middlebury(std::string_view text) {
     for (std::string_view line : lines(text)) {
-        const std::size_t equals = without_comment(line).find('=');
+        const std::size_t equals = before_hash(line).find('=');
         if (equals == std::string_view::npos) continue;
         const std::string_view key = trim(line.substr(0, equals));
         if (key == "cam0" || key == "baseline" || key == "cam1") return true;
@@ -24,10 +24,10 @@ bool is_middlebury(std::string_view text) {
     return false;
 }
 
-Lines read_lines(const CalibrationText& source) {
+Lines assignments(const CalibrationText& source) {
     Lines entries;
     for (std::string_view line : lines(source.text)) {
-        line = trim(without_comment(line));
+        line = trim(before_hash(line));
         if (line.empty()) continue;
         const std::size_t equals = line.find('=');
         if (equals == std::string_view::npos) {
@@ -69,7 +69,7 @@ Camera read_camera(CalibrationText& source, const std::string& key, std::string_
 std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     if (!is_middlebury(source.text)) return std::nullopt;
     source.format = "Middlebury";
-    const Lines entries = read_lines(source);
+    const Lines entries = assignments(source);
     const auto require = [&](const char* key) -> const std::string& {
         const auto found = entries.find(key);
         if (found == entries.end())

@@ -10,7 +10,7 @@
 namespace hexrelief::readers::codec {
 namespace {
 
-constexpr int kDeepest = 32;
+constexpr int kDeepestElement = 32;
 
 class XmlReader {
   public:
@@ -69,7 +69,7 @@ class XmlReader {
 
     // Reads one element; `name` receives its name.
     YAML::Node read_element(std::string& name, int depth) {
-        if (depth > kDeepest || !text_.starts_with('<')) refuse_xml();
+        if (depth > kDeepestElement || !text_.starts_with('<')) refuse_xml();
         text_.remove_prefix(1);
         const std::string_view tag = until(">");
         name = name_of(tag);

@@ -10,7 +10,7 @@ namespace hexrelief::readers::codec {
 namespace {
 
 constexpr std::size_t kMostValues = 1u << 18;  // aliases of YAML could ask for any number
-constexpr int kDeepest = 64;
+constexpr int kDeepestNode = 64;
 
 // Removes FileStorage's first line "%YAML:1.0", which is not a valid YAML directive.
 std::string without_directive(const std::string& text) {
@@ -34,7 +34,7 @@ class TreeReader {
     Entries take() { return std::move(entries_); }
 
     void read(const YAML::Node& node, const std::string& name, int depth = 0) {
-        if (depth > kDeepest) refuse_key(source_, excerpt(name), "is nested too deeply");
+        if (depth > kDeepestNode) refuse_key(source_, excerpt(name), "is nested too deeply");
         if (node.IsScalar()) {
             add(name, {node.Scalar()});
         } else if (node.IsSequence()) {

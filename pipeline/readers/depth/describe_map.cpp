@@ -14,7 +14,7 @@
 namespace hexrelief::readers {
 namespace {
 
-std::string number(double value) {
+std::string short_number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.4g", value);
     return text;
@@ -39,8 +39,8 @@ Extent extent_of(const std::vector<float>& values) {
 
 // Returns "0.52 .. 7.31 m, 93.1 % known".
 std::string text_of(const Extent& extent, const char* unit) {
-    return number(extent.least) + " .. " + number(extent.largest) + unit + ", " +
-           number(100 * extent.known_share) + " % known";
+    return short_number(extent.least) + " .. " + short_number(extent.largest) + unit + ", " +
+           short_number(100 * extent.known_share) + " % known";
 }
 
 // Returns the result of text(), or the reason why it refuses the file.
@@ -79,7 +79,7 @@ void add_depths(const codec::Raster& raster, const std::filesystem::path& path, 
 
 void add_disparities(const codec::Raster& raster, const std::filesystem::path& path, double scale,
                      std::vector<std::string>& lines) {
-    add_if_usual(lines, "--disparity-scale " + number(scale), [&]() -> std::string {
+    add_if_usual(lines, "--disparity-scale " + short_number(scale), [&]() -> std::string {
         const Extent extent = extent_of(disparities_of(raster, path, {.scale = scale}).map.values);
         const bool is_usual =
             extent.largest >= kLeastShare * raster.width && extent.largest <= kLargestShare * raster.width;

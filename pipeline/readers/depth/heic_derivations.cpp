@@ -15,7 +15,7 @@ namespace {
 using ItemId = std::uint64_t;
 
 constexpr int kDeepest = 8;
-constexpr long long kMostPictures = 1 << 14;
+constexpr long long kMostParts = 1 << 14;
 
 class Derivations {
   public:
@@ -86,9 +86,9 @@ class Derivations {
                 pictures += part.pictures;
             }
         }
-        if (pictures > kMostPictures)
-            refuse(source_.path, "HEIC: a picture of it is made of more than " +
-                                     std::to_string(kMostPictures) + " others; export it again");
+        if (pictures > kMostParts)
+            refuse(source_.path, "HEIC: a picture of it is made of more than " + std::to_string(kMostParts) +
+                                     " others; export it again");
         item.height = height;
         item.pictures = pictures;
         return item;

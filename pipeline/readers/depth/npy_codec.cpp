@@ -201,7 +201,7 @@ NpyHeader read_any_header(const SourceFile& source) {
     return header;
 }
 
-NpyHeader read_header(const SourceFile& source) {
+NpyHeader read_npy_header(const SourceFile& source) {
     NpyHeader header = read_any_header(source);
     take_shape(source, header);
     return header;
@@ -298,13 +298,13 @@ FileDescription description(const NpyHeader& header) {
 }  // namespace
 
 FileDescription describe_npy(const SourceFile& source) {
-    const NpyHeader header = read_header(source);
+    const NpyHeader header = read_npy_header(source);
     check_samples(source, header);
     return description(header);
 }
 
 Raster decode_npy(const SourceFile& source) {
-    const NpyHeader header = read_header(source);
+    const NpyHeader header = read_npy_header(source);
     check_samples(source, header);
     return read_samples(source, header);
 }

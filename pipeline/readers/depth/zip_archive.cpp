@@ -19,7 +19,7 @@ constexpr std::uint64_t kBestDeflate = 1032;  // most bytes that one byte can st
     refuse(archive.path, "truncated or damaged ZIP archive; copy or save it again");
 }
 
-std::uint32_t number_at(const SourceFile& archive, std::uint64_t at, unsigned bytes) {
+std::uint32_t archive_number(const SourceFile& archive, std::uint64_t at, unsigned bytes) {
     const std::uint64_t size = archive.bytes.size();
     if (at > size || size - at < bytes) refuse_damaged(archive);
     std::uint32_t value = 0;
@@ -34,21 +34,21 @@ std::uint64_t find_end(const SourceFile& archive) {
     if (size < kEndBytes) refuse_damaged(archive);
     const std::uint64_t first = size - std::min<std::uint64_t>(size, kEndBytes + 65535);
     for (std::uint64_t at = size - kEndBytes + 1; at-- > first;)
-        if (number_at(archive, at, 4) == kEndMark) return at;
+        if (archive_number(archive, at, 4) == kEndMark) return at;
     refuse_damaged(archive);
 }
 
 ZipMember member_at(const SourceFile& archive, std::uint64_t at) {
-    if (number_at(archive, at, 4) != kDirectoryMark) refuse_damaged(archive);
+    if (archive_number(archive, at, 4) != kDirectoryMark) refuse_damaged(archive);
     ZipMember member;
-    if (number_at(archive, at + 8, 2) & 1)
+    if (archive_number(archive, at + 8, 2) & 1)
         refuse(archive.path, "it is encrypted; save it without a password");
-    member.method = number_at(archive, at + 10, 2);
-    member.checksum = number_at(archive, at + 16, 4);
-    member.packed_bytes = number_at(archive, at + 20, 4);
-    member.bytes = number_at(archive, at + 24, 4);
-    member.header_at = number_at(archive, at + 42, 4);
-    const unsigned name_bytes = number_at(archive, at + 28, 2);
+    member.method = archive_number(archive, at + 10, 2);
+    member.checksum = archive_number(archive, at + 16, 4);
+    member.packed_bytes = archive_number(archive, at + 20, 4);
+    member.bytes = archive_number(archive, at + 24, 4);
+    member.header_at = archive_number(archive, at + 42, 4);
+    const unsigned name_bytes = archive_number(archive, at + 28, 2);
     if (archive.bytes.size() - at - kDirectoryBytes < name_bytes) refuse_damaged(archive);
     const auto name = archive.bytes.begin() + static_cast<std::ptrdiff_t>(at + kDirectoryBytes);
     member.name.assign(name, name + name_bytes);
@@ -89,15 +89,15 @@ void check_promise(const SourceFile& archive, const ZipMember& member, std::uint
 
 std::vector<ZipMember> list_members(const SourceFile& archive) {
     const std::uint64_t end = find_end(archive);
-    const std::uint32_t count = number_at(archive, end + 10, 2);
+    const std::uint32_t count = archive_number(archive, end + 10, 2);
     if (count > kMostMembers)
         refuse(archive.path, "it has " + std::to_string(count) + " members; save the map's array alone");
-    std::uint64_t at = number_at(archive, end + 16, 4);
+    std::uint64_t at = archive_number(archive, end + 16, 4);
     std::vector<ZipMember> members;
     for (std::uint32_t i = 0; i < count; ++i) {
         members.push_back(member_at(archive, at));
-        at += kDirectoryBytes + member_at(archive, at).name.size() + number_at(archive, at + 30, 2) +
-              number_at(archive, at + 32, 2);
+        at += kDirectoryBytes + member_at(archive, at).name.size() + archive_number(archive, at + 30, 2) +
+              archive_number(archive, at + 32, 2);
     }
     return members;
 }
@@ -106,10 +106,10 @@ namespace {
 
 // Returns where the member's packed bytes begin.
 const std::uint8_t* packed_bytes(const SourceFile& archive, const ZipMember& member) {
-    if (number_at(archive, member.header_at, 4) != kMemberMark) refuse_damaged(archive);
+    if (archive_number(archive, member.header_at, 4) != kMemberMark) refuse_damaged(archive);
     const std::uint64_t start = member.header_at + kMemberBytes +
-                                number_at(archive, member.header_at + 26, 2) +
-                                number_at(archive, member.header_at + 28, 2);
+                                archive_number(archive, member.header_at + 26, 2) +
+                                archive_number(archive, member.header_at + 28, 2);
     const std::uint64_t size = archive.bytes.size();
     if (start > size || size - start < member.packed_bytes) refuse_damaged(archive);
     return archive.bytes.data() + start;
