@@ -75,7 +75,8 @@ TEST(Inputs, EachMeshesTheSameScene) {
         if (relative) continue;
         // The nearest sphere, and no nearer.
         EXPECT_NEAR(report["depth_range"][0].get<double>(), 1.29, 0.1) << shown;
-        EXPECT_LT(report["depth_range"][1].get<double>(), 1.5 * 12.3) << shown << "the horizon is 12.3 m away";
+        EXPECT_LT(report["depth_range"][1].get<double>(), 1.5 * 12.3)
+            << shown << "the horizon is 12.3 m away";
     }
 }
 
