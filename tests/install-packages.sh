@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(
     g++ cmake ninja-build
-    libopencv-calib3d-dev libopencv-contrib-dev  # SGBM; the optional WLS filter
+    libopencv-calib3d-dev  # SGBM
     libopenmesh-dev libdraco-dev libtinygltf-dev nlohmann-json3-dev
     libyaml-cpp-dev libcli11-dev nettle-dev
     libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev zlib1g-dev

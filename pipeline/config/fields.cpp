@@ -52,8 +52,7 @@ std::vector<Field> disparity_fields() {
                "disparity step that ends a speckle", MEMBER(disparity.speckle_range_px)),
         optional("disparity.farthest_px", "px", {-16384, 16384},
                  "matches of a smaller disparity, px of the full pair, are removed in speckles of four times "
-                 "the area; null = by the match of the pair made small, which tells how far the scene goes; "
-                 "not with wls",
+                 "the area; null = by the match of the pair made small, which tells how far the scene goes",
                  MEMBER(disparity.farthest_px)),
         optional(
             "disparity.left_right_check_px", "px", {-1, 1000},
@@ -79,13 +78,6 @@ std::vector<Field> disparity_fields() {
                "sgbm: margin by which the best match must win", MEMBER(disparity.uniqueness_ratio_percent)),
         choice("disparity.mode", {"sgbm", "hh", "sgbm_3way", "hh4"},
                "sgbm: directions of StereoSGBM: 5, 8, 3, 4", MEMBER(disparity.mode)),
-        flag("disparity.wls",
-             "sgbm: edge-preserving weighted least squares filter in place of the refinement",
-             MEMBER(disparity.wls)),
-        number("disparity.wls_lambda", "", {0, 1e6}, "smoothness of that filter",
-               MEMBER(disparity.wls_lambda)),
-        number("disparity.wls_sigma", "", {0.01, 100}, "sensitivity of that filter to the image's edges",
-               MEMBER(disparity.wls_sigma)),
     };
 }
 

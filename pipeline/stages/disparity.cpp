@@ -7,7 +7,6 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/sgbm.h"
-#include "pipeline/stages/view_check.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -69,8 +68,6 @@ void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
     }
     if (const std::string wrong = wrong_disparity_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
-    usage(!config.wls || config.method == DisparityMethod::sgbm,
-          "wls filters StereoSGBM's disparities; set disparity.method to sgbm, or disparity.wls to false");
     // Ranges are rounded up, whether they come from the configuration, the calibration or the pair.
     usage(config.num_disparities_px <= round_up_range(left.width),
           "num_disparities_px " + std::to_string(config.num_disparities_px) + " is wider than the image (" +
@@ -146,26 +143,6 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
         pair,
         {above_least(views.left, config.min_disparity_px), above_least(views.right, config.min_disparity_px)},
         matching_config(config), threads);
-}
-
-matching::MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    const RawViews views = match_views_sgbm(pair, config, threads);
-    RawDisparities checked = views.left;
-    const double limit_px = left_right_limit_px(config);
-    if (limit_px >= 0) check_left_right(checked, views.right, limit_px);
-    remove_speckles(checked, config.speckle_window_px, config.speckle_range_px);
-    const RawDisparities matched = checked;
-    smooth_wls(checked, views, pair.left, config);
-    matching::MatchedMap map{checked.width, checked.height, {}, {}};
-    for (std::size_t i = 0; i < checked.values.size(); ++i) {
-        const int d = checked.values[i];
-        map.disparities.push_back(
-            d == kUnmatched
-                ? matching::kUnknown16
-                : static_cast<std::int16_t>(std::max(0, d - config.min_disparity_px * matching::kOnePixel)));
-        map.is_matched.push_back(matched.values[i] != kUnmatched);
-    }
-    return map;
 }
 
 DisparityMap to_pixels(const matching::MatchedMap& matched, const DisparityConfig& config, int threads) {
@@ -247,8 +224,7 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
                     "disparity.method=command is for whole pairs of `run` and `batch`; take sgm here");
     if (config.method == DisparityMethod::sgm)
         return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
-    return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),
-                     config, threads);
+    return to_pixels(refine_sgbm(pair, ranged, threads), config, threads);
 }
 
 DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,

@@ -72,10 +72,6 @@ struct DisparityConfig {
     int uniqueness_ratio_percent = 5;
     // hh and hh4 need width * range * height * 4 bytes of memory, the other modes a few rows.
     SgbmMode mode = SgbmMode::sgbm_3way;
-    // Use OpenCV's edge-preserving weighted least squares filter (ximgproc) instead of the refinement.
-    bool wls = false;
-    double wls_lambda = 8000;
-    double wls_sigma = 1.5;
 };
 
 // The matcher behind sgm: match_pair() of pipeline/matching, or the same on a device.

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "pipeline/data/error.h"
-#include "pipeline/stages/wls_filter.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -141,39 +140,6 @@ RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config,
         const Range range{config.min_disparity_px, config.num_disparities_px};
         return RawViews{match_left(left, right, range, config), match_right(left, right, range, config)};
     });
-}
-
-void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,
-                const DisparityConfig& config) {
-    const RawDisparities &left = unchecked.left, &right = unchecked.right;
-    RawDisparities negated = right;
-    for (std::int16_t& d : negated.values) {
-        // Far from every disparity, so that the filter's own consistency check trusts neither view there.
-        d = d == kUnmatched ? std::int16_t{INT16_MIN / 2} : static_cast<std::int16_t>(-d);
-    }
-    RawDisparities unfiltered = left;
-    for (std::int16_t& d : unfiltered.values) d = d == kUnmatched ? std::int16_t{-kRawScale} : d;
-    std::vector<std::int16_t> filtered(left.values.size());
-    WlsRequest request{left.width,
-                       left.height,
-                       guide.channels,
-                       guide.pixels.data(),
-                       unfiltered.values.data(),
-                       negated.values.data(),
-                       config.wls_lambda,
-                       config.wls_sigma,
-                       (config.block_size_px + 1) / 2,
-                       filtered.data(),
-                       nullptr,
-                       0};
-    filter_wls(request);
-    for (std::size_t i = 0; i < filtered.size(); ++i) {
-        // The filter returns nothing for regions far from every trusted pixel: these
-        // keep their checked values.
-        if (filtered[i] == kUnmatched) continue;
-        if (config.fill != DisparityFill::none || checked.values[i] != kUnmatched)
-            checked.values[i] = filtered[i];
-    }
 }
 
 }  // namespace hexrelief::stages

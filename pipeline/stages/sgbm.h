@@ -16,11 +16,6 @@ struct RawViews {
 // Error(usage) if there is too little memory.
 RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads);
 
-// Smooths the checked left view along the left image's edges. The filter fills every hole; holes are opened
-// again if config.fill is none.
-void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,
-                const DisparityConfig& config);
-
 // Rounds up to a multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
 

@@ -10,7 +10,6 @@ trap 'rm -rf "$work"' EXIT
 cpack --config "$build/CPackConfig.cmake" -G DEB -B "$work/debs" >/dev/null
 mkdir "$work/files"
 cp "$work"/debs/*.deb "$work/files"
-rm -f "$work"/files/hexrelief-wls_*.deb
 cp -r "$sources"/samples/{left.png,right.png,disparity.pfm,calib.txt} "$sources/tests/library/consumer" "$work/files"
 
 cat >"$work/files/inside.sh" <<'END'

@@ -14,7 +14,6 @@ cpack --config "$build/CPackConfig.cmake" -G 'DEB;TGZ' -B "$work" -D CPACK_DEBIA
     { cat "$work/log"; exit 1; }
 expected="hexrelief libhexrelief-dev libhexrelief0.1"
 ! ls "$build"/python/hexrelief/_core*.so >/dev/null 2>&1 || expected+=" python3-hexrelief"
-! ls "$build"/hexrelief-wls.so >/dev/null 2>&1 || expected+=" hexrelief-wls"
 ! ls "$build"/hexrelief-heif.so >/dev/null 2>&1 || expected+=" hexrelief-heif"
 for name in $expected; do
     deb=$(echo "$work/$name"_*.deb)
@@ -39,7 +38,6 @@ for name in $expected; do
         holds lib/python3/dist-packages/hexrelief/__init__.py && holds 'lib/python3/dist-packages/hexrelief/_core'
         [[ $(field Depends) == *python3-numpy* ]] || fail "depends: $(field Depends)"
         ;;
-    hexrelief-wls) holds lib/hexrelief/hexrelief-wls.so ;;
     hexrelief-heif) holds lib/hexrelief/hexrelief-heif.so ;;
     esac
     if grep -vE '^\./(usr/((bin|lib|include|share)/.*)?)?$' <<<"$files"; then fail "$name holds files elsewhere"; fi

@@ -12,9 +12,8 @@
 namespace hexrelief::config {
 namespace {
 
-// Numbers whose stage takes any: a limit beyond what is searched, the optional filter's weights, a sample.
+// Numbers whose stage takes any: a limit beyond what is searched, a sample.
 const std::set<std::string> kUnchecked = {"disparity.farthest_px", "disparity.left_right_check_px",
-                                          "disparity.wls_lambda", "disparity.wls_sigma",
                                           "input.disparity.unknown"};
 
 bool is_checked_by_its_stage(const Field& field) {

@@ -58,7 +58,7 @@ TEST(ConfigFile, WrongValuesNameLineRangeAndValue) {
     expect_message("mesh:\n  t_max: many\n", {"my.yaml:2:", "an integer from 1", "'many'"});
     expect_message("mesh:\n\n  method: celular\n",
                    {"my.yaml:3:", "one of cellular, sequential", "did you mean 'cellular'"});
-    expect_message("disparity:\n  wls: maybe\n", {"my.yaml:2:", "true or false", "'maybe'"});
+    expect_message("disparity:\n  color: maybe\n", {"my.yaml:2:", "true or false", "'maybe'"});
     expect_message("mesh:\n  seed: -1\n", {"my.yaml:2:", "'-1'"});
     expect_message("mesh:\n  seed: null\n", {"my.yaml:2:", "'null'"});
     expect_message("mesh:\n  spacing_px: .nan\n", {"my.yaml:2:"});

@@ -339,30 +339,6 @@ TEST(Disparity, RefusesWhatDoesNotFit) {
     refuses("min_disparity_px", [](DisparityConfig& c) { c.min_disparity_px = 64; });
     refuses("speckle_range_px", [](DisparityConfig& c) { c.speckle_range_px = -1; });
     refuses("p2", [](DisparityConfig& c) { c.p1 = 900, c.p2 = 800; });
-    refuses("disparity.method to sgbm", [](DisparityConfig& c) { c.wls = true; });
-}
-
-TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
-    DisparityConfig config = sgbm();
-    config.wls = true;
-#ifdef HEXRELIEF_HAS_WLS
-    const DisparityMap plain = compute_disparity(sample().pair, sgbm(), 1),
-                       smooth = compute_disparity(sample().pair, config, 1);
-    const evaluation::DisparityEvaluation e = evaluation::evaluate_disparity(smooth, visible_truth());
-    EXPECT_NE(plain.values, smooth.values);
-    EXPECT_LT(e.bad_percent[1], 1.3 * kBad1Limit_percent);
-    const auto unknown = std::count(smooth.values.begin(), smooth.values.end(), kUnknownDisparity);
-    EXPECT_GT(static_cast<double>(unknown), 0.05 * static_cast<double>(smooth.values.size()));
-    EXPECT_EQ(smooth.values, compute_disparity(sample().pair, config, 2).values);
-    config.fill = DisparityFill::planes;
-    const DisparityMap filled = compute_disparity(sample().pair, config, 1);
-    for (std::size_t i = 0; i < filled.values.size(); ++i) {
-        ASSERT_TRUE(DisparityMap::known(filled.values[i]));
-        ASSERT_EQ(DisparityMap::known(smooth.values[i]), filled.origins[i] == PixelOrigin::matched);
-    }
-#else
-    expect_error(ErrorKind::usage, "hexrelief-wls.so", [&] { compute_disparity(sample().pair, config, 1); });
-#endif
 }
 
 }  // namespace
