@@ -234,8 +234,6 @@ void check_spacings(const std::vector<double>& spacings) {
 void check_settings(const RdOptions& options) {
     const config::Config config = config::read_config("", options.settings);
     config::finish_config(config);
-    for (const std::string& warning : config.warnings)
-        if (options.warns) options.warns(warning);
 }
 
 void print_head(const std::vector<std::string>& missing, std::ostream& out) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -20,8 +19,6 @@ struct RdOptions {
     std::vector<std::string> settings;  // "key.path=value", on top of every preset
     int threads = 0;                    // 0 = all that the process may use
     std::filesystem::path json;         // the results as JSON; empty = not written
-    // Receives warnings about settings with old names; may be empty.
-    std::function<void(const std::string&)> warns;
 };
 
 // Writes the tables to `out` as they are measured. Every mesh is reduced to positions (x, y and disparity in

@@ -10,7 +10,6 @@
 #include "pipeline/bench/sparse/sparse.h"
 #include "pipeline/bench/table2.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/cli/terminal/printable.h"
 
 namespace hexrelief::cli {
 namespace {
@@ -81,7 +80,6 @@ void add_rd(Command& group) {
         "  hexrelief bench rd --data middlebury --json rd.json\n"
         "  samples/plot_rd.py rd.json rd.png\n"
         "  hexrelief bench rd --data middlebury --maps cones,aloe --methods default,meshopt+cut");
-    options->warns = print_warning;
     command.set_action([options] {
         bench::run_bench_rd(*options, std::cout);
         return 0;
@@ -97,7 +95,6 @@ void add_match(Command& group) {
     Command command = group.add_command("match", "matchers on pairs: quality against the truth, and time");
     const auto options = std::make_shared<MatchCommandOptions>();
     bench::MatchOptions& match = options->match;
-    match.warns = print_warning;
     command.add_option("--data", &match.data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
                        {.value = "DIR", .required = true});
@@ -139,7 +136,6 @@ void add_sparse(Command& group) {
     Command command =
         group.add_command("sparse", "maps thinned as a laser's are: what that costs the surface");
     const auto options = std::make_shared<bench::SparseOptions>();
-    options->warns = print_warning;
     command.add_option("--data", &options->data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
                        {.value = "DIR", .required = true});
@@ -167,7 +163,6 @@ void add_sparse(Command& group) {
 void add_batch(Command& group) {
     Command command = group.add_command("batch", "jobs a second: pairs in memory to GLB in memory");
     const auto options = std::make_shared<bench::BatchOptions>();
-    options->warns = print_warning;
     command.add_option("--data", &options->data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
                        {.value = "DIR", .required = true});

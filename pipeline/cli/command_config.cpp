@@ -18,13 +18,8 @@ struct ConfigCommandOptions {
     bool markdown = false;
 };
 
-void print_warnings(const config::Config& config) {
-    for (const std::string& warning : config.warnings) print_warning(warning);
-}
-
 int show(const ConfigCommandOptions& options) {
     const config::Config config = library::config_of(options.shown, {});
-    print_warnings(config);
     const std::string text = options.markdown ? config::config_markdown() : config::config_yaml(config);
     std::fputs(text.c_str(), stdout);
     return 0;
@@ -33,7 +28,6 @@ int show(const ConfigCommandOptions& options) {
 int check(const ConfigCommandOptions& options) {
     config::Config config;
     config::apply_config_file(config, options.checked);
-    print_warnings(config);
     std::printf("%s: valid\n", printable(options.checked).c_str());
     return 0;
 }

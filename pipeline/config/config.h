@@ -89,7 +89,6 @@ struct Config {
     BudgetConfig budget;
     LimitsConfig limits;
     ExecutionConfig run;
-    std::vector<std::string> warnings;   // from reading: keys with old names
     std::vector<std::string> decisions;  // from reading: choices for values that were not given
     std::set<std::string> given;         // keys that a file, a setting or an option gave
 };

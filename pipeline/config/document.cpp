@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "pipeline/config/fields.h"
-#include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::config {
@@ -230,13 +229,6 @@ std::string config_schema() {
     const Config defaults;
     for (const Field& field : config_fields())
         home_of(field.path, leaf)[leaf] = field_schema(field, field.get(defaults));
-    for (const auto& [path, now] : renamed_keys()) {
-        const Field* field = find_field(now);
-        Json schema = field_schema(*field, field->get(defaults));
-        schema["description"] = std::string("now ") + now;
-        schema["deprecated"] = true;
-        home_of(path, leaf)[leaf] = std::move(schema);
-    }
     return root.dump(2) + "\n";
 }
 

@@ -4,25 +4,12 @@
 #include <stdexcept>
 
 #include "pipeline/config/fields.h"
-#include "pipeline/config/old_names.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
 
 namespace hexrelief::config {
 
 namespace {
-
-// Throws Error(usage) if a key is set by its old name and by its new one.
-void refuse_two_names(const std::vector<std::string>& settings) {
-    const auto key = [](const std::string& setting) { return setting.substr(0, setting.find('=')); };
-    for (const std::string& setting : settings) {
-        const std::string now = new_name(key(setting));
-        const bool twice = !now.empty() && std::any_of(settings.begin(), settings.end(),
-                                                       [&](const auto& other) { return key(other) == now; });
-        if (twice)
-            throw Error(ErrorKind::usage, "--set " + setting + ": '" + now + "' is set as well; keep one");
-    }
-}
 
 const Field& given_field(Config& config, const std::string& path) {
     const Field* field = find_field(path);
@@ -43,7 +30,6 @@ Config read_config(const std::string& file, const std::vector<std::string>& sett
         apply_yaml(config, preset->yaml, "preset " + preset->name, {});
     else if (!file.empty())
         apply_config_file(config, file);
-    refuse_two_names(settings);
     for (const std::string& setting : settings) apply_setting(config, setting);
     return config;
 }

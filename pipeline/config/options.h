@@ -10,8 +10,7 @@
 namespace hexrelief::config {
 
 // Returns `base` with the values of the file, or of the preset of that name, and then of the settings
-// ("key.path=value"), in their order. Call finish_config() afterwards. Throws Error(usage), also if a key is
-// set by its old name and by its new one.
+// ("key.path=value"), in their order. Call finish_config() afterwards. Throws Error(usage).
 Config read_config(const std::string& file, const std::vector<std::string>& settings,
                    const Config& base = {});
 // Returns the configuration to start from if neither preset nor file is named: the defaults; for a limit on

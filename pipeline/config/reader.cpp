@@ -10,7 +10,6 @@
 #include <sstream>
 
 #include "pipeline/config/fields.h"
-#include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/parse_text.h"
 
@@ -26,20 +25,10 @@ constexpr std::size_t kMaxConfigBytes = 1 << 20;
     throw Error(ErrorKind::usage, message);
 }
 
-// Returns a hint at the key that is meant by an unknown one; empty = no hint.
-std::string hint(const std::string& path) {
-    const std::string now = moved_key(path);
-    return now.empty() ? suggest_key(path) : now;
-}
-
-// Sets the field as assign_text() does, and also accepts a value of earlier versions, with a warning.
-std::string assign_current(Config& config, const Field& field, const std::string& text,
-                           const std::string& place) {
-    const std::string now = current_value(field.path, text);
-    if (now != text)
-        config.warnings.push_back(place + "'" + field.path + ": " + text + "' is now '" + now + "'");
+// Sets the field as assign_text() does, as a value that was given.
+std::string assign_given(Config& config, const Field& field, const std::string& text) {
     config.given.insert(field.path);
-    return assign_text(config, field, now);
+    return assign_text(config, field, text);
 }
 
 struct Reader {
@@ -53,11 +42,6 @@ struct Reader {
 
     void read_field(const Field& field, const YAML::Node& node) const {
         const std::string place = where(node.Mark()) + field.path + " ";
-        if (node.IsMap())
-            for (const auto& entry : node)
-                if (const std::string now = moved_key(field.path + "." + entry.first.Scalar()); !now.empty())
-                    fail(where(entry.first.Mark()),
-                         "unknown key '" + field.path + "." + entry.first.Scalar() + "'" + now);
         if (node.IsMap() || node.IsSequence())
             fail(place, "must be " + describe_type(field) + ", not a list or section");
         const bool quoted = node.Tag() == "!";
@@ -66,7 +50,7 @@ struct Reader {
             field.type == FieldType::text || field.type == FieldType::file || field.type == FieldType::choice;
         if (quoted && !textual)
             fail(place, "must be " + describe_type(field) + ", not the quoted text '" + text + "'");
-        const std::string wrong = assign_current(config, field, text, where(node.Mark()));
+        const std::string wrong = assign_given(config, field, text);
         if (!wrong.empty()) fail(place, wrong);
         if (field.type != FieldType::file) return;
         const auto name = std::get<std::string>(field.get(config));
@@ -85,19 +69,14 @@ struct Reader {
             const YAML::Mark mark = entry.first.Mark();
             if (!entry.first.IsScalar()) fail(where(mark), "a key must be a plain name");
             const std::string key = entry.first.Scalar();
-            const std::string written = section.empty() ? key : section + "." + key;
-            const std::string renamed = new_name(written), path = renamed.empty() ? written : renamed;
-            if (!seen.insert(path).second)
-                fail(where(mark), "duplicate key '" + path + "'" +
-                                      (renamed.empty() ? "" : ", here by its old name '" + written + "'") +
-                                      "; keep one");
-            if (!renamed.empty()) config.warnings.push_back(where(mark) + renamed_key_warning(written));
+            const std::string path = section.empty() ? key : section + "." + key;
+            if (!seen.insert(path).second) fail(where(mark), "duplicate key '" + path + "'; keep one");
             if (const Field* field = find_field(path))
                 read_field(*field, entry.second);
             else if (find_section(path))
                 read_section(path, entry.second);
             else
-                fail(where(mark), "unknown key '" + path + "'" + hint(path));
+                fail(where(mark), "unknown key '" + path + "'" + suggest_key(path));
         }
     }
 };
@@ -166,14 +145,13 @@ void apply_setting(Config& config, const std::string& setting) {
     const std::size_t equals = setting.find('=');
     const std::string place = "--set " + setting + ": ";
     if (equals == std::string::npos || equals == 0) fail(place, "write it as key.path=value");
-    const std::string written = setting.substr(0, equals), renamed = new_name(written),
-                      path = renamed.empty() ? written : renamed;
-    if (!renamed.empty()) config.warnings.push_back(place + renamed_key_warning(written));
+    const std::string path = setting.substr(0, equals);
     const Field* field = find_field(path);
     if (!field && find_section(path)) fail(place, "'" + path + "' is a section; set one of its keys");
     if (!field)
-        fail(place, "unknown key '" + path + "'" + hint(path) + "; 'hexrelief config show' lists all keys");
-    const std::string wrong = assign_current(config, *field, setting.substr(equals + 1), place);
+        fail(place,
+             "unknown key '" + path + "'" + suggest_key(path) + "; 'hexrelief config show' lists all keys");
+    const std::string wrong = assign_given(config, *field, setting.substr(equals + 1));
     if (!wrong.empty()) fail(place, field->path + " " + wrong);
 }
 

@@ -10,8 +10,7 @@ namespace hexrelief::config {
 
 // Sets the values that the YAML text gives. origin names the text in errors: "FILE:LINE: ...". Relative file
 // names in the text are relative to `folder`. Throws Error(usage) for invalid YAML, an unknown or duplicate
-// key, a wrong type and a value out of range. A key with an older name (old_names.h) is read and adds to
-// config.warnings; both names in one text are a duplicate key.
+// key, a wrong type and a value out of range.
 void apply_yaml(Config& config, const std::string& text, const std::string& origin,
                 const std::filesystem::path& folder);
 

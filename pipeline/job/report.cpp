@@ -180,7 +180,6 @@ Json mesh_json(const SurfaceResult& surface) {
     json["device_seconds"] = device.training_s;
     json["device_balance_seconds"] = device.balance_s;
     json["device_surface_seconds"] = device.surface_s;
-    json["device_sheet_seconds"] = device.surface_s;  // former name, kept for programs that still read it
     json["device_bytes"] = device.bytes;
     json["percent_cost"] = finite(quality.percent_cost);
     json["max_deviation_percent"] = finite(quality.max_deviation_percent);

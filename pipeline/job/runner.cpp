@@ -94,7 +94,6 @@ DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& 
 
 Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     const config::Config& config = request.config;
-    for (const std::string& warning : config.warnings) log.warn(warning);
     if (const std::string told = levels_inside_warning(request); !told.empty()) log.warn(told);
     for (const std::string& decision : config.decisions) log.decide(decision);
     const int threads = threads_for(config, log);

@@ -165,8 +165,6 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
     if (options.workers < 0) throw Error(ErrorKind::usage, "--workers: must not be negative");
     config::Config config;
     for (const std::string& setting : options.settings) config::apply_setting(config, setting);
-    for (const std::string& warning : config.warnings)
-        if (options.warns) options.warns(warning);
     const std::vector<Scenery> scenes = load(options, config);
     if (!options.json.empty()) files::check_writable_file(options.json);
     const int threads = job::effective_threads(options.threads);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -19,8 +18,6 @@ struct BatchOptions {
     int workers = 0;                    // jobs at a time; 0 = one per thread
     bool files = false;                 // measure from files to files instead: files.h
     std::filesystem::path json;         // the results as JSON; empty = not written
-    // Receives warnings about settings with old names; may be empty.
-    std::function<void(const std::string&)> warns;
 };
 
 // Writes a row for each scene and backend to `out` as it is measured. Throws Error(usage) for an unknown name

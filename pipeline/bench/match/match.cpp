@@ -155,8 +155,6 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
     config::Config config;
     for (const std::string& setting : options.settings) config::apply_setting(config, setting);
-    for (const std::string& warning : config.warnings)
-        if (options.warns) options.warns(warning);
     match::check_disturbance(options.disturbance);
     const int threads = job::effective_threads(options.threads);
     const std::vector<job::BackendPointer> backends = usable_backends(threads);

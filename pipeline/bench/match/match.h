@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -21,8 +20,6 @@ struct MatchOptions {
     int runs = 3;                // timed runs of each method
     int threads = 0;             // 0 = all that the process may use
     std::filesystem::path json;  // the results as JSON; empty = not written
-    // Receives warnings about settings with old names; may be empty.
-    std::function<void(const std::string&)> warns;
 };
 
 // Writes each row to `out` as it is measured, then the means. Throws Error(usage) for an unknown name or a

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -18,8 +17,6 @@ struct SparseOptions {
     bool without_picture = false;  // fill the maps without the left picture
     int threads = 0;               // 0 = all that the process may use
     std::filesystem::path json;    // the results as JSON; empty = not written
-    // Receives warnings about settings with old names; may be empty.
-    std::function<void(const std::string&)> warns;
 };
 
 // Meshes each true map as it is, and again thinned and filled. Both surfaces are measured against the true

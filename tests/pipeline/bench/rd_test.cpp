@@ -127,21 +127,6 @@ TEST_F(BenchRd, ChoosesMethodsAndSpacings) {
     EXPECT_EQ(text.str().find("left out"), std::string::npos);
 }
 
-TEST_F(BenchRd, WarnsOfOldNamesOnce) {
-    RdOptions o = options();
-    o.methods = {"default", "compact"};
-    o.spacings = {8};
-    o.settings = {"surface.rim_inset_px=0.2"};
-    std::vector<std::string> told;
-    o.warns = [&](const std::string& warning) { told.push_back(warning); };
-    std::ostringstream text;
-    run_bench_rd(o, text);
-    EXPECT_EQ(told, std::vector<std::string>{"--set surface.rim_inset_px=0.2: 'surface.rim_inset_px' is now "
-                                             "'surface.silhouette_inset_px'"});
-    o.settings.push_back("surface.silhouette_inset_px=0.1");
-    EXPECT_THROW(run_bench_rd(o, text), Error) << "both names of one key";
-}
-
 TEST_F(BenchRd, SaysWhatIsWrong) {
     const auto failure = [&](auto change) {
         RdOptions o = options();

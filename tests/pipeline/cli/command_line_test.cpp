@@ -127,22 +127,6 @@ TEST(CommandLine, ConfigErrorsNameFileAndLine) {
                    "bad.yaml:2:");
 }
 
-TEST(CommandLine, OldNamesOfKeysAreWarnedOfByEveryCommand) {
-    const TemporaryFolder folder;
-    const std::string setting = "surface.rim_inset_px=0.2",
-                      warning = "hexrelief: warning: --set " + setting +
-                                ": 'surface.rim_inset_px' is now 'surface.silhouette_inset_px'\n";
-    for (const Arguments& command :
-         {Arguments{"config", "show", "--set", setting},
-          {"bench", "rd", "--data", "/nonexistent", "--set", setting},
-          {"bench", "match", "--data", "/nonexistent", "--set", setting},
-          {"run", "--disparity", sample("disparity.pfm"), "--report", folder / "r.json", "--set", setting}}) {
-        const ProcessResult result = run_program(command);
-        EXPECT_TRUE(result.err.starts_with(warning)) << command.front() << ": " << result.err;
-        EXPECT_EQ(result.err.find("rim_inset_px", warning.size()), std::string::npos) << result.err;
-    }
-}
-
 TEST(CommandLine, InputErrorsExitWith3) {
     const TemporaryFolder folder;
     const std::string out = folder / "o.glb", left = sample("left.png"), map = sample("disparity.pfm");

@@ -145,20 +145,6 @@ TEST(Run, WithoutCalibrationWarnsOnceAndIsRelative) {
     EXPECT_EQ(report["surface"]["metric"], false);
 }
 
-TEST(Run, OldKeysAreReadWithOneWarning) {
-    const TemporaryFolder folder;
-    const ProcessResult result = run_program(pair_arguments(
-        {"-o", folder / "a.drc", "--report", folder / "r.json", "--set", "surface.rim_inset_px=0.2"}));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    const std::string warning =
-        "--set surface.rim_inset_px=0.2: 'surface.rim_inset_px' is now 'surface.silhouette_inset_px'";
-    EXPECT_EQ(result.err, "hexrelief: warning: " + warning + "\n");
-    const Json report = Json::parse(read_text(folder / "r.json"));
-    EXPECT_EQ(report["warnings"], Json::array({warning}));
-    EXPECT_EQ(report["config"]["surface"]["silhouette_inset_px"], 0.2);
-    EXPECT_FALSE(report["config"]["surface"].contains("rim_inset_px"));
-}
-
 TEST(Run, ReportFollowsTheSchema) {
     const TemporaryFolder folder;
     const ProcessResult result = run_program(
@@ -197,11 +183,10 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_GT(report["seconds"].get<double>(), report["stages"][0]["seconds"].get<double>());
     EXPECT_GT(report["peak_bytes"].get<double>(), 1 << 20);
     EXPECT_EQ(report["input"]["sha256"]["left"], files::sha256_of_file(sample("left.png")));
-    expect_keys(report["mesh"],
-                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds",
-                 "device_balance_seconds", "device_sheet_seconds", "device_surface_seconds", "device_bytes",
-                 "percent_cost", "max_deviation_percent", "inverted_triangles", "min_angle_deg",
-                 "honeycomb_cells", "weights_percent", "angles_deg"});
+    expect_keys(report["mesh"], {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds",
+                                 "device_balance_seconds", "device_surface_seconds", "device_bytes",
+                                 "percent_cost", "max_deviation_percent", "inverted_triangles",
+                                 "min_angle_deg", "honeycomb_cells", "weights_percent", "angles_deg"});
     EXPECT_EQ(report["mesh"]["device_bytes"] > 0, report["backend"] == "cuda");
     EXPECT_EQ(report["mesh"]["device_seconds"] > 0, report["backend"] == "cuda");
     const Json &weights = report["mesh"]["weights_percent"], &angles = report["mesh"]["angles_deg"];
@@ -295,11 +280,9 @@ TEST(Run, LevelsOfDetailBesideAndInside) {
     }
     EXPECT_EQ(report["outputs"].size(), 3u * (1 + 3 + 1));
     EXPECT_EQ(folder.entries(), report["outputs"].size() + 1);
-    const ProcessResult inside = run_program(
-        pair_arguments({"-o", folder / "b.glb", "--set", "export.lod=3", "--set", "export.lod_files=false"}));
+    const ProcessResult inside = run_program(pair_arguments(
+        {"-o", folder / "b.glb", "--set", "export.lod=3", "--set", "export.lod_storage=inside"}));
     ASSERT_EQ(inside.exit_code, 0) << inside.err;
-    EXPECT_NE(inside.err.find("'export.lod_files' is now 'export.lod_storage'"), std::string::npos)
-        << inside.err;
     EXPECT_NE(inside.err.find("b.glb on top of each other"), std::string::npos) << inside.err;
     const inspect::MeshDescription glb = exporters::describe_mesh(folder / "b.glb");
     ASSERT_EQ(glb.coarser.size(), 2u);

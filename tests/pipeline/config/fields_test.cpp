@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "pipeline/config/document.h"
-#include "pipeline/config/old_names.h"
 #include "pipeline/config/options.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
@@ -188,9 +187,7 @@ TEST(ConfigDocument, SchemaKnowsEveryKeyAndNoOther) {
         [&](const nlohmann::json& node, const std::string& path) {
             if (!node.contains("properties")) {
                 ++leaves;
-                const bool deprecated = node.value("deprecated", false);
-                EXPECT_EQ(deprecated, !new_name(path).empty()) << path;
-                EXPECT_TRUE(find_field(deprecated ? new_name(path) : path)) << path;
+                EXPECT_TRUE(find_field(path)) << path;
                 EXPECT_TRUE(node.contains("default")) << path;
                 return;
             }
@@ -199,7 +196,7 @@ TEST(ConfigDocument, SchemaKnowsEveryKeyAndNoOther) {
                 walk(child, path.empty() ? name : path + "." + name);
         };
     walk(schema, "");
-    EXPECT_EQ(leaves, config_fields().size() + renamed_keys().size());
+    EXPECT_EQ(leaves, config_fields().size());
     EXPECT_EQ(schema["properties"]["mesh"]["properties"]["spacing_px"]["minimum"], 2);
     EXPECT_EQ(schema["properties"]["mesh"]["properties"]["method"]["enum"].size(), 2u);
 }
@@ -213,14 +210,6 @@ TEST(ConfigDocument, MarkdownNamesEveryKey) {
             << section.path;
     std::istringstream lines(page);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 132u) << line;
-}
-
-TEST(ConfigFields, OldNamesLeadToFields) {
-    for (const auto& [path, now] : renamed_keys()) {
-        EXPECT_FALSE(find_field(path)) << path;
-        EXPECT_TRUE(find_field(now)) << now;
-        EXPECT_EQ(config_yaml({}).find(path), std::string::npos);
-    }
 }
 
 // `--config NAME` is the file of that name in config/.

@@ -41,7 +41,6 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
     EXPECT_EQ(report.relief->surface.device.surface_s, 1);
     const auto json = nlohmann::json::parse(report_json(report));
     EXPECT_EQ(json["mesh"]["device_surface_seconds"], 1);
-    EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
 }
 
 // A job on a device that fails at `when`.
@@ -351,21 +350,6 @@ TEST(Runner, ReportHoldsTheConfigurationInEffect) {
     EXPECT_EQ(surface.config.exporting.tolerance_px, surface.budget.tolerance_px);
     EXPECT_LT(surface.config.exporting.tolerance_px, request.config.exporting.tolerance_px);
     EXPECT_LE(surface.mesh.positions.size(), 500u);
-}
-
-TEST(Runner, WarningsOfTheConfigurationAreToldFirst) {
-    const test::TemporaryFolder folder;
-    RunRequest request = sample_request(folder);
-    request.config.input.calibration.file.clear();
-    request.config.warnings = {"config: an old name"};
-    std::vector<std::string> told;
-    RunLog log;
-    log.warns = [&](const std::string& warning) { told.push_back(warning); };
-    Backends backends;
-    const RunReport report = run_job(request, backends, log);
-    ASSERT_EQ(told.size(), 2u);
-    EXPECT_EQ(told.front(), "config: an old name");
-    EXPECT_EQ(report.warnings, told);
 }
 
 }  // namespace
