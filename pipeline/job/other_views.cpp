@@ -4,9 +4,11 @@
 #include <span>
 #include <utility>
 
+#include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/noise.h"
+#include "pipeline/stages/other_views/behind_silhouettes.h"
 
 namespace hexrelief::job {
 namespace {
@@ -14,8 +16,8 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 2;       // views of what no camera saw are smaller by this, as they are smooth
-constexpr double kCoarser = 1.5;  // spacing of the other views: what has no match has little detail
+constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
+constexpr double kCoarser = 1.5;          // spacing of the other views: what has no match has little detail
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kFittingSpacings = 3;    // of solve_mesh()
 
@@ -37,15 +39,26 @@ bool is_without_background(const LeftView& view) {
     return static_cast<double>(dropped) > kMostBackground * static_cast<double>(values.size());
 }
 
-// The places from which gaps behind silhouettes are looked for.
-std::vector<ViewPlace> places_beyond(const LeftView& view, double far_px, double behind) {
-    if (behind == 0 || is_without_background(view)) return {};
-    const int width = view.disparity.width / kReduced, height = view.disparity.height / kReduced;
-    std::vector<ViewPlace> places;
-    for (const auto& [right, up] :
-         {std::pair{-behind, 0.0}, {1 + behind, 0.0}, {0.0, behind}, {0.0, -behind}})
-        places.push_back({right, up, far_px, kReduced, width, height});
-    return places;
+// The left view, made smaller, with nothing missing yet.
+OtherView reduced_left_view(const LeftView& view) {
+    ViewPlace place = left_place(view);
+    if (std::min(place.width, place.height) >= 2 * kReduced) {
+        place.scale = kReduced;
+        place.width /= kReduced;
+        place.height /= kReduced;
+    }
+    OtherView left{place, {place.width, place.height, {}}};
+    if (!view.color.empty()) left.color = exporters::resized(view.color, place.width, place.height);
+    return left;
+}
+
+void show(OtherView& view, const stages::SeenSurface& here) {
+    view.missing = {view.place.width, view.place.height, {}};
+    view.missing.values.assign(here.disparities.size(), kUnknownDisparity);
+    view.map = view.missing;
+    for (std::size_t i = 0; i < here.disparities.size(); ++i)
+        if (here.disparities[i] != stages::kNotCovered)
+            view.map.values[i] = static_cast<float>(here.disparities[i]);
 }
 
 // Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
@@ -54,8 +67,8 @@ SurfaceMesh sheet_of(const OtherView& other, const DensityMap& density, const Le
                      const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
     const LeftView view{
-        other.missing, other.missing, density, other.picture,
-        other.picture, camera,        camera,  left.least_px / static_cast<float>(other.place.scale)};
+        other.missing,   other.missing, density, other.color,
+        other.texture(), camera,        camera,  left.least_px / static_cast<float>(other.place.scale)};
     if (std::min(other.map.width, other.map.height) < kFittingSpacings * kCoarser * config.mesh.spacing_px)
         return {};
     backend.expect_map(other.missing);
@@ -78,10 +91,6 @@ DensityMap density_of_view(const DisparityMap& map, stages::DensityConfig config
     return stages::compute_density(map, config, threads);
 }
 
-PartOrigin origin_of(const ViewPlace& place) {
-    return place.right == 1 && place.up == 0 ? PartOrigin::right : PartOrigin::nobody;
-}
-
 // Returns the view whose map, seen in a mirror, is given.
 RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
                      int threads) {
@@ -91,13 +100,6 @@ RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages:
     for (Image* image : {&right.color, &right.picture})
         if (!image->empty()) matching::relight(*image, range.correction.light, threads);
     return right;
-}
-
-// Appends the sheet with its texture coordinates in the atlas.
-void append(SurfaceMesh& mesh, SurfaceMesh sheet, PartOrigin origin, const stages::TextureAtlas& atlas,
-            std::size_t view) {
-    atlas.move_in(sheet.texcoords, view);
-    stages::append(mesh, sheet, origin);
 }
 
 }  // namespace
@@ -135,33 +137,44 @@ void complete_right_view(RightView& right, const LeftView& left, const Disparity
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
                      Backend& backend, const RunLog& log) {
-    const RightView& right = *view.right;
+    const RightView* const right = view.right;
+    const double behind = is_without_background(view) ? 0 : config.surface.behind;
     const int threads = backend.threads();
     SurfaceMesh& mesh = result.mesh;
     OtherViews others;
     const double least_px = least_of(mesh);
-    stages::VisibleSurface visible = stages::visible_surface(mesh, {left_place(view)}, least_px, threads);
-    const auto add = [&](OtherView other, const DensityMap& density) {
+    std::vector<ViewPlace> cameras = {left_place(view)};
+    const auto add = [&](OtherView other, const stages::SeenSurface& here,
+                         const stages::VisibleSurface& visible) {
+        stages::join_to_surface(other, here);
+        const DensityMap density = density_of_view(other.map, config.density, threads);
         const SurfaceMesh sheet = sheet_of(other, density, view, visible, config, backend, log);
         if (sheet.empty()) return;
-        stages::append(mesh, sheet, origin_of(other.place));
+        stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
         others.views.push_back(std::move(other));
     };
-    OtherView missing{right.place, right.map, {}, right.color};
-    stages::find_missing(missing, mesh, visible.seen[0], threads);
-    add(std::move(missing), right.density);
-    visible = stages::visible_surface(mesh, {left_place(view), right.place}, least_px, threads);
-    const stages::SeenPair seen{view.color, right.color, visible};
-    for (const ViewPlace& place : places_beyond(view, least_px, config.surface.behind)) {
-        OtherView continued = stages::continued_view(place, mesh, seen, threads);
-        const DensityMap density = density_of_view(continued.map, config.density, threads);
-        add(std::move(continued), density);
+    if (right) {
+        cameras.push_back(right->place);
+        const stages::VisibleSurface visible = stages::visible_surface(mesh, cameras, least_px, threads);
+        OtherView missing{right->place, right->map, {}, right->color, right->picture};
+        stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
+        if (behind > 0)
+            stages::continue_behind(missing, visible.seen[1], {.right = behind}, visible, threads);
+        add(std::move(missing), visible.seen[1], visible);
+    }
+    if (behind > 0) {
+        const stages::VisibleSurface visible = stages::visible_surface(mesh, cameras, least_px, threads);
+        OtherView left = reduced_left_view(view);
+        const stages::SeenSurface here = stages::see(mesh, left.place, threads);
+        show(left, here);
+        stages::continue_behind(
+            left, here, {.left = behind, .right = right ? 0 : 1 + behind, .up = behind, .down = behind},
+            visible, threads);
+        add(std::move(left), here, visible);
     }
     if (others.views.empty()) return;
     std::vector<stages::PictureInUse> pictures;
-    for (const OtherView& other : others.views)
-        pictures.push_back({other.place.right == 1 && !right.picture.empty() ? right.picture : other.picture,
-                            other.missing});
+    for (const OtherView& other : others.views) pictures.push_back({other.texture(), other.missing});
     others.atlas = stages::make_atlas(view.texture, pictures);
     std::size_t first = 0;
     for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
@@ -176,15 +189,16 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
                      const config::Config& config, Backend& backend, const RunLog& log) {
     if (!finest.others) return;
     const int threads = backend.threads();
-    const stages::VisibleSurface visible =
-        stages::visible_surface(mesh, {left_place(view)}, least_of(mesh), threads);
+    std::vector<ViewPlace> cameras = {left_place(view)};
+    if (view.right) cameras.push_back(view.right->place);
+    const stages::VisibleSurface visible = stages::visible_surface(mesh, cameras, least_of(mesh), threads);
     finest.others->atlas.move_in(mesh.texcoords, 0);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
-        append(mesh,
-               sheet_of(other, density_of_view(other.map, config.density, threads), view, visible, config,
-                        backend, log),
-               origin_of(other.place), finest.others->atlas, i + 1);
+        SurfaceMesh sheet = sheet_of(other, density_of_view(other.map, config.density, threads), view,
+                                     visible, config, backend, log);
+        finest.others->atlas.move_in(sheet.texcoords, i + 1);
+        stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
     }
 }
 

@@ -1,0 +1,238 @@
+#include "pipeline/stages/other_views/behind_silhouettes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
+constexpr double kMostSlope = 0.3;
+constexpr int kMixed = 1;             // pixels at the end of a surface whose colours are mixed
+constexpr int kLongestShare = 8;      // of a view's side
+constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
+constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
+constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
+constexpr int kBorder_px = 1;
+constexpr std::size_t kLeastRegion = 3;  // pixels that nobody would miss
+
+// A row or a column of a view, from either end.
+struct Line {
+    std::ptrdiff_t first, step;
+    int count;
+    std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
+};
+
+// What continues behind a silhouette at each pixel.
+struct Continued {
+    std::vector<double> disparities;      // kNotCovered = nothing
+    std::vector<int> distances;           // from the silhouette, px
+    std::vector<std::size_t> colours_of;  // the pixels whose colours it has
+
+    explicit Continued(std::size_t pixels)
+        : disparities(pixels, kNotCovered), distances(pixels, INT32_MAX), colours_of(pixels) {}
+
+    // The nearest silhouette decides; of two, the farther surface.
+    void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
+        if (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])) return;
+        disparities[pixel] = d;
+        distances[pixel] = distance;
+        colours_of[pixel] = colour_of;
+    }
+};
+
+// Number of pixels of the surface that ends at line(end), at most `most`.
+int reach_of(const std::vector<double>& front, const Line& line, int end, int most) {
+    int reach = 1;
+    while (reach < most && end - reach >= 0 &&
+           std::abs(front[line(end - reach)] - front[line(end - reach + 1)]) <= kOneSurface_px)
+        ++reach;
+    return reach;
+}
+
+double slope_at(const std::vector<double>& front, const Line& line, int end, int reach) {
+    const int span = std::min(reach - 1, kSlope_px);
+    return span < 2
+               ? 0
+               : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
+}
+
+// Continues each surface of the line that ends before a nearer one.
+void continue_along(const std::vector<double>& front, const Line& line, double baselines, Continued& result) {
+    const int longest = line.count / kLongestShare;
+    for (int end = 0; end + 1 < line.count; ++end) {
+        const double far = front[line(end)];
+        double near = front[line(end + 1)];
+        if (far == kNotCovered || near - far <= kOneSurface_px) continue;
+        if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
+        const int reach = reach_of(front, line, end, longest + kSlope_px);
+        const double slope = slope_at(front, line, end, reach);
+        for (int k = 1; k <= longest && end + k < line.count; ++k) {
+            const std::size_t pixel = line(end + k);
+            const double d = std::min(far + slope * k, near);
+            if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+            result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
+        }
+    }
+}
+
+Continued continued_in(const std::vector<double>& front, const ViewPlace& place, const Beyond& beyond) {
+    const int width = place.width, height = place.height;
+    Continued result(front.size());
+    for (int y = 0; y < height; ++y) {
+        const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
+        if (beyond.left > 0) continue_along(front, {row, 1, width}, beyond.left, result);
+        if (beyond.right > 0) continue_along(front, {row + width - 1, -1, width}, beyond.right, result);
+    }
+    const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(height - 1) * width;
+    for (int x = 0; x < width; ++x) {
+        if (beyond.up > 0) continue_along(front, {x, width, height}, beyond.up, result);
+        if (beyond.down > 0) continue_along(front, {last + x, -width, height}, beyond.down, result);
+    }
+    return result;
+}
+
+// Makes lines that continue one surface agree.
+void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place, int threads) {
+    const int width = place.width, height = place.height;
+    for (int round = 0; round < kSmoothings; ++round) {
+        const std::vector<double> before = continued.disparities;
+        for_row_bands(height, threads, [&](int begin, int end) {
+            for (int y = begin; y < end; ++y)
+                for (int x = 0; x < width; ++x) {
+                    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
+                    if (before[pixel] == kNotCovered) continue;
+                    double sum = before[pixel];
+                    int count = 1;
+                    const auto add = [&](std::size_t other) {
+                        const double d = before[other] == kNotCovered ? front[other] : before[other];
+                        if (std::abs(d - before[pixel]) > kNeighbours_px) return;
+                        sum += d;
+                        ++count;
+                    };
+                    if (x > 0) add(pixel - 1);
+                    if (x + 1 < width) add(pixel + 1);
+                    if (y > 0) add(pixel - width);
+                    if (y + 1 < height) add(pixel + width);
+                    continued.disparities[pixel] = sum / count;
+                }
+        });
+    }
+}
+
+// Paints a pixel of the view into a picture of another size.
+void paint(Image& picture, const ViewPlace& place, std::size_t pixel, const Image& from,
+           std::size_t colour_of) {
+    const auto column = [&](int x) { return x * picture.width / place.width; };
+    const auto row = [&](int y) { return y * picture.height / place.height; };
+    const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
+    const int from_x = static_cast<int>(colour_of % place.width),
+              from_y = static_cast<int>(colour_of / place.width);
+    for (int v = row(y); v < row(y + 1); ++v)
+        for (int u = column(x); u < column(x + 1); ++u)
+            std::copy_n(from.at(column(from_x), row(from_y)), picture.channels, picture.at(u, v));
+}
+
+// Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
+void spread_colours(Continued& continued, const std::vector<double>& front, const ViewPlace& place) {
+    const auto width = static_cast<std::size_t>(place.width);
+    for (int round = 0; round < kSpread; ++round) {
+        const std::vector<double> before = continued.disparities;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            const auto take = [&](std::size_t from) {
+                if (continued.disparities[i] != kNotCovered || before[from] == kNotCovered ||
+                    front[i] - before[from] <= kOneSurface_px)
+                    return;
+                continued.disparities[i] = before[from];
+                continued.colours_of[i] = continued.colours_of[from];
+            };
+            if (i % width > 0) take(i - 1);
+            if (i % width + 1 < width) take(i + 1);
+            if (i >= width) take(i - width);
+            if (i + width < before.size()) take(i + width);
+        }
+    }
+}
+
+void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
+    if (picture.empty()) return;
+    const Image before = picture;
+    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
+        if (continued.disparities[i] != kNotCovered)
+            paint(picture, place, i, before, continued.colours_of[i]);
+}
+
+// Makes regions of fewer than `least` connected known pixels unknown.
+void drop_specks(DisparityMap& map, std::size_t least) {
+    std::vector<char> visited(map.values.size());
+    std::vector<std::size_t> region;
+    for (std::size_t seed = 0; seed < map.values.size(); ++seed) {
+        if (visited[seed] || !DisparityMap::known(map.values[seed])) continue;
+        region.assign(1, seed);
+        visited[seed] = 1;
+        for (std::size_t next = 0; next < region.size(); ++next) {
+            const int x = static_cast<int>(region[next] % map.width),
+                      y = static_cast<int>(region[next] / map.width);
+            for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u) {
+                    const std::size_t i = static_cast<std::size_t>(v) * map.width + u;
+                    if (visited[i] || !DisparityMap::known(map.values[i])) continue;
+                    visited[i] = 1;
+                    region.push_back(i);
+                }
+        }
+        if (region.size() < least)
+            for (const std::size_t i : region) map.values[i] = kUnknownDisparity;
+    }
+}
+
+// Adds the covered pixels beside the known ones that lie on the same surface.
+void grow(DisparityMap& map, const std::vector<double>& covered) {
+    const DisparityMap before = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const double d = covered[static_cast<std::size_t>(y) * map.width + x];
+            if (d == kNotCovered || DisparityMap::known(before.at(x, y))) continue;
+            bool joins = false;
+            for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
+                    joins |= std::abs(before.at(u, v) - d) <= kOneSurface_px;
+            if (joins) map.at(x, y) = static_cast<float>(d);
+        }
+}
+
+}  // namespace
+
+void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
+                     const VisibleSurface& visible, int threads) {
+    const ViewPlace& place = view.place;
+    std::vector<double> front = here.disparities;
+    for (std::size_t i = 0; i < front.size(); ++i)
+        if (DisparityMap::known(view.missing.values[i])) front[i] = view.missing.values[i];
+    Continued continued = continued_in(front, place, beyond);
+    for (std::size_t i = 0; i < front.size(); ++i)
+        if (DisparityMap::known(view.missing.values[i])) continued.disparities[i] = kNotCovered;
+    smooth(continued, front, place, threads);
+    for_row_bands(place.height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < place.width; ++x) {
+                const std::size_t pixel = static_cast<std::size_t>(y) * place.width + x;
+                if (continued.disparities[pixel] == kNotCovered) continue;
+                const float d = behind({x + 0.5, y + 0.5, continued.disparities[pixel]}, place, visible);
+                view.missing.values[pixel] = view.map.values[pixel] = d;
+            }
+    });
+    spread_colours(continued, front, place);
+    paint(view.color, place, continued);
+    paint(view.picture, place, continued);
+}
+
+void join_to_surface(OtherView& view, const SeenSurface& here) {
+    drop_specks(view.missing, kLeastRegion);
+    for (int px = 0; px < kBorder_px; ++px) grow(view.missing, here.disparities);
+}
+
+}  // namespace hexrelief::stages
