@@ -18,6 +18,7 @@ using stages::ViewPlace;
 
 constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
 constexpr double kCoarser = 1.5;          // spacing of the other views: what has no match has little detail
+constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kFittingSpacings = 3;    // of solve_mesh()
 
@@ -25,8 +26,13 @@ ViewPlace left_place(const LeftView& view) {
     return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
 }
 
-double least_of(const SurfaceMesh& mesh) {
-    return *std::min_element(mesh.disparities.begin(), mesh.disparities.end());
+// Returns the surface as the cameras see it. What is added may be a little farther than all of it, so that it
+// is not level with the farthest.
+stages::VisibleSurface seen_by_cameras(const SurfaceMesh& mesh, const LeftView& view, int threads) {
+    std::vector<ViewPlace> cameras = {left_place(view)};
+    if (view.right) cameras.push_back(view.right->place);
+    const double least_px = *std::min_element(mesh.disparities.begin(), mesh.disparities.end());
+    return stages::visible_surface(mesh, cameras, kFarther * least_px, threads);
 }
 
 // True if a part of the view that matters is background: then the scene is open between its things, and such
@@ -142,8 +148,6 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const int threads = backend.threads();
     SurfaceMesh& mesh = result.mesh;
     OtherViews others;
-    const double least_px = least_of(mesh);
-    std::vector<ViewPlace> cameras = {left_place(view)};
     const auto add = [&](OtherView other, const stages::SeenSurface& here,
                          const stages::VisibleSurface& visible) {
         stages::join_to_surface(other, here);
@@ -154,8 +158,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         others.views.push_back(std::move(other));
     };
     if (right) {
-        cameras.push_back(right->place);
-        const stages::VisibleSurface visible = stages::visible_surface(mesh, cameras, least_px, threads);
+        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         OtherView missing{right->place, right->map, {}, right->color, right->picture};
         stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
         if (behind > 0)
@@ -163,7 +166,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(missing), visible.seen[1], visible);
     }
     if (behind > 0) {
-        const stages::VisibleSurface visible = stages::visible_surface(mesh, cameras, least_px, threads);
+        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         OtherView left = reduced_left_view(view);
         const stages::SeenSurface here = stages::see(mesh, left.place, threads);
         show(left, here);
@@ -189,12 +192,10 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
                      const config::Config& config, Backend& backend, const RunLog& log) {
     if (!finest.others) return;
     const int threads = backend.threads();
-    std::vector<ViewPlace> cameras = {left_place(view)};
-    if (view.right) cameras.push_back(view.right->place);
-    const stages::VisibleSurface visible = stages::visible_surface(mesh, cameras, least_of(mesh), threads);
     finest.others->atlas.move_in(mesh.texcoords, 0);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
+        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         SurfaceMesh sheet = sheet_of(other, density_of_view(other.map, config.density, threads), view,
                                      visible, config, backend, log);
         finest.others->atlas.move_in(sheet.texcoords, i + 1);

@@ -137,14 +137,14 @@ void paint(Image& picture, const ViewPlace& place, std::size_t pixel, const Imag
 }
 
 // Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
-void spread_colours(Continued& continued, const std::vector<double>& front, const ViewPlace& place) {
-    const auto width = static_cast<std::size_t>(place.width);
+void spread_colours(Continued& continued, const OtherView& view, const std::vector<double>& front) {
+    const auto width = static_cast<std::size_t>(view.place.width);
     for (int round = 0; round < kSpread; ++round) {
         const std::vector<double> before = continued.disparities;
         for (std::size_t i = 0; i < before.size(); ++i) {
             const auto take = [&](std::size_t from) {
                 if (continued.disparities[i] != kNotCovered || before[from] == kNotCovered ||
-                    front[i] - before[from] <= kOneSurface_px)
+                    DisparityMap::known(view.missing.values[i]) || front[i] - before[from] <= kOneSurface_px)
                     return;
                 continued.disparities[i] = before[from];
                 continued.colours_of[i] = continued.colours_of[from];
@@ -225,7 +225,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                 view.missing.values[pixel] = view.map.values[pixel] = d;
             }
     });
-    spread_colours(continued, front, place);
+    spread_colours(continued, view, front);
     paint(view.color, place, continued);
     paint(view.picture, place, continued);
 }
