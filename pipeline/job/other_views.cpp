@@ -16,7 +16,7 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
+constexpr int kReduced = 1;               // what continues behind the left view's silhouettes is smooth
 constexpr double kCoarser = 1.5;          // spacing of the other views: what has no match has little detail
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it

@@ -16,8 +16,9 @@ constexpr int kLongestShare = 8;      // of a view's side
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
-constexpr int kBorder_px = 1;
-constexpr std::size_t kLeastRegion = 3;  // pixels that nobody would miss
+constexpr int kBorder_px = 4;
+constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
+constexpr std::size_t kLeastRegion = 3;    // pixels that nobody would miss
 
 // A row or a column of a view, from either end.
 struct Line {
@@ -165,28 +166,52 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
             paint(picture, place, i, before, continued.colours_of[i]);
 }
 
-// Makes regions of fewer than `least` connected known pixels unknown.
-void drop_specks(DisparityMap& map, std::size_t least) {
+// Calls take(i) for the neighbours i of a pixel, in the order of rows.
+template <class Take>
+void for_neighbours(const DisparityMap& map, std::size_t pixel, const Take& take) {
+    const int x = static_cast<int>(pixel % map.width), y = static_cast<int>(pixel / map.width);
+    for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
+            take(static_cast<std::size_t>(v) * map.width + u);
+}
+
+// Makes regions of one surface that have fewer than `least` pixels unknown, and returns these pixels.
+std::vector<std::size_t> take_out_specks(DisparityMap& map, std::size_t least) {
     std::vector<char> visited(map.values.size());
-    std::vector<std::size_t> region;
+    std::vector<std::size_t> region, specks;
     for (std::size_t seed = 0; seed < map.values.size(); ++seed) {
         if (visited[seed] || !DisparityMap::known(map.values[seed])) continue;
         region.assign(1, seed);
         visited[seed] = 1;
-        for (std::size_t next = 0; next < region.size(); ++next) {
-            const int x = static_cast<int>(region[next] % map.width),
-                      y = static_cast<int>(region[next] / map.width);
-            for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
-                for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u) {
-                    const std::size_t i = static_cast<std::size_t>(v) * map.width + u;
-                    if (visited[i] || !DisparityMap::known(map.values[i])) continue;
-                    visited[i] = 1;
-                    region.push_back(i);
-                }
-        }
-        if (region.size() < least)
-            for (const std::size_t i : region) map.values[i] = kUnknownDisparity;
+        for (std::size_t next = 0; next < region.size(); ++next)
+            for_neighbours(map, region[next], [&](std::size_t i) {
+                if (visited[i] || !(std::abs(map.values[i] - map.values[region[next]]) <= kOneSurface_px))
+                    return;
+                visited[i] = 1;
+                region.push_back(i);
+            });
+        if (region.size() < least) specks.insert(specks.end(), region.begin(), region.end());
     }
+    for (const std::size_t i : specks) map.values[i] = kUnknownDisparity;
+    return specks;
+}
+
+// Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
+void merge_specks(DisparityMap& map) {
+    const DisparityMap before = map;
+    std::vector<std::size_t> open = take_out_specks(map, kLeastSurface);
+    std::sort(open.begin(), open.end());
+    for (std::size_t left = open.size() + 1; left > open.size();) {
+        left = open.size();
+        const DisparityMap round = map;
+        std::erase_if(open, [&](std::size_t pixel) {
+            float& d = map.values[pixel];
+            for_neighbours(map, pixel, [&](std::size_t i) { d = std::min(d, round.values[i]); });
+            return DisparityMap::known(d);
+        });
+    }
+    for (const std::size_t i : open) map.values[i] = before.values[i];
+    take_out_specks(map, kLeastRegion);
 }
 
 // Adds the covered pixels beside the known ones that lie on the same surface.
@@ -231,7 +256,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here) {
-    drop_specks(view.missing, kLeastRegion);
+    merge_specks(view.missing);
     for (int px = 0; px < kBorder_px; ++px) grow(view.missing, here.disparities);
 }
 
