@@ -16,7 +16,7 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 1;               // what continues behind the left view's silhouettes is smooth
+constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
 constexpr double kCoarser = 1.5;          // spacing of the other views: what has no match has little detail
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
@@ -45,16 +45,11 @@ bool is_without_background(const LeftView& view) {
     return static_cast<double>(dropped) > kMostBackground * static_cast<double>(values.size());
 }
 
-// The left view, made smaller, with nothing missing yet.
-OtherView reduced_left_view(const LeftView& view) {
-    ViewPlace place = left_place(view);
-    if (std::min(place.width, place.height) >= 2 * kReduced) {
-        place.scale = kReduced;
-        place.width /= kReduced;
-        place.height /= kReduced;
-    }
-    OtherView left{place, {place.width, place.height, {}}};
-    if (!view.color.empty()) left.color = exporters::resized(view.color, place.width, place.height);
+// The left view with nothing missing yet. Its texture is smaller, as what continues is smooth.
+OtherView copy_of_left(const LeftView& view) {
+    OtherView left{left_place(view), {}, {}, view.color};
+    const int width = view.color.width / kReduced, height = view.color.height / kReduced;
+    if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height);
     return left;
 }
 
@@ -167,8 +162,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     }
     if (behind > 0) {
         const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-        OtherView left = reduced_left_view(view);
-        const stages::SeenSurface here = stages::see(mesh, left.place, threads);
+        OtherView left = copy_of_left(view);
+        const stages::SeenSurface& here = visible.seen[0];
         show(left, here);
         stages::continue_behind(
             left, here, {.left = behind, .right = right ? 0 : 1 + behind, .up = behind, .down = behind},

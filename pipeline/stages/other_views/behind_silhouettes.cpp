@@ -16,7 +16,7 @@ constexpr int kLongestShare = 8;      // of a view's side
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
-constexpr int kBorder_px = 4;
+constexpr int kBorder_px = 2;
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
 constexpr std::size_t kLeastRegion = 3;    // pixels that nobody would miss
 
