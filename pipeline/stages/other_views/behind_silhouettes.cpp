@@ -175,8 +175,8 @@ void for_neighbours(const DisparityMap& map, std::size_t pixel, const Take& take
             take(static_cast<std::size_t>(v) * map.width + u);
 }
 
-// Makes regions of one surface that have fewer than `least` pixels unknown, and returns these pixels.
-std::vector<std::size_t> take_out_specks(DisparityMap& map, std::size_t least) {
+// Returns the pixels of those regions of one surface that have fewer than `least` pixels.
+std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least) {
     std::vector<char> visited(map.values.size());
     std::vector<std::size_t> region, specks;
     for (std::size_t seed = 0; seed < map.values.size(); ++seed) {
@@ -192,15 +192,14 @@ std::vector<std::size_t> take_out_specks(DisparityMap& map, std::size_t least) {
             });
         if (region.size() < least) specks.insert(specks.end(), region.begin(), region.end());
     }
-    for (const std::size_t i : specks) map.values[i] = kUnknownDisparity;
     return specks;
 }
 
 // Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
 void merge_specks(DisparityMap& map) {
     const DisparityMap before = map;
-    std::vector<std::size_t> open = take_out_specks(map, kLeastSurface);
-    std::sort(open.begin(), open.end());
+    std::vector<std::size_t> open = specks_of(map, kLeastSurface);
+    for (const std::size_t i : open) map.values[i] = kUnknownDisparity;
     for (std::size_t left = open.size() + 1; left > open.size();) {
         left = open.size();
         const DisparityMap round = map;
@@ -211,22 +210,20 @@ void merge_specks(DisparityMap& map) {
         });
     }
     for (const std::size_t i : open) map.values[i] = before.values[i];
-    take_out_specks(map, kLeastRegion);
+    for (const std::size_t i : specks_of(map, kLeastRegion)) map.values[i] = kUnknownDisparity;
 }
 
 // Adds the covered pixels beside the known ones that lie on the same surface.
 void grow(DisparityMap& map, const std::vector<double>& covered) {
     const DisparityMap before = map;
-    for (int y = 0; y < map.height; ++y)
-        for (int x = 0; x < map.width; ++x) {
-            const double d = covered[static_cast<std::size_t>(y) * map.width + x];
-            if (d == kNotCovered || DisparityMap::known(before.at(x, y))) continue;
-            bool joins = false;
-            for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
-                for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
-                    joins |= std::abs(before.at(u, v) - d) <= kOneSurface_px;
-            if (joins) map.at(x, y) = static_cast<float>(d);
-        }
+    for (std::size_t i = 0; i < covered.size(); ++i) {
+        if (covered[i] == kNotCovered || DisparityMap::known(before.values[i])) continue;
+        bool joins = false;
+        for_neighbours(before, i, [&](std::size_t j) {
+            joins |= std::abs(before.values[j] - covered[i]) <= kOneSurface_px;
+        });
+        if (joins) map.values[i] = static_cast<float>(covered[i]);
+    }
 }
 
 }  // namespace
