@@ -163,6 +163,30 @@ class InputReader {
             log_.warn(done);
     }
 
+    // Reads the right view of a map.
+    void read_right(const DisparityFiles& source, InputMap& map, std::vector<InputFile>& read) {
+        if (source.right.empty()) return;
+        DisparityFiles right{source.right, source.color_right};
+        auto values = values_of(right);
+        read.push_back(hashed("disparity right", right.map));
+        InputMap view;
+        if (!right.color.empty()) {
+            HashedImage color = read_hashed("color right", right.color);
+            fit(values, size_of(color.image));
+            take_picture(std::move(color.image), right.color, size_of(values), right.map, view);
+            read.push_back(std::move(color.file));
+        }
+        if (size_of(values) != size_of(map.disparities))
+            throw Error(ErrorKind::input, right.map.string() + ": it has " + size_text(size_of(values)) +
+                                              " px, but " + source.map.string() + " " +
+                                              size_text(size_of(map.disparities)) +
+                                              "; both views' maps have one size");
+        map.right = std::move(values.map);
+        map.right_color = std::move(view.color);
+        map.right_picture = std::move(view.picture);
+    }
+    void read_right(const DepthFiles&, InputMap&, std::vector<InputFile>&) {}
+
     template <typename Files>
     RunInput read_map(const Files& source, const char* role) {
         std::future<HashedImage> reading_color;
@@ -179,8 +203,10 @@ class InputReader {
                          std::get<InputMap>(input.views));
             input.files.push_back(std::move(color.file));
         }
-        return complete_map(std::move(input), std::move(values), source.color, {source.mask},
-                            {source.confidence});
+        input = complete_map(std::move(input), std::move(values), source.color, {source.mask},
+                             {source.confidence});
+        read_right(source, std::get<InputMap>(input.views), input.files);
+        return input;
     }
 
     template <typename Arrays>

@@ -103,6 +103,17 @@ RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages:
     return right;
 }
 
+// Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
+void add_texture(OtherViews& others, const Image& left, SurfaceMesh& mesh) {
+    if (left.empty()) return;
+    std::vector<stages::PictureInUse> pictures;
+    for (const OtherView& other : others.views) pictures.push_back({other.texture(), other.missing});
+    others.atlas = stages::make_atlas(left, pictures);
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
+        others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
+}
+
 }  // namespace
 
 RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
@@ -121,7 +132,7 @@ RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& m
 }
 
 void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
-                         const readers::PixelMask& mask, const stages::DensityConfig& config, int threads) {
+                         const readers::PixelMask& mask, int threads) {
     right.place = left_place(left);
     right.place.right = 1;
     right.place.shift_px = left.pair_camera.doffs_px - left.calibration.doffs_px;
@@ -129,11 +140,11 @@ void complete_right_view(RightView& right, const LeftView& left, const Disparity
     for (std::size_t i = 0; i < right.map.values.size(); ++i) {
         float& d = right.map.values[i];
         if (DisparityMap::known(d)) d = std::max(d + static_cast<float>(right.place.shift_px), left.least_px);
-        if (d < background_px || (!mask.empty() && !mask.kept[i])) d = kUnknownDisparity;
+        if (d <= -left.calibration.doffs_px || d < background_px || (!mask.empty() && !mask.kept[i]))
+            d = kUnknownDisparity;
     }
     if (const auto& noise = disparity.noise; noise.noise_px > 0)
         right.map = dequantize::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
-    right.density = density_of_view(right.map, config, threads);
 }
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
@@ -171,12 +182,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(left), here, visible);
     }
     if (others.views.empty()) return;
-    std::vector<stages::PictureInUse> pictures;
-    for (const OtherView& other : others.views) pictures.push_back({other.texture(), other.missing});
-    others.atlas = stages::make_atlas(view.texture, pictures);
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
-        others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
+    add_texture(others, view.texture, mesh);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");
@@ -187,13 +193,13 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
                      const config::Config& config, Backend& backend, const RunLog& log) {
     if (!finest.others) return;
     const int threads = backend.threads();
-    finest.others->atlas.move_in(mesh.texcoords, 0);
+    if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
         const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         SurfaceMesh sheet = sheet_of(other, density_of_view(other.map, config.density, threads), view,
                                      visible, config, backend, log);
-        finest.others->atlas.move_in(sheet.texcoords, i + 1);
+        if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
         stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
     }
 }
