@@ -11,4 +11,9 @@ namespace hexrelief::densify {
 // filled for those filled here. The result is the same for any number of threads (>= 1).
 DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads);
 
+// Returns a map of surfaces without its holes: each unknown pixel lies on the plane of one of the surfaces
+// around it. map: known pixels in at least one place. left, the origins and the result are as those of
+// densify().
+DisparityMap fill_holes(const DisparityMap& map, const Image& left, int threads);
+
 }  // namespace hexrelief::densify

@@ -26,6 +26,8 @@ void spread(const std::uint8_t* in, std::uint8_t* out, int count, std::size_t st
     }
 }
 
+}  // namespace
+
 void spread_square(std::vector<std::uint8_t>& mask, int width, int height, int radius, std::uint8_t sought) {
     std::vector<std::uint8_t> rows(mask.size());
     for (int y = 0; y < height; ++y) {
@@ -35,8 +37,6 @@ void spread_square(std::vector<std::uint8_t>& mask, int width, int height, int r
     for (int x = 0; x < width; ++x)
         spread(&rows[x], &mask[x], height, static_cast<std::size_t>(width), radius, sought);
 }
-
-}  // namespace
 
 int typical_distance_px(const DisparityMap& map, const NearestMeasurements& nearest) {
     const int width = map.width, height = map.height;

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <future>
+#include <iterator>
 #include <optional>
 #include <utility>
 
-#include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/sha256.h"
@@ -42,38 +42,6 @@ struct HashedImage : readers::OrientedPicture {
 
 InputFile hashed(const std::string& role, const fs::path& path) {
     return {role, path.string(), files::sha256_of_file(path)};
-}
-
-// Puts the picture of a map's view into the input. A picture of another size is scaled to the map's for the
-// stages and kept unscaled for the texture. The paths are for messages.
-void take_picture(Image image, const fs::path& path, ViewSize view, const fs::path& map_path,
-                  InputMap& input) {
-    const ViewSize size = size_of(image);
-    if (!same_aspect(size, view))
-        throw Error(ErrorKind::input, path.string() + ": the colour image has " + size_text(size) +
-                                          " px, but the map " + map_path.string() + " has " +
-                                          size_text(view) +
-                                          "; both must show the left view, with the same aspect");
-    if (size == view) {
-        input.color = std::move(image);
-        return;
-    }
-    input.color = exporters::resized(image, view.width, view.height);
-    input.picture = std::move(image);
-}
-
-// Returns the mask at the view's size; a mask of a rounded map is fitted to the picture as the map was.
-// Throws Error(input) if the aspects differ; path is for the message.
-readers::PixelMask fitted(readers::PixelMask mask, ViewSize view, const Image& picture,
-                          const fs::path& path) {
-    if (!picture.empty()) fit_to_picture(mask, picture.width, picture.height);
-    const ViewSize size{mask.width, mask.height};
-    if (size == view) return mask;
-    if (!same_aspect(size, view))
-        throw Error(ErrorKind::input, path.string() + ": it has " + size_text(size) + " px, but the view " +
-                                          size_text(view) +
-                                          "; both must show the left view, with the same aspect");
-    return readers::resampled(mask, view.width, view.height);
 }
 
 // A mask or confidences, from a file or from an array; empty = none.
@@ -157,30 +125,63 @@ class InputReader {
         return readers::read_depth_map(source.map, config_.depth, limits_);
     }
 
+    static void take_picture(Image image, const fs::path& path, ViewSize view, const fs::path& map_path,
+                             RunInput& input) {
+        InputMap& map = std::get<InputMap>(input.views);
+        ViewPicture picture = picture_of_view(std::move(image), path, view, map_path);
+        map.color = std::move(picture.color);
+        map.picture = std::move(picture.picture);
+    }
     template <typename MapFile>
     void fit(MapFile& file, ViewSize picture) {
         if (const auto done = fit_to_picture(file.map, picture.width, picture.height); !done.empty())
             log_.warn(done);
     }
 
+    // Reads a map and the picture of its view. roles: of the two files.
     template <typename Files>
-    RunInput read_map(const Files& source, const char* role) {
+    auto read_view(const Files& source, const std::pair<const char*, const char*>& roles, RunInput& input) {
         std::future<HashedImage> reading_color;
         if (!source.color.empty())
-            reading_color = start_work(threads_, [&] { return read_hashed("color", source.color); });
+            reading_color = start_work(threads_, [&] { return read_hashed(roles.second, source.color); });
         auto values = values_of(source);
-        RunInput input{InputMap{}};
-        input.files.push_back(hashed(role, source.map));
+        input.files.push_back(hashed(roles.first, source.map));
         if (reading_color.valid()) {
             HashedImage color = reading_color.get();
             tell(turn_to_fit(color, size_of(values).width, size_of(values).height));
             fit(values, size_of(color.image));
-            take_picture(std::move(color.image), source.color, size_of(values), source.map,
-                         std::get<InputMap>(input.views));
+            take_picture(std::move(color.image), source.color, size_of(values), source.map, input);
             input.files.push_back(std::move(color.file));
         }
-        return complete_map(std::move(input), std::move(values), source.color, {source.mask},
-                            {source.confidence});
+        return values;
+    }
+
+    void read_right(const DisparityFiles& source, RunInput& input) {
+        if (source.right.empty()) return;
+        InputMap& map = std::get<InputMap>(input.views);
+        RunInput right{InputMap{}};
+        map.right = read_view(DisparityFiles{source.right, source.color_right},
+                              {"disparity right", "color right"}, right)
+                        .map;
+        if (const ViewSize size = size_of(map.right), other = size_of(map.disparities); size != other)
+            throw Error(ErrorKind::input, source.right.string() + ": it has " + size_text(size) +
+                                              " px, but " + source.map.string() + " " + size_text(other) +
+                                              "; both views' maps have one size");
+        InputMap& view = std::get<InputMap>(right.views);
+        map.right_color = std::move(view.color);
+        map.right_picture = std::move(view.picture);
+        std::ranges::move(right.files, std::back_inserter(input.files));
+    }
+    void read_right(const DepthFiles&, RunInput&) {}
+
+    template <typename Files>
+    RunInput read_map(const Files& source, const char* role) {
+        RunInput input{InputMap{}};
+        auto values = read_view(source, {role, "color"}, input);
+        input = complete_map(std::move(input), std::move(values), source.color, {source.mask},
+                             {source.confidence});
+        read_right(source, input);
+        return input;
     }
 
     template <typename Arrays>
@@ -188,8 +189,7 @@ class InputReader {
         RunInput input{InputMap{}};
         if (!source.color.empty()) {
             fit(source.map, size_of(source.color));
-            take_picture(std::move(source.color), "color", size_of(source.map), role,
-                         std::get<InputMap>(input.views));
+            take_picture(std::move(source.color), "color", size_of(source.map), role, input);
         }
         return complete_map(std::move(input), std::move(source.map), {}, {{}, std::move(source.mask)},
                             {{}, std::move(source.confidence)});

@@ -33,9 +33,12 @@ struct InputPair {
 struct InputMap {
     DisparityMap disparities;
     Image color;               // the left picture at the map's size; empty = none
-    Image picture;             // the left picture at its own size, if that differs from the map's; else empty
+    Image picture = {};             // the left picture at its own size, if that differs from the map's; else empty
     std::string read_as = {};  // how its samples were read: "16-bit integers, mm"; empty = it was in memory
     bool is_depth = false;     // true if it was a depth map
+    // The right view, of the same sizes; without a map it was not supplied.
+    DisparityMap right = {};
+    Image right_color = {}, right_picture = {};
 };
 
 struct RunInput {
@@ -65,11 +68,9 @@ struct RunInput {
         const Image& picture = pair() ? pair()->pictures.left : map()->picture;
         return picture.empty() ? color() : picture;
     }
-    // True if the right camera's view can become part of the surface: it is all there, and no mask cuts a
-    // thing out of the left one.
-    bool has_right_view() const {
-        return pair() && (mask.empty() || (is_aligned() && pair()->views.left.alpha.empty()));
-    }
+    // True if what the left camera does not see can become part of the surface: no mask cuts a thing out of
+    // its view.
+    bool is_whole() const { return mask.empty() || (is_aligned() && pair()->views.left.alpha.empty()); }
     int reduced_by() const { return pair() ? pair()->reduced_by : 1; }
 };
 

@@ -4,9 +4,11 @@
 #include <span>
 #include <utility>
 
+#include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/noise.h"
+#include "pipeline/stages/other_views/behind_silhouettes.h"
 
 namespace hexrelief::job {
 namespace {
@@ -14,8 +16,9 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 2;       // views of what no camera saw are smaller by this, as they are smooth
-constexpr double kCoarser = 1.5;  // spacing of the other views: what has no match has little detail
+constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
+constexpr double kCoarser = 1.5;          // spacing of the other views: what has no match has little detail
+constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kFittingSpacings = 3;    // of solve_mesh()
 
@@ -23,8 +26,13 @@ ViewPlace left_place(const LeftView& view) {
     return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
 }
 
-double least_of(const SurfaceMesh& mesh) {
-    return *std::min_element(mesh.disparities.begin(), mesh.disparities.end());
+// Returns the surface as the cameras see it. What is added may be a little farther than all of it, so that it
+// is not level with the farthest.
+stages::VisibleSurface seen_by_cameras(const SurfaceMesh& mesh, const LeftView& view, int threads) {
+    std::vector<ViewPlace> cameras = {left_place(view)};
+    if (view.right) cameras.push_back(view.right->place);
+    const double least_px = *std::min_element(mesh.disparities.begin(), mesh.disparities.end());
+    return stages::visible_surface(mesh, cameras, kFarther * least_px, threads);
 }
 
 // True if a part of the view that matters is background: then the scene is open between its things, and such
@@ -37,15 +45,21 @@ bool is_without_background(const LeftView& view) {
     return static_cast<double>(dropped) > kMostBackground * static_cast<double>(values.size());
 }
 
-// The places from which gaps behind silhouettes are looked for.
-std::vector<ViewPlace> places_beyond(const LeftView& view, double far_px, double behind) {
-    if (behind == 0 || is_without_background(view)) return {};
-    const int width = view.disparity.width / kReduced, height = view.disparity.height / kReduced;
-    std::vector<ViewPlace> places;
-    for (const auto& [right, up] :
-         {std::pair{-behind, 0.0}, {1 + behind, 0.0}, {0.0, behind}, {0.0, -behind}})
-        places.push_back({right, up, far_px, kReduced, width, height});
-    return places;
+// The left view with nothing missing yet. Its texture is smaller, as what continues is smooth.
+OtherView copy_of_left(const LeftView& view) {
+    OtherView left{left_place(view), {}, {}, view.color};
+    const int width = view.color.width / kReduced, height = view.color.height / kReduced;
+    if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height);
+    return left;
+}
+
+void show(OtherView& view, const stages::SeenSurface& here) {
+    view.missing = {view.place.width, view.place.height, {}};
+    view.missing.values.assign(here.disparities.size(), kUnknownDisparity);
+    view.map = view.missing;
+    for (std::size_t i = 0; i < here.disparities.size(); ++i)
+        if (here.disparities[i] != stages::kNotCovered)
+            view.map.values[i] = static_cast<float>(here.disparities[i]);
 }
 
 // Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
@@ -54,8 +68,8 @@ SurfaceMesh sheet_of(const OtherView& other, const DensityMap& density, const Le
                      const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
     const LeftView view{
-        other.missing, other.missing, density, other.picture,
-        other.picture, camera,        camera,  left.least_px / static_cast<float>(other.place.scale)};
+        other.missing,   other.missing, density, other.color,
+        other.texture(), camera,        camera,  left.least_px / static_cast<float>(other.place.scale)};
     if (std::min(other.map.width, other.map.height) < kFittingSpacings * kCoarser * config.mesh.spacing_px)
         return {};
     backend.expect_map(other.missing);
@@ -78,10 +92,6 @@ DensityMap density_of_view(const DisparityMap& map, stages::DensityConfig config
     return stages::compute_density(map, config, threads);
 }
 
-PartOrigin origin_of(const ViewPlace& place) {
-    return place.right == 1 && place.up == 0 ? PartOrigin::right : PartOrigin::nobody;
-}
-
 // Returns the view whose map, seen in a mirror, is given.
 RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
                      int threads) {
@@ -93,11 +103,15 @@ RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages:
     return right;
 }
 
-// Appends the sheet with its texture coordinates in the atlas.
-void append(SurfaceMesh& mesh, SurfaceMesh sheet, PartOrigin origin, const stages::TextureAtlas& atlas,
-            std::size_t view) {
-    atlas.move_in(sheet.texcoords, view);
-    stages::append(mesh, sheet, origin);
+// Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
+void add_texture(OtherViews& others, const Image& left, SurfaceMesh& mesh) {
+    if (left.empty()) return;
+    std::vector<stages::PictureInUse> pictures;
+    for (const OtherView& other : others.views) pictures.push_back({other.texture(), other.missing});
+    others.atlas = stages::make_atlas(left, pictures);
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
+        others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
 }
 
 }  // namespace
@@ -118,7 +132,7 @@ RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& m
 }
 
 void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
-                         const readers::PixelMask& mask, const stages::DensityConfig& config, int threads) {
+                         const readers::PixelMask& mask, int threads) {
     right.place = left_place(left);
     right.place.right = 1;
     right.place.shift_px = left.pair_camera.doffs_px - left.calibration.doffs_px;
@@ -126,46 +140,49 @@ void complete_right_view(RightView& right, const LeftView& left, const Disparity
     for (std::size_t i = 0; i < right.map.values.size(); ++i) {
         float& d = right.map.values[i];
         if (DisparityMap::known(d)) d = std::max(d + static_cast<float>(right.place.shift_px), left.least_px);
-        if (d < background_px || (!mask.empty() && !mask.kept[i])) d = kUnknownDisparity;
+        if (d <= -left.calibration.doffs_px || d < background_px || (!mask.empty() && !mask.kept[i]))
+            d = kUnknownDisparity;
     }
     if (const auto& noise = disparity.noise; noise.noise_px > 0)
         right.map = dequantize::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
-    right.density = density_of_view(right.map, config, threads);
 }
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
                      Backend& backend, const RunLog& log) {
-    const RightView& right = *view.right;
+    const RightView* const right = view.right;
+    const double behind = is_without_background(view) ? 0 : config.surface.behind;
     const int threads = backend.threads();
     SurfaceMesh& mesh = result.mesh;
     OtherViews others;
-    const double least_px = least_of(mesh);
-    stages::VisibleSurface visible = stages::visible_surface(mesh, {left_place(view)}, least_px, threads);
-    const auto add = [&](OtherView other, const DensityMap& density) {
+    const auto add = [&](OtherView other, const stages::SeenSurface& here,
+                         const stages::VisibleSurface& visible) {
+        stages::join_to_surface(other, here);
+        const DensityMap density = density_of_view(other.map, config.density, threads);
         const SurfaceMesh sheet = sheet_of(other, density, view, visible, config, backend, log);
         if (sheet.empty()) return;
-        stages::append(mesh, sheet, origin_of(other.place));
+        stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
         others.views.push_back(std::move(other));
     };
-    OtherView missing{right.place, right.map, {}, right.color};
-    stages::find_missing(missing, mesh, visible.seen[0], threads);
-    add(std::move(missing), right.density);
-    visible = stages::visible_surface(mesh, {left_place(view), right.place}, least_px, threads);
-    const stages::SeenPair seen{view.color, right.color, visible};
-    for (const ViewPlace& place : places_beyond(view, least_px, config.surface.behind)) {
-        OtherView continued = stages::continued_view(place, mesh, seen, threads);
-        const DensityMap density = density_of_view(continued.map, config.density, threads);
-        add(std::move(continued), density);
+    if (right) {
+        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
+        OtherView missing{right->place, right->map, {}, right->color, right->picture};
+        stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
+        if (behind > 0)
+            stages::continue_behind(missing, visible.seen[1], {.right = behind}, visible, threads);
+        add(std::move(missing), visible.seen[1], visible);
+    }
+    if (behind > 0) {
+        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
+        OtherView left = copy_of_left(view);
+        const stages::SeenSurface& here = visible.seen[0];
+        show(left, here);
+        stages::continue_behind(
+            left, here, {.left = behind, .right = right ? 0 : 1 + behind, .up = behind, .down = behind},
+            visible, threads);
+        add(std::move(left), here, visible);
     }
     if (others.views.empty()) return;
-    std::vector<stages::PictureInUse> pictures;
-    for (const OtherView& other : others.views)
-        pictures.push_back({other.place.right == 1 && !right.picture.empty() ? right.picture : other.picture,
-                            other.missing});
-    others.atlas = stages::make_atlas(view.texture, pictures);
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
-        others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
+    add_texture(others, view.texture, mesh);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");
@@ -176,15 +193,14 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
                      const config::Config& config, Backend& backend, const RunLog& log) {
     if (!finest.others) return;
     const int threads = backend.threads();
-    const stages::VisibleSurface visible =
-        stages::visible_surface(mesh, {left_place(view)}, least_of(mesh), threads);
-    finest.others->atlas.move_in(mesh.texcoords, 0);
+    if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
-        append(mesh,
-               sheet_of(other, density_of_view(other.map, config.density, threads), view, visible, config,
-                        backend, log),
-               origin_of(other.place), finest.others->atlas, i + 1);
+        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
+        SurfaceMesh sheet = sheet_of(other, density_of_view(other.map, config.density, threads), view,
+                                     visible, config, backend, log);
+        if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
+        stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
     }
 }
 

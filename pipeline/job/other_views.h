@@ -16,12 +16,12 @@ RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& m
                                 const stages::FoundRange& range, int threads);
 
 // Makes the right view's map fit the left view's: counted from infinity, ended by the backdrop, without the
-// background, smoothed. Adds the density and the place.
+// background, smoothed. Adds the place.
 void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
-                         const readers::PixelMask& mask, const stages::DensityConfig& config, int threads);
+                         const readers::PixelMask& mask, int threads);
 
 // Adds to the left view's surface what only the right camera sees, and what no camera saw behind silhouettes,
-// with a texture of all of it. view.right must be set.
+// with a texture of all of it.
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
                      Backend& backend, const RunLog& log);
 

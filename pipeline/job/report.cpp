@@ -260,6 +260,7 @@ LeftView Relief::view() const {
             pair_camera,
             disparity.backdrop ? disparity.backdrop->disparity_px : 0,
             right ? &*right : nullptr,
+            input.is_whole(),
             input.texture_file.empty() ? nullptr : &input.texture_file,
             input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright};
 }

@@ -23,9 +23,9 @@ struct PairFiles {
 struct StereoFile {
     std::filesystem::path file, mask = {};
 };
-// color: the left picture.
+// color: the left picture. right, color_right: the right view's map and picture.
 struct DisparityFiles {
-    std::filesystem::path map, color = {}, mask = {}, confidence = {};
+    std::filesystem::path map, color = {}, mask = {}, confidence = {}, right = {}, color_right = {};
 };
 struct DepthFiles {
     std::filesystem::path map, color = {}, mask = {}, confidence = {};
@@ -51,7 +51,8 @@ using Source =
     std::variant<PairFiles, StereoFile, DisparityFiles, DepthFiles, PairArrays, DisparityArrays, DepthArrays>;
 
 struct InputFile {
-    // "left", "right", "stereo", "disparity", "depth", "color", "calibration", "mask", "confidence"
+    // "left", "right", "stereo", "disparity", "depth", "color", "calibration", "mask", "confidence",
+    // "disparity right", "color right"
     std::string role;
     std::string path;
     std::string sha256 = {};  // set after the file is read

@@ -93,7 +93,10 @@ std::vector<InputFile> all_files_of_map(const char* role, const Map& map) {
     return {{role, map.map}, {"color", map.color}, {"mask", map.mask}, {"confidence", map.confidence}};
 }
 std::vector<InputFile> all_files(const DisparityFiles& map) {
-    return all_files_of_map("disparity", map);
+    std::vector<InputFile> files = all_files_of_map("disparity", map);
+    files.push_back({"disparity right", map.right});
+    files.push_back({"color right", map.color_right});
+    return files;
 }
 std::vector<InputFile> all_files(const DepthFiles& map) {
     return all_files_of_map("depth", map);

@@ -83,11 +83,19 @@ DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& 
     DisparityMap map = std::move(input.disparities);
     if (config.input.densify == config::Densification::automatic)
         map = densify_map(std::move(map), input.color, mask, threads, log);
-    return log.stage("disparity", [&] {
-        if (config.disparity.dequantize == stages::Dequantization::none)
-            return DisparityResult{std::move(map), {}};
-        return smooth_map(std::move(map), config.budget.max_error_px, threads, log);
-    });
+    DisparityResult result = config.disparity.dequantize == stages::Dequantization::none
+                                 ? DisparityResult{std::move(map), {}}
+                                 : smooth_map(std::move(map), config.budget.max_error_px, threads, log);
+    if (config.disparity.fill == stages::DisparityFill::planes)
+        fill_map(result, input.color, mask, threads, log);
+    return result;
+}
+
+RightView supplied_right_view(InputMap& input, const config::Config& config, int threads, RunLog& log) {
+    InputMap map{std::move(input.right), std::move(input.right_color)};
+    DisparityResult result = supplied_disparities(map, {}, config, threads, log);
+    return {result.quantum_px > 0 ? std::move(result.smooth) : std::move(result.map), std::move(map.color),
+            std::move(input.right_picture)};
 }
 
 }  // namespace
@@ -132,7 +140,11 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     relief.backend = take_backend(started, config, log);
     log.decide("backend: " + relief.backend->name() + ", " + relief.backend_reason);
     if (InputMap* const map = std::get_if<InputMap>(&input.views)) {
-        relief.disparity = supplied_disparities(*map, input.mask, config, threads, log);
+        if (!map->right.values.empty() && config.surface.views == SurfaceViews::both && input.is_whole())
+            relief.right =
+                log.stage("right view", [&] { return supplied_right_view(*map, config, threads, log); });
+        relief.disparity = log.stage(
+            "disparity", [&] { return supplied_disparities(*map, input.mask, config, threads, log); });
     } else {
         std::optional<stages::ViewMaps> by_program;
         if (range.config.method == stages::DisparityMethod::command)
@@ -146,7 +158,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
             return matched;
         });
-        if (config.surface.views == SurfaceViews::both && input.has_right_view())
+        if (config.surface.views == SurfaceViews::both && input.is_whole())
             relief.right = log.stage("right view", [&] {
                 return by_program ? right_view_of_program(*pair, *by_program, range, threads)
                                   : matched_right_view(*pair, as_matched, range, *relief.backend);
@@ -161,7 +173,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
     relief.pair_camera = relief.input.calibration;
-    if (const InputPair* const pair = relief.input.pair(); pair && pair->alignment)
+    const InputPair* const pair = relief.input.pair();
+    if (pair && pair->alignment)
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
@@ -173,8 +186,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     });
     const LeftView view = relief.view();
     if (relief.right)
-        complete_right_view(*relief.right, relief.view(), relief.disparity, relief.input.pair()->right_mask,
-                            for_reduced(config.density, relief.input.reduced_by()), backend.threads());
+        complete_right_view(*relief.right, relief.view(), relief.disparity,
+                            pair ? pair->right_mask : readers::PixelMask{}, backend.threads());
     relief.surface = budget::has_budget(config.budget) ? meet_budget(view, config, outputs, backend, log)
                                                        : make_surface(view, config, backend, log);
     warn_of_inversions(relief.surface.quality, log);

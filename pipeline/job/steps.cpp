@@ -24,6 +24,8 @@
 namespace hexrelief::job {
 namespace {
 
+constexpr double kMostUnknown = 0.25;  // share of a map that has holes, and is not a thing cut out
+
 std::string memory_text(const DeviceFigures& device) {
     return fixed(static_cast<double>(device.bytes) / (1 << 20), 1) + " MiB of its memory";
 }
@@ -204,6 +206,29 @@ DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, c
     return result;
 }
 
+void fill_map(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, int threads,
+              const RunLog& log) {
+    const DisparityMap& meshed = disparity.meshed();
+    std::size_t unknown = 0, all = 0;
+    for (std::size_t i = 0; i < meshed.values.size(); ++i)
+        if (mask.empty() || mask.kept[i]) ++all, unknown += !DisparityMap::known(meshed.values[i]);
+    if (left.empty() || unknown == 0 ||
+        static_cast<double>(unknown) > kMostUnknown * static_cast<double>(all))
+        return;
+    DisparityMap filled = densify::fill_holes(meshed, left, threads);
+    hide(filled, mask);
+    std::vector<PixelOrigin>& origins = disparity.map.origins;
+    if (origins.empty()) origins = filled.origins;
+    for (std::size_t i = 0; i < origins.size(); ++i) {
+        if (filled.origins[i] != PixelOrigin::filled) continue;
+        origins[i] = PixelOrigin::filled;
+        disparity.map.values[i] = filled.values[i];
+        if (disparity.quantum_px > 0) disparity.smooth.values[i] = filled.values[i];
+    }
+    log.decide("disparity: " + fixed(100 * static_cast<double>(unknown) / static_cast<double>(all), 1) +
+               " % were unknown, and lie on the planes around them");
+}
+
 void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log) {
     if (!disparity.matched) return;
     const auto noise = dequantize::smoothing_for(dequantize::find_noise_px(disparity.map), is_relief);
@@ -251,7 +276,8 @@ SurfaceResult make_surface(const LeftView& view, const config::Config& config, B
         const DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
         result.device = backend.figures();
         result.mesh = surface_of(cut, view, config.surface);
-        if (view.right) add_other_views(result, view, config, backend, log);
+        if (config.surface.views == SurfaceViews::both && view.is_whole)
+            add_other_views(result, view, config, backend, log);
         result.bounds = bounds_of(result.mesh.positions);
         log.decide("depth: " + fixed(result.nearest(), 3) + " to " + fixed(result.farthest(), 3) +
                    (view.calibration.metric ? " m" : " (relative)"));

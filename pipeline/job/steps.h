@@ -42,10 +42,9 @@ struct DisparityResult {
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
 
-// A pair's right view. All members have one size except the picture.
+// The right camera's view. All members have one size except the picture.
 struct RightView {
-    DisparityMap map;  // as matched, until complete_right_view()
-    DensityMap density = {};
+    DisparityMap map;    // as matched or supplied, until complete_right_view()
     Image color = {};    // in the left picture's light, as the picture is
     Image picture = {};  // at its original size; empty = `color` is it
     stages::ViewPlace place = {};
@@ -61,7 +60,8 @@ struct LeftView {
     const Calibration& calibration;
     const Calibration& pair_camera;    // with the doffs that `calibration` may have in the map
     float least_px = 0;                // no vertex has a smaller disparity
-    const RightView* right = nullptr;  // null = the surface is made of the left view only
+    const RightView* right = nullptr;  // null = there is none
+    bool is_whole = false;             // RunInput::is_whole()
     const std::vector<std::uint8_t>* texture_file = nullptr;  // as in exporters::Scene
     static constexpr std::array<double, 2> kUpright = {0, 1};
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
@@ -89,8 +89,8 @@ struct SurfaceResult {
     double farthest() const { return -static_cast<double>(bounds.low.z); }
     // The picture that the texture coordinates refer to; null = none.
     const Image* texture(const LeftView& view) const {
-        if (others) return &others->atlas.picture;
-        return view.texture.empty() ? nullptr : &view.texture;
+        if (view.texture.empty()) return nullptr;
+        return others ? &others->atlas.picture : &view.texture;
     }
 };
 
@@ -138,6 +138,11 @@ void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const
 
 // Removes the quantisation steps from a supplied map, unless max_error_px is above 0 and less than a step.
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log);
+
+// Fills the pixels that a supplied map does not know but its picture shows, by planes, except those that the
+// mask hides. Does nothing if more than a quarter of the map is unknown, or if there is no picture.
+void fill_map(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, int threads,
+              const RunLog& log);
 
 // Computes the density of a map. Warns if most of it is background. Throws Error(input) if all of it is.
 DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig& config, int threads,

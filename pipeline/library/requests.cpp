@@ -30,6 +30,10 @@ job::Source source_of(const FileRequest& files) {
     if ((pair || stereo) && !files.confidence.empty())
         refuse(
             "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
+    if (files.disparity_right.empty() != files.color_right.empty() && !files.color.empty())
+        refuse("--disparity-right and --color-right go together, as --disparity and --color do");
+    if (files.disparity.empty() && !(files.disparity_right + files.color_right).empty())
+        refuse("--disparity-right and --color-right go with --disparity, which is the left view's map");
     if (stereo) return job::StereoFile{files.stereo, files.mask};
     if (map && !files.left.empty() && files.right.empty())
         refuse("a map takes its colours from --color: give --color " + files.left + " in place of --left");
@@ -41,7 +45,8 @@ job::Source source_of(const FileRequest& files) {
         refuse("--color goes with --disparity or --depth; a pair takes its colours from --left");
     if (pair) return job::PairFiles{files.left, files.right, files.mask};
     if (!files.depth.empty()) return job::DepthFiles{files.depth, files.color, files.mask, files.confidence};
-    return job::DisparityFiles{files.disparity, files.color, files.mask, files.confidence};
+    return job::DisparityFiles{files.disparity,  files.color,           files.mask,
+                               files.confidence, files.disparity_right, files.color_right};
 }
 
 // Returns the options of the files that are given, as far as other options go with them.

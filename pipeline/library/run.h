@@ -15,6 +15,7 @@ inline namespace v0 {
 struct FileRequest {
     std::string left = {}, right = {}, stereo = {};
     std::string disparity = {}, depth = {}, color = {};
+    std::string disparity_right = {}, color_right = {};  // of the right view, beside `disparity` and `color`
     std::string mask = {}, confidence = {};
     // The extension gives the format; "-" writes GLB to the standard output, "drc:-" another format.
     std::vector<std::string> outputs = {};

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
+
+#include "exporters/images/resize.h"
+#include "pipeline/data/error.h"
 
 namespace hexrelief::job {
 namespace {
@@ -79,6 +83,31 @@ std::string fit_to_picture(DepthMap& map, int width, int height) {
 
 std::string fit_to_picture(readers::PixelMask& mask, int width, int height) {
     return fitted(mask, width, height);
+}
+
+ViewPicture picture_of_view(Image image, const std::filesystem::path& path, ViewSize view,
+                            const std::filesystem::path& map_path) {
+    const ViewSize size{image.width, image.height};
+    if (!same_aspect(size, view))
+        throw Error(ErrorKind::input, path.string() + ": the colour image has " + size_text(size) +
+                                          " px, but the map " + map_path.string() + " has " +
+                                          size_text(view) +
+                                          "; both must show the same view, with the same aspect");
+    if (size == view) return {std::move(image)};
+    Image color = exporters::resized(image, view.width, view.height);
+    return {std::move(color), std::move(image)};
+}
+
+readers::PixelMask fitted(readers::PixelMask mask, ViewSize view, const Image& picture,
+                          const std::filesystem::path& path) {
+    if (!picture.empty()) fit_to_picture(mask, picture.width, picture.height);
+    const ViewSize size{mask.width, mask.height};
+    if (size == view) return mask;
+    if (!same_aspect(size, view))
+        throw Error(ErrorKind::input, path.string() + ": it has " + size_text(size) + " px, but the view " +
+                                          size_text(view) +
+                                          "; both must show the left view, with the same aspect");
+    return readers::resampled(mask, view.width, view.height);
 }
 
 }  // namespace hexrelief::job

@@ -68,6 +68,27 @@ bool any_inside(const std::array<ViewPoint, 3>& corners, double scale, const IsF
     return false;
 }
 
+// The vertices in the middle of edges, by the edges' ends.
+using Middles = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
+
+// Splits triangles along edges whose neighbours were split, so that they share their vertices.
+std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middles& middles) {
+    for (std::size_t i = 0; i < triangles.size();) {
+        bool is_split = false;
+        for (std::size_t k = 0; k < 3 && !is_split; ++k) {
+            const auto [a, b, c] =
+                std::array{triangles[i][k], triangles[i][(k + 1) % 3], triangles[i][(k + 2) % 3]};
+            const auto middle = middles.find(std::minmax(a, b));
+            if (middle == middles.end()) continue;
+            is_split = true;
+            triangles[i] = {a, middle->second, c};
+            triangles.push_back({middle->second, b, c});
+        }
+        i += is_split ? 0 : 1;
+    }
+    return triangles;
+}
+
 }  // namespace
 
 ViewPoint ViewPlace::from_left(const ViewPoint& p) const {
@@ -143,7 +164,7 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
             return in_left.d > seen.limit_at(in_left) + kInFront_px;
         });
     };
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;  // by an edge's ends
+    Middles middles;
     const auto add_middle = [&](std::uint32_t a, std::uint32_t b) {
         const auto [found, is_new] =
             middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(cut_mesh.points.size()));
@@ -170,7 +191,7 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                     split.push_back(part);
             }
         }
-    cut_mesh.triangles = std::move(kept);
+    cut_mesh.triangles = with_middles(std::move(kept), middles);
 }
 
 SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {

@@ -11,6 +11,9 @@
 
 namespace hexrelief::stages {
 
+// Neighbours of one surface differ by at most this (SurfaceConfig::least_discontinuity_px).
+inline constexpr double kOneSurface_px = 1;
+
 // A camera that looks the same way as the left one.
 struct ViewPlace {
     double right = 0, up = 0;   // of the left camera, in baselines

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/other_view.h"
 #include "pipeline/stages/other_views/texture_atlas.h"
 #include "pipeline/stages/surface.h"
@@ -64,11 +65,10 @@ TEST(ViewPlace, PointsAndCamerasAgree) {
 TEST(OtherView, MissingIsWhatOnlyTheRightCameraSees) {
     const SurfaceMesh mesh = left_surface();
     OtherView view = right_view();
-    find_missing(view, mesh, see(mesh, place_at(0), kThreads), kThreads);
+    find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), kThreads);
     for (int x = 0; x < kWidth; ++x) {
-        // The wall right of the box, which hid it from the left camera, and right of the left view's border;
-        // with a pixel of the wall that the surface has.
-        const bool is_missing = (x >= 40 && x < 57) || x >= 95;
+        // The wall right of the box, which hid it from the left camera, and right of the left view's border.
+        const bool is_missing = (x >= 40 && x < 56) || x >= 96;
         EXPECT_EQ(view.missing.at(x, 20), is_missing ? kWall : kUnknownDisparity) << x;
     }
 }
@@ -78,30 +78,78 @@ TEST(OtherView, WhatTheLeftCameraWouldSeeInFrontIsReplacedByTheFartherSurface) {
     OtherView view = right_view();
     for (int x = 40; x < 45; ++x) view.map.at(x, 20) = kBox;  // the box seems wider than the left view's
     view.map.at(50, 20) = kUnknownDisparity;
-    find_missing(view, mesh, see(mesh, place_at(0), kThreads), kThreads);
+    find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), kThreads);
     for (int x = 40; x < 45; ++x) EXPECT_EQ(view.missing.at(x, 20), kWall) << x;
     EXPECT_EQ(view.missing.at(50, 20),
               kUnknownDisparity);  // what the right view does not know is not made up
 }
 
-TEST(OtherView, ContinuedBehindTheBoxIsTheWallInItsColours) {
-    const SurfaceMesh mesh = left_surface();
-    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 90)};
+// The left view with nothing missing yet: the box has the colour 200, the wall 90.
+OtherView left_view(const SeenSurface& seen) {
+    OtherView view{seen.place, {kWidth, kHeight, {seen.disparities.begin(), seen.disparities.end()}}};
+    view.missing = view.map;
+    view.missing.values.assign(view.map.values.size(), kUnknownDisparity);
+    view.color = {kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 90)};
     for (int y = 0; y < kHeight; ++y)
-        for (int x = kBoxBegin; x < kBoxEnd; ++x) *picture.at(x, y) = 200;
-    const VisibleSurface visible = visible_surface(mesh, {place_at(0), place_at(1)}, kWall, kThreads);
-    const OtherView view = continued_view(place_at(-1), mesh, {picture, picture, visible}, kThreads);
-    // From one baseline to the left the box is at columns 60 to 80, and the wall ends at 44.
-    for (int x = 46; x < 60; ++x) {
+        for (int x = kBoxBegin; x < kBoxEnd; ++x) *view.color.at(x, y) = 200;
+    view.picture = {kWidth / 2, kHeight / 2, 1, std::vector<std::uint8_t>(kWidth * kHeight / 4, 200)};
+    for (int y = 0; y < kHeight / 2; ++y)
+        for (int x = 0; x < kBoxBegin / 2; ++x) *view.picture.at(x, y) = 90;
+    return view;
+}
+
+TEST(OtherView, ContinuedBehindTheBoxIsTheWallInItsColours) {
+    const VisibleSurface visible =
+        visible_surface(left_surface(), {place_at(0), place_at(1)}, kWall - 1, kThreads);
+    OtherView view = left_view(visible.seen[0]);
+    continue_behind(view, visible.seen[0], {.left = 0.5}, visible, kThreads);
+    // From half a baseline to the left the box is 8 px farther to the right of the wall than from the left
+    // camera.
+    for (int x = 0; x < kWidth; ++x) {
+        const bool is_continued = x >= kBoxBegin && x < kBoxBegin + 9;
+        EXPECT_EQ(DisparityMap::known(view.missing.at(x, 20)), is_continued) << x;
+        if (!is_continued) continue;
         EXPECT_NEAR(view.missing.at(x, 20), kWall, 0.5) << x;
-        EXPECT_LE(view.missing.at(x, 20), kWall) << x;
-        EXPECT_EQ(*view.picture.at(x, 20), 90) << x;
+        EXPECT_EQ(view.map.at(x, 20), view.missing.at(x, 20)) << x;
+        EXPECT_EQ(*view.color.at(x, 20), 90) << x;
+        EXPECT_EQ(*view.picture.at(x / 2, 10), 90) << x;
     }
-    EXPECT_EQ(view.missing.at(70, 20), kUnknownDisparity);  // the box itself
-    EXPECT_EQ(view.missing.at(10, 20), kUnknownDisparity);
-    // From above, nothing is hidden by the box, which ends at no row.
-    const OtherView above = continued_view(place_at(0, 1), mesh, {picture, picture, visible}, kThreads);
-    EXPECT_EQ(above.missing.at(50, 20), kUnknownDisparity);
+    EXPECT_EQ(*view.color.at(kBoxBegin + 14, 20), 200);  // the box beyond what the texture's filter needs
+}
+
+TEST(OtherView, NoSurfaceContinuesFartherThanAnEighthOfTheView) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall - 1, kThreads);
+    OtherView view = left_view(visible.seen[0]);
+    continue_behind(view, visible.seen[0], {.left = 8, .right = 8, .up = 8, .down = 8}, visible, kThreads);
+    for (int x = 0; x < kWidth; ++x)  // above and below the box there is no wall
+        EXPECT_EQ(DisparityMap::known(view.missing.at(x, 20)), x >= kBoxBegin && x < kBoxEnd) << x;
+    OtherView wide = left_view(visible.seen[0]);
+    continue_behind(wide, visible.seen[0], {.left = 8}, visible, kThreads);
+    EXPECT_EQ(wide.missing.at(kBoxBegin + kWidth / 8, 20), kUnknownDisparity);
+}
+
+TEST(OtherView, NothingContinuesBehindABorderWithoutASurfaceBehindIt) {
+    SurfaceMesh box;
+    add_rectangle(box, kBoxBegin, kBoxEnd, kBox);
+    const VisibleSurface visible = visible_surface(box, {place_at(0)}, kWall - 1, kThreads);
+    OtherView view = left_view(visible.seen[0]);
+    continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1}, visible, kThreads);
+    for (const float d : view.missing.values) EXPECT_EQ(d, kUnknownDisparity);
+}
+
+TEST(OtherView, PartsOverlapWithTheSurfaceAndSmallOnesJoinThoseAroundThem) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall - 1, kThreads);
+    OtherView view = left_view(visible.seen[0]);
+    for (int y = 5; y < 35; ++y)
+        for (int x = kBoxBegin; x < kBoxBegin + 6; ++x) view.missing.at(x, y) = kWall;
+    view.missing.at(kBoxBegin + 2, 20) = 12;
+    view.missing.at(90, 20) = kWall;  // nobody would miss it
+    join_to_surface(view, visible.seen[0]);
+    EXPECT_EQ(view.missing.at(kBoxBegin + 2, 20), kWall);
+    EXPECT_EQ(view.missing.at(90, 20), kUnknownDisparity);
+    for (const int x : {kBoxBegin - 2, kBoxBegin - 1}) EXPECT_EQ(view.missing.at(x, 20), kWall) << x;
+    EXPECT_EQ(view.missing.at(kBoxBegin - 3, 20), kUnknownDisparity);
+    EXPECT_EQ(view.missing.at(kBoxBegin + 7, 20), kUnknownDisparity);
 }
 
 TEST(OtherView, PartsInFrontOfTheSurfaceAreClipped) {
@@ -117,6 +165,27 @@ TEST(OtherView, PartsInFrontOfTheSurfaceAreClipped) {
             const ViewPoint p =
                 place_at(1).to_left({sheet.points[v].x, sheet.points[v].y, sheet.disparities[v]});
             EXPECT_LE(p.d, visible.seen[0].limit_at(p)) << p.x;
+        }
+}
+
+TEST(OtherView, NoVertexLiesOnTheEdgeOfATriangleBesideASplitOne) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
+    DisparityMesh sheet;  // from behind the wall to behind the box, beside a triangle that is behind all
+    sheet.points = {{20, 10}, {50, 10}, {20, 30}, {5, 20}};
+    sheet.disparities = {3, 18, 3, 3};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    keep_behind(sheet, place_at(0), visible);
+    EXPECT_GT(sheet.triangles.size(), 4u);
+    for (const Triangle& t : sheet.triangles)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec2f &a = sheet.points[t[k]], &b = sheet.points[t[(k + 1) % 3]];
+            for (const Triangle& other : sheet.triangles)
+                for (const std::uint32_t v : other) {
+                    const Vec2f& p = sheet.points[v];
+                    const bool is_between = (p.x - a.x) * (b.y - a.y) == (p.y - a.y) * (b.x - a.x) &&
+                                            (p.x - a.x) * (p.x - b.x) + (p.y - a.y) * (p.y - b.y) < 0;
+                    EXPECT_FALSE(is_between) << p.x << " " << p.y;
+                }
         }
 }
 

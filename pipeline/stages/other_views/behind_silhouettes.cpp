@@ -1,0 +1,260 @@
+#include "pipeline/stages/other_views/behind_silhouettes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
+constexpr double kMostSlope = 0.3;
+constexpr int kMixed = 1;             // pixels at the end of a surface whose colours are mixed
+constexpr int kLongestShare = 8;      // of a view's side
+constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
+constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
+constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
+constexpr int kBorder_px = 2;
+constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
+constexpr std::size_t kLeastRegion = 3;    // pixels that nobody would miss
+
+// A row or a column of a view, from either end.
+struct Line {
+    std::ptrdiff_t first, step;
+    int count;
+    std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
+};
+
+// What continues behind a silhouette at each pixel.
+struct Continued {
+    std::vector<double> disparities;      // kNotCovered = nothing
+    std::vector<int> distances;           // from the silhouette, px
+    std::vector<std::size_t> colours_of;  // the pixels whose colours it has
+
+    explicit Continued(std::size_t pixels)
+        : disparities(pixels, kNotCovered), distances(pixels, INT32_MAX), colours_of(pixels) {}
+
+    // The nearest silhouette decides; of two, the farther surface.
+    void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
+        if (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])) return;
+        disparities[pixel] = d;
+        distances[pixel] = distance;
+        colours_of[pixel] = colour_of;
+    }
+};
+
+// Number of pixels of the surface that ends at line(end), at most `most`.
+int reach_of(const std::vector<double>& front, const Line& line, int end, int most) {
+    int reach = 1;
+    while (reach < most && end - reach >= 0 &&
+           std::abs(front[line(end - reach)] - front[line(end - reach + 1)]) <= kOneSurface_px)
+        ++reach;
+    return reach;
+}
+
+double slope_at(const std::vector<double>& front, const Line& line, int end, int reach) {
+    const int span = std::min(reach - 1, kSlope_px);
+    return span < 2
+               ? 0
+               : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
+}
+
+// Continues each surface of the line that ends before a nearer one.
+void continue_along(const std::vector<double>& front, const Line& line, double baselines, Continued& result) {
+    const int longest = line.count / kLongestShare;
+    for (int end = 0; end + 1 < line.count; ++end) {
+        const double far = front[line(end)];
+        double near = front[line(end + 1)];
+        if (far == kNotCovered || near - far <= kOneSurface_px) continue;
+        if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
+        const int reach = reach_of(front, line, end, longest + kSlope_px);
+        const double slope = slope_at(front, line, end, reach);
+        for (int k = 1; k <= longest && end + k < line.count; ++k) {
+            const std::size_t pixel = line(end + k);
+            const double d = std::min(far + slope * k, near);
+            if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+            result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
+        }
+    }
+}
+
+Continued continued_in(const std::vector<double>& front, const ViewPlace& place, const Beyond& beyond) {
+    const int width = place.width, height = place.height;
+    Continued result(front.size());
+    for (int y = 0; y < height; ++y) {
+        const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
+        if (beyond.left > 0) continue_along(front, {row, 1, width}, beyond.left, result);
+        if (beyond.right > 0) continue_along(front, {row + width - 1, -1, width}, beyond.right, result);
+    }
+    const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(height - 1) * width;
+    for (int x = 0; x < width; ++x) {
+        if (beyond.up > 0) continue_along(front, {x, width, height}, beyond.up, result);
+        if (beyond.down > 0) continue_along(front, {last + x, -width, height}, beyond.down, result);
+    }
+    return result;
+}
+
+// Makes lines that continue one surface agree.
+void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place, int threads) {
+    const int width = place.width, height = place.height;
+    for (int round = 0; round < kSmoothings; ++round) {
+        const std::vector<double> before = continued.disparities;
+        for_row_bands(height, threads, [&](int begin, int end) {
+            for (int y = begin; y < end; ++y)
+                for (int x = 0; x < width; ++x) {
+                    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
+                    if (before[pixel] == kNotCovered) continue;
+                    double sum = before[pixel];
+                    int count = 1;
+                    const auto add = [&](std::size_t other) {
+                        const double d = before[other] == kNotCovered ? front[other] : before[other];
+                        if (std::abs(d - before[pixel]) > kNeighbours_px) return;
+                        sum += d;
+                        ++count;
+                    };
+                    if (x > 0) add(pixel - 1);
+                    if (x + 1 < width) add(pixel + 1);
+                    if (y > 0) add(pixel - width);
+                    if (y + 1 < height) add(pixel + width);
+                    continued.disparities[pixel] = sum / count;
+                }
+        });
+    }
+}
+
+// Paints a pixel of the view into a picture of another size.
+void paint(Image& picture, const ViewPlace& place, std::size_t pixel, const Image& from,
+           std::size_t colour_of) {
+    const auto column = [&](int x) { return x * picture.width / place.width; };
+    const auto row = [&](int y) { return y * picture.height / place.height; };
+    const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
+    const int from_x = static_cast<int>(colour_of % place.width),
+              from_y = static_cast<int>(colour_of / place.width);
+    for (int v = row(y); v < row(y + 1); ++v)
+        for (int u = column(x); u < column(x + 1); ++u)
+            std::copy_n(from.at(column(from_x), row(from_y)), picture.channels, picture.at(u, v));
+}
+
+// Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
+void spread_colours(Continued& continued, const OtherView& view, const std::vector<double>& front) {
+    const auto width = static_cast<std::size_t>(view.place.width);
+    for (int round = 0; round < kSpread; ++round) {
+        const std::vector<double> before = continued.disparities;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            const auto take = [&](std::size_t from) {
+                if (continued.disparities[i] != kNotCovered || before[from] == kNotCovered ||
+                    DisparityMap::known(view.missing.values[i]) || front[i] - before[from] <= kOneSurface_px)
+                    return;
+                continued.disparities[i] = before[from];
+                continued.colours_of[i] = continued.colours_of[from];
+            };
+            if (i % width > 0) take(i - 1);
+            if (i % width + 1 < width) take(i + 1);
+            if (i >= width) take(i - width);
+            if (i + width < before.size()) take(i + width);
+        }
+    }
+}
+
+void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
+    if (picture.empty()) return;
+    const Image before = picture;
+    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
+        if (continued.disparities[i] != kNotCovered)
+            paint(picture, place, i, before, continued.colours_of[i]);
+}
+
+// Calls take(i) for the neighbours i of a pixel, in the order of rows.
+template <class Take>
+void for_neighbours(const DisparityMap& map, std::size_t pixel, const Take& take) {
+    const int x = static_cast<int>(pixel % map.width), y = static_cast<int>(pixel / map.width);
+    for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
+            take(static_cast<std::size_t>(v) * map.width + u);
+}
+
+// Returns the pixels of those regions of one surface that have fewer than `least` pixels.
+std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least) {
+    std::vector<char> visited(map.values.size());
+    std::vector<std::size_t> region, specks;
+    for (std::size_t seed = 0; seed < map.values.size(); ++seed) {
+        if (visited[seed] || !DisparityMap::known(map.values[seed])) continue;
+        region.assign(1, seed);
+        visited[seed] = 1;
+        for (std::size_t next = 0; next < region.size(); ++next)
+            for_neighbours(map, region[next], [&](std::size_t i) {
+                if (visited[i] || !(std::abs(map.values[i] - map.values[region[next]]) <= kOneSurface_px))
+                    return;
+                visited[i] = 1;
+                region.push_back(i);
+            });
+        if (region.size() < least) specks.insert(specks.end(), region.begin(), region.end());
+    }
+    return specks;
+}
+
+// Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
+void merge_specks(DisparityMap& map) {
+    const DisparityMap before = map;
+    std::vector<std::size_t> open = specks_of(map, kLeastSurface);
+    for (const std::size_t i : open) map.values[i] = kUnknownDisparity;
+    for (std::size_t left = open.size() + 1; left > open.size();) {
+        left = open.size();
+        const DisparityMap round = map;
+        std::erase_if(open, [&](std::size_t pixel) {
+            float& d = map.values[pixel];
+            for_neighbours(map, pixel, [&](std::size_t i) { d = std::min(d, round.values[i]); });
+            return DisparityMap::known(d);
+        });
+    }
+    for (const std::size_t i : open) map.values[i] = before.values[i];
+    for (const std::size_t i : specks_of(map, kLeastRegion)) map.values[i] = kUnknownDisparity;
+}
+
+// Adds the covered pixels beside the known ones that lie on the same surface.
+void grow(DisparityMap& map, const std::vector<double>& covered) {
+    const DisparityMap before = map;
+    for (std::size_t i = 0; i < covered.size(); ++i) {
+        if (covered[i] == kNotCovered || DisparityMap::known(before.values[i])) continue;
+        bool joins = false;
+        for_neighbours(before, i, [&](std::size_t j) {
+            joins |= std::abs(before.values[j] - covered[i]) <= kOneSurface_px;
+        });
+        if (joins) map.values[i] = static_cast<float>(covered[i]);
+    }
+}
+
+}  // namespace
+
+void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
+                     const VisibleSurface& visible, int threads) {
+    const ViewPlace& place = view.place;
+    std::vector<double> front = here.disparities;
+    for (std::size_t i = 0; i < front.size(); ++i)
+        if (DisparityMap::known(view.missing.values[i])) front[i] = view.missing.values[i];
+    Continued continued = continued_in(front, place, beyond);
+    for (std::size_t i = 0; i < front.size(); ++i)
+        if (DisparityMap::known(view.missing.values[i])) continued.disparities[i] = kNotCovered;
+    smooth(continued, front, place, threads);
+    for_row_bands(place.height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < place.width; ++x) {
+                const std::size_t pixel = static_cast<std::size_t>(y) * place.width + x;
+                if (continued.disparities[pixel] == kNotCovered) continue;
+                const float d = behind({x + 0.5, y + 0.5, continued.disparities[pixel]}, place, visible);
+                view.missing.values[pixel] = view.map.values[pixel] = d;
+            }
+    });
+    spread_colours(continued, view, front);
+    paint(view.color, place, continued);
+    paint(view.picture, place, continued);
+}
+
+void join_to_surface(OtherView& view, const SeenSurface& here) {
+    merge_specks(view.missing);
+    for (int px = 0; px < kBorder_px; ++px) grow(view.missing, here.disparities);
+}
+
+}  // namespace hexrelief::stages

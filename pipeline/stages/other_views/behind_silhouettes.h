@@ -1,0 +1,26 @@
+// Continues surfaces behind the silhouettes that hide them.
+#pragma once
+
+#include "pipeline/stages/other_views/other_view.h"
+
+namespace hexrelief::stages {
+
+// How far beside a view, in baselines, cameras stand that look behind its silhouettes.
+struct Beyond {
+    double left = 0, right = 0, up = 0, down = 0;
+};
+
+// Adds to `missing` what the view's silhouettes hide from itself, and the cameras beyond see: the farther one
+// of the two surfaces at a silhouette continues behind the nearer one along its slope, as far as the
+// outermost of these cameras sees. It stays behind `visible`, and is no more than an eighth of the view long.
+// The view's map and pictures show what continues, in the farther surface's mirrored colours, in place of
+// what hides it. here: the surface as the view shows it. Nothing continues behind a border of the surface
+// that has nothing behind it. The same for any number of threads.
+void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
+                     const VisibleSurface& visible, int threads);
+
+// Adds to `missing` a border of the surface around it, so that the parts overlap with the surface and with
+// each other, and drops parts that nobody would miss.
+void join_to_surface(OtherView& view, const SeenSurface& here);
+
+}  // namespace hexrelief::stages
