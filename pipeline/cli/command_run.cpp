@@ -8,7 +8,6 @@
 #include "pipeline/cli/summary.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/terminal/progress_line.h"
-#include "pipeline/readers/codecs.h"
 
 namespace hexrelief::cli {
 namespace {
@@ -68,12 +67,11 @@ void add_job_options(Command& command, Options& options) {
 }  // namespace
 
 const std::vector<FileOption>& file_options() {
-    using namespace readers::codec;
     static const std::vector<FileOption> options = {
-        {"--left", "L", "left image of a pair (" + names_of(kPicture) + ")", &FileRequest::left},
+        {"--left", "L", "left image of a pair (" + image_formats() + ")", &FileRequest::left},
         {"--right", "R", "right image", &FileRequest::right},
         {"--stereo", "S", "both images in one file instead", &FileRequest::stereo},
-        {"--disparity", "D", "a disparity map of the left view instead (" + names_of(kMap) + ")",
+        {"--disparity", "D", "a disparity map of the left view instead (" + map_formats() + ")",
          &FileRequest::disparity},
         {"--depth", "D", "a depth map instead: along the optical axis; 16-bit integers in mm, floats in m",
          &FileRequest::depth},

@@ -357,28 +357,6 @@ TEST(ReadPairFormats, MatlabCountsPixelsFromOneAndMillimetres) {
     EXPECT_CONTAINS(error_of([&] { read(toolbox.substr(0, toolbox.size() - 5)); }), "truncated");
 }
 
-// What MATLAB shows of a stereoParameters' members, with a factor before a matrix, kept in a text file.
-TEST(ReadPairFormats, MatlabAsItIsShown) {
-    const auto shown = [](const std::string& name, const Numbers& numbers, int columns) {
-        std::string text = name + " =\n\n   1.0e+03 *\n\n";
-        for (std::size_t i = 0; i < numbers.size(); ++i)
-            text += "   " + text_of(numbers[i] / 1000) + ((i + 1) % columns == 0 ? "\n" : "");
-        return text + "\n\n";
-    };
-    const auto camera = [&](const std::string& name, Numbers k, const Numbers& lens) {
-        k[2] += 1;
-        k[5] += 1;
-        return shown(name + ".IntrinsicMatrix", turned_back(k), 3) +
-               shown(name + ".RadialDistortion", {lens[0], lens[1], lens[4]}, 3) +
-               shown(name + ".TangentialDistortion", {lens[2], lens[3]}, 2);
-    };
-    const auto pair =
-        read(camera("CameraParameters1", kLeft, kLeftLens) + camera("CameraParameters2", kRight, kRightLens) +
-             shown("RotationOfCamera2", turned_back(kTurn), 3) +
-             shown("TranslationOfCamera2", scaled(kMove, 1000), 3));
-    expect_pair(pair, "MATLAB");
-}
-
 TEST(ReadPairFormats, OrbSlam) {
     const std::string lengths =
         "Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 310\nCamera.cy: 230\nCamera.width: "

@@ -163,6 +163,16 @@ TEST(ReadViewFormats, Apps) {
                 "camera matrix", 700, 320.5, 240.5);
 }
 
+// MATLAB shows matrices turned, below their names, and large ones with a factor.
+TEST(ReadViewFormats, MatlabAsItIsShown) {
+    const CalibrationFile file = read(
+        "IntrinsicMatrix =\n\n   1.0e+03 *\n\n    0.7000 0 0\n    0 0.7000 0\n    0.3210 0.2410 0.0010\n\n"
+        "RadialDistortion =\n\n    0    0\n\nImageSize =\n\n    480    640\n");
+    expect_view(file, "MATLAB", 700, 320.5, 240.5, 640, 480);
+    EXPECT_CONTAINS(error_for("IntrinsicMatrix =\n\n 1.0e+03 *\n\n 0.7 0 0\nRadialDistortion = [0 0]\n"),
+                    "3 numbers");
+}
+
 TEST(ReadViewFormats, ColmapCamerasWithoutALens) {
     expect_view(read("1 OPENCV 640 480 700 700 320 240 0 0 0 0\n"), "COLMAP", 700, 320, 240, 640, 480);
     expect_view(read("1 SIMPLE_RADIAL 640 480 700 320 240 0\n2 SIMPLE_RADIAL 640 480 700 320 240 0\n"),
