@@ -54,8 +54,8 @@ void unregister_temporary(int slot) noexcept {
     if (slot != kNoSlot) std::free(registry[slot].exchange(nullptr));
 }
 
-[[noreturn]] void fail(const fs::path& path, int code) {
-    throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + std::strerror(code));
+[[noreturn]] void fail(const fs::path& path, int code, const std::string& more = {}) {
+    throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + std::strerror(code) + more);
 }
 
 [[noreturn]] void fail_interrupted(const fs::path& path) {
@@ -273,6 +273,10 @@ std::size_t FileTransaction::rename_all() {
         Pending& pending = pending_[i];
         fs::path old = pending.temporary;
         old.replace_extension(".old.tmp");
+        if (is_kept_by_owner(pending.target)) {
+            errno = EPERM;
+            return i;
+        }
         if (::link(pending.target.c_str(), old.c_str()) == 0)
             pending.old = old;
         else
@@ -282,16 +286,26 @@ std::size_t FileTransaction::rename_all() {
     return pending_.size();
 }
 
-void FileTransaction::undo_renames(std::size_t renamed) noexcept {
+std::string FileTransaction::undo_renames(std::size_t renamed) {
+    std::string kept;
     for (std::size_t i = std::min(renamed + 1, pending_.size()); i-- > 0;) {
         const Pending& pending = pending_[i];
-        if (!pending.old.empty() && i < renamed)
-            std::rename(pending.old.c_str(), pending.target.c_str());
-        else if (!pending.old.empty())
+        if (!pending.old.empty() && i < renamed) {
+            if (std::rename(pending.old.c_str(), pending.target.c_str()) == 0) continue;
+            std::error_code code;
+            if (fs::copy_file(pending.old, pending.target, fs::copy_options::overwrite_existing, code)) {
+                ::unlink(pending.old.c_str());
+                continue;
+            }
+            keep_old(pending.old);
+            kept += "; the old file is kept as " + pending.old.string();
+        } else if (!pending.old.empty()) {
             ::unlink(pending.old.c_str());
-        else if (pending.was_absent && i < renamed)
+        } else if (pending.was_absent && i < renamed) {
             ::unlink(pending.target.c_str());
+        }
     }
+    return kept;
 }
 
 void FileTransaction::commit() {
@@ -317,9 +331,9 @@ void FileTransaction::commit() {
             const int code = errno;
             for (FolderLock& lock : locks) lock.revoke();
             const fs::path failed = pending_[renamed].target;
-            undo_renames(renamed);
+            const std::string kept = undo_renames(renamed);
             discard();
-            fail(failed, code);
+            fail(failed, code, kept);
         }
         for (const Pending& pending : pending_)
             if (!pending.old.empty()) ::unlink(pending.old.c_str());

@@ -76,7 +76,8 @@ class FileTransaction {
     std::vector<std::pair<std::filesystem::path, std::filesystem::path>> renames_in(
         const std::filesystem::path& folder) const;
     std::size_t rename_all();
-    void undo_renames(std::size_t renamed) noexcept;
+    // Returns a clause for each old file that could not get its name back.
+    std::string undo_renames(std::size_t renamed);
     void discard() noexcept;
     std::vector<Pending> pending_;
     std::vector<Direct> direct_;

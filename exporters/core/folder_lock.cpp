@@ -53,6 +53,11 @@ bool is_folder_of_caller_alone(const fs::path& folder) {
     return ::stat(folder.c_str(), &status) == 0 && is_written_by_caller_alone(status);
 }
 
+bool is_kept_old(int descriptor) {
+    struct stat status = {};
+    return ::fstat(descriptor, &status) == 0 && (status.st_mode & S_ISVTX) != 0;
+}
+
 bool is_temporary(const std::string& name) {
     return name.starts_with(kPrefix) && name.ends_with(kSuffix);
 }
@@ -159,6 +164,21 @@ void FolderLock::finish_announced() noexcept {
     revoke();
 }
 
+bool is_kept_by_owner(const fs::path& file) {
+    struct stat own = {}, folder = {};
+    const fs::path parent = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (::lstat(file.c_str(), &own) != 0 || ::stat(parent.c_str(), &folder) != 0) return false;
+    const uid_t user = ::geteuid();
+    return (folder.st_mode & S_ISVTX) != 0 && user != 0 && own.st_uid != user && folder.st_uid != user;
+}
+
+// The sticky bit means nothing on a regular file.
+void keep_old(const fs::path& old) noexcept {
+    struct stat status = {};
+    if (::stat(old.c_str(), &status) == 0)
+        static_cast<void>(::chmod(old.c_str(), (status.st_mode & 07777) | S_ISVTX));
+}
+
 void remove_leftovers(const fs::path& folder, const std::atomic<bool>& stopping) {
     if (temporaries_in(folder).empty()) return;
     const FolderLock lock(folder, stopping);  // old files may wait for the end of another process's renames
@@ -167,7 +187,8 @@ void remove_leftovers(const fs::path& folder, const std::atomic<bool>& stopping)
         if (path == own) continue;
         const int descriptor = open_to_lock(path, 0);
         if (descriptor < 0) continue;
-        if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_open_file(descriptor, path))
+        if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_open_file(descriptor, path) &&
+            !is_kept_old(descriptor))
             ::unlink(path.c_str());
         ::close(descriptor);
     }

@@ -45,6 +45,12 @@ class FolderLock {
     int descriptor_ = -1;
 };
 
+// True if the file is another user's in a sticky folder, where no other user can replace it, but may link it.
+bool is_kept_by_owner(const std::filesystem::path& file);
+
+// Marks the only copy of an old file, so that it is no leftover.
+void keep_old(const std::filesystem::path& old) noexcept;
+
 // Removes the temporary files that killed processes have left in `folder`. The files of a live process, on
 // any machine, are protected by claim().
 void remove_leftovers(const std::filesystem::path& folder, const std::atomic<bool>& stopping);

@@ -44,7 +44,9 @@ Finding depths_are_inverse(const Uprightness& upright) {
     return {Mistake::depths_are_inverse,
             "the depths look upside down: what is near has the larger ones (as disparities, " +
                 upright.text() +
-                "); give disparities with --disparity, inverse depths with --depth-kind inverse_depth"};
+                "); give disparities with --disparity, inverse depths with --depth-kind inverse_depth, a "
+                "network's "
+                "guess with affine_inverse"};
 }
 
 Finding values_are_colors(const TurningPoints& turns) {
@@ -101,56 +103,99 @@ std::optional<Finding> check_values(const DisparityMap& map, const MapScale& sto
     return std::nullopt;
 }
 
-bool is_shifted(const AxisFit& fit) {
-    return fit.steps >= kLeastSteps && std::abs(fit.best_px) >= kLeastShift_px && fit.best >= kShiftedFit &&
-           fit.best - fit.here >= kShiftedGain;
-}
-
 std::string shift_text(int px, const char* positive, const char* negative) {
     return std::to_string(std::abs(px)) + " px " + (px > 0 ? positive : negative);
 }
 
-Image with_flipped_rows(const Image& image) {
-    Image flipped = image;
-    const std::size_t row = static_cast<std::size_t>(image.width) * image.channels;
-    for (std::size_t y = 0; y < static_cast<std::size_t>(image.height); ++y)
-        std::copy_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row), row,
-                    flipped.pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row));
-    return flipped;
+// A place of the picture under the map: turned first, then moved.
+struct Placement {
+    bool is_flipped = false, is_mirrored = false;  // rows, columns in the other order
+    int right_px = 0, down_px = 0;
+};
+
+Image placed(const Image& image, const Placement& place) {
+    Image result = image;
+    const auto from = [](int at, int moved, int size, bool is_turned) {
+        const int inside = std::clamp(at - moved, 0, size - 1);
+        return is_turned ? size - 1 - inside : inside;
+    };
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            std::copy_n(image.at(from(x, place.right_px, image.width, place.is_mirrored),
+                                 from(y, place.down_px, image.height, place.is_flipped)),
+                        image.channels, result.at(x, y));
+    return result;
 }
 
-// A map with its rows in the other order fits the picture only if the picture's rows are exchanged, too.
-std::optional<Finding> check_rows(const DisparityMap& map, const Image& left, const EdgeFit& fit) {
-    const std::optional<double> here = fit_of(fit);
-    if (!here || *here >= kLeastFit) return std::nullopt;
-    const std::optional<double> flipped = fit_of(measure_edge_fit(map, with_flipped_rows(left)));
-    if (!flipped || *flipped < kShiftedFit || *flipped - *here < kShiftedGain) return std::nullopt;
+struct PlacedFit {
+    Placement place;
+    double fit = 0;
+};
+
+// Returns the place where the picture fits better than where it lies, by enough to say so; the best of them.
+std::optional<PlacedFit> better_place(const DisparityMap& map, const Image& left, double here,
+                                      const std::vector<Placement>& places) {
+    std::optional<PlacedFit> best;
+    for (const Placement& place : places) {
+        const std::optional<double> fit = fit_of(measure_edge_fit(map, placed(left, place)));
+        if (fit && *fit >= kShiftedFit && *fit - here >= kShiftedGain && (!best || *fit > best->fit))
+            best = {place, *fit};
+    }
+    return best;
+}
+
+// A picture or a map with its rows or columns in the other order fits only if they are exchanged.
+std::optional<Finding> check_turn(const DisparityMap& map, const Image& left, double here) {
+    if (here >= kShiftedFit) return std::nullopt;
+    const auto turned = better_place(map, left, here, {{.is_flipped = true}, {.is_mirrored = true}});
+    if (!turned) return std::nullopt;
+    const bool is_flipped = turned->place.is_flipped;
     return Finding{
-        Mistake::rows_flipped,
-        "the map is upside down against the colour image: the picture's edges fit the map's steps by " +
-            figure(*here) + " standard deviations, and by " + figure(*flipped) +
-            " with the rows in the other order; --flip exchanges the map's rows"};
+        is_flipped ? Mistake::rows_flipped : Mistake::color_mirrored,
+        std::string(is_flipped ? "the map is upside down against the colour image"
+                               : "the colour image is mirrored against the map") +
+            ": the picture's edges fit the map's steps by " + figure(here) + " standard deviations, and by " +
+            figure(turned->fit) + " with the " + (is_flipped ? "rows" : "columns") + " in the other order; " +
+            (is_flipped ? "--flip exchanges the map's rows" : "give the picture that is not mirrored")};
+}
+
+// Each axis says where its own edges would fit best. That is a shift if both axes together fit better there.
+std::optional<Finding> check_shift(const DisparityMap& map, const Image& left, const EdgeFit& fit,
+                                   double here) {
+    const auto shift_of = [](const AxisFit& axis) {
+        return axis.steps >= kLeastSteps && std::abs(axis.best_px) >= kLeastShift_px ? axis.best_px : 0;
+    };
+    const int right_px = shift_of(fit.columns), down_px = shift_of(fit.rows);
+    std::vector<Placement> places;
+    if (right_px != 0) places.push_back({.right_px = -right_px});
+    if (down_px != 0) places.push_back({.down_px = -down_px});
+    if (places.size() == 2) places.push_back({.right_px = -right_px, .down_px = -down_px});
+    const auto back = better_place(map, left, here, places);
+    if (!back) return std::nullopt;
+    const bool columns = back->place.right_px != 0, rows = back->place.down_px != 0;
+    return Finding{Mistake::color_elsewhere,
+                   "the colour image is shifted against the map: its edges lie " +
+                       (columns ? shift_text(right_px, "right of", "left of") : std::string()) +
+                       (columns && rows ? " and " : "") +
+                       (rows ? shift_text(down_px, "below", "above") : std::string()) +
+                       " the map's steps; give the picture of the map's own view, uncropped"};
 }
 
 std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
     const EdgeFit fit = measure_edge_fit(map, left);
-    if (auto flipped = check_rows(map, left, fit)) return flipped;
-    const bool columns = is_shifted(fit.columns), rows = is_shifted(fit.rows);
-    if (columns || rows)
-        return Finding{
-            Mistake::color_elsewhere,
-            "the colour image is shifted against the map: its edges lie " +
-                (columns ? shift_text(fit.columns.best_px, "right of", "left of") : std::string()) +
-                (columns && rows ? " and " : "") +
-                (rows ? shift_text(fit.rows.best_px, "below", "above") : std::string()) +
-                " the map's steps; give the picture of the map's own view, uncropped"};
-    const std::optional<double> both = fit_of(fit);
-    if (!both || *both >= kLeastFit) return std::nullopt;
+    const std::optional<double> here = fit_of(fit);
+    if (!here) return std::nullopt;
+    if (auto turned = check_turn(map, left, *here)) return turned;
+    if (auto shifted = check_shift(map, left, fit, *here)) return shifted;
+    // A picture of a camera beside the map's has the map's rows, and only the steps along them tell.
+    const bool columns_differ = fit.columns.steps >= kLeastSteps && fit.columns.here < kLeastOfColumns;
+    if (*here >= kLeastFit && !columns_differ) return std::nullopt;
     return Finding{
         Mistake::color_unrelated,
         "the colour image does not fit the map: its edges lie at the map's steps no more than at other "
         "places (by " +
-            figure(*both) + " standard deviations); check that --color is the left picture, not mirrored"};
+            figure(*here < kLeastFit ? *here : fit.columns.here) +
+            " standard deviations); check that --color is the left picture"};
 }
 
 }  // namespace

@@ -23,12 +23,12 @@ Finding views_equal(const std::string& same) {
 }
 
 Finding swapped(double agreed, double other_way) {
-    return {Mistake::views_swapped,
-            "the views look swapped: both agree on " + percent(agreed) + " of the picture as given, and on " +
-                percent(other_way) +
-                " the other way round; exchange --left and --right, or, if the pair was "
-                "shifted for a stereo window, give its shift by "
-                "input.calibration.doffs_px and disparity.min_disparity_px"};
+    return {Mistake::views_swapped, "the views look swapped: both agree on " + percent(agreed) +
+                                        " of the picture as given, and on " + percent(other_way) +
+                                        " the other way round; exchange --left and --right, of one file by "
+                                        "input.stereo.right_first=true, or, if the pair was "
+                                        "shifted for a stereo window, give its shift by "
+                                        "input.calibration.doffs_px and disparity.min_disparity_px"};
 }
 
 std::string rows_text(double px) {

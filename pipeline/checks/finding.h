@@ -20,7 +20,8 @@ enum class Mistake {
     values_are_colors,
     values_large,
     values_small,
-    rows_flipped,     // against the picture
+    rows_flipped,  // against the picture
+    color_mirrored,
     color_elsewhere,  // shifted against the map
     color_unrelated,
     baseline_in_mm,

@@ -46,9 +46,10 @@ constexpr double kLargestOfBytes = 0.17;
 constexpr double kLeastOfLargest = 0.005;  // least largest disparity, as a share of the width
 // The fit of the picture's edges to the map's steps, in standard deviations of what pictures have elsewhere.
 constexpr int kLeastSteps = 200;
-constexpr double kLeastFit = 3;     // least fit of the map's own picture
-constexpr double kShiftedFit = 5;   // least fit of a shifted or flipped picture put right
-constexpr double kShiftedGain = 3;  // least increase of the fit by putting it right
+constexpr double kLeastFit = 3;          // least fit of the map's own picture
+constexpr double kLeastOfColumns = 1.5;  // of the steps from left to right alone
+constexpr double kShiftedFit = 5;        // least fit of a shifted or flipped picture put right
+constexpr double kShiftedGain = 3;       // least increase of the fit by putting it right
 constexpr int kLeastShift_px = 3;
 
 // Thresholds for cameras.

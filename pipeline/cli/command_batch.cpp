@@ -197,7 +197,7 @@ class BatchTeller {
     void print(const std::string& text) {
         clear_bar();
         std::fputs(text.c_str(), stdout);
-        std::fflush(stdout);
+        if (!dry_run_) end_telling();
     }
 
     const std::vector<batch::BatchUnit>& units_;

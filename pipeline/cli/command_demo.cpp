@@ -98,6 +98,7 @@ int show_demo(const DemoOptions& demo) {
         std::printf("%s\n", exporters::kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))
         std::printf("open %s in a browser to look at it\n", printable(page.string()).c_str());
+    end_telling();
     return 0;
 }
 

@@ -27,6 +27,7 @@ void add_gallery_command(Command& program) {
         const std::size_t results = gallery::write_gallery(options->folder, path);
         std::printf("%s lists %zu result%s\n", printable(path.string()).c_str(), results,
                     results == 1 ? "" : "s");
+        end_telling();
         return 0;
     });
 }

@@ -172,6 +172,7 @@ void tell_calibration(const readers::CalibrationFile& file, Text& text) {
     line(text, "doffs", number(camera.doffs_px) + " px");
     if (camera.width > 0)
         line(text, "size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
+    if (file.depth_per_m > 0) line(text, "depths", number(file.depth_per_m) + " integers in a metre");
     if (!file.other.empty()) line(text, "also", file.other.string());
     for (const std::string& told : file.told) line(text, "note", told);
 }
@@ -211,10 +212,17 @@ bool tell_if_calibration(const fs::path& path, Text& text) {
     return true;
 }
 
+// True for a camera's matrix, of up to 4 x 4 numbers: no map is as small.
+bool is_matrix(const readers::FileDescription& raster, unsigned gives) {
+    constexpr int most = 4;
+    return (gives & readers::codec::kCamera) != 0 && (gives & readers::codec::kPicture) == 0 &&
+           raster.width <= most && raster.height <= most;
+}
+
 void tell_raster(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                  Text& text) {
-    if (raster.format == "npy" && raster.width == 3 && raster.height == 3 && tell_if_calibration(path, text))
-        return;
+    const unsigned gives = readers::codec::find_codec(path)->gives;
+    if (is_matrix(raster, gives) && tell_if_calibration(path, text)) return;
     line(text, "format", raster.format);
     line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
     line(text, "channels", std::to_string(raster.channels));
@@ -224,8 +232,8 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
         tell_auxiliary(path, options, text);
         return;
     }
-    const bool is_lossy = raster.format == "jpeg" || raster.format == "webp";
-    if ((raster.channels == 1 && !is_lossy) || raster.format == "exr")
+    const bool is_map = (gives & readers::codec::kMap) != 0;
+    if (is_map && (raster.channels == 1 || raster.format == "exr"))
         tell_map(path, options, text);
     else if (!raster.is_float)
         tell_picture(path, raster, options, text);

@@ -68,11 +68,10 @@ void add_job_options(Command& command, Options& options) {
 
 const std::vector<FileOption>& file_options() {
     static const std::vector<FileOption> options = {
-        {"--left", "L", "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)",
-         &FileRequest::left},
+        {"--left", "L", "left image of a pair (" + image_formats() + ")", &FileRequest::left},
         {"--right", "R", "right image", &FileRequest::right},
         {"--stereo", "S", "both images in one file instead", &FileRequest::stereo},
-        {"--disparity", "D", "a disparity map of the left view instead (PNG, PGM, PFM, TIFF, NPY, NPZ, EXR)",
+        {"--disparity", "D", "a disparity map of the left view instead (" + map_formats() + ")",
          &FileRequest::disparity},
         {"--depth", "D", "a depth map instead: along the optical axis; 16-bit integers in mm, floats in m",
          &FileRequest::depth},
@@ -123,7 +122,7 @@ void run_and_tell(const FileRequest& files, const Options& options, Verbosity ve
     const RunSummary summary = run(files, said);
     if (summary.is_up_to_date) {
         if (!quiet) std::printf("%s: up to date\n", printable(files.report).c_str());
-        return;
+        return end_telling();
     }
     if (verbose) {
         const double full = 2.0 * (summary.width - 1) * (summary.height - 1);
@@ -137,6 +136,7 @@ void run_and_tell(const FileRequest& files, const Options& options, Verbosity ve
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
     std::fputs(summary_text(summary, files, taken.count()).c_str(),
                uses_standard_output(files) ? stderr : stdout);
+    if (!uses_standard_output(files)) end_telling();
 }
 
 void add_run_command(Command& program) {

@@ -13,7 +13,8 @@ namespace hexrelief::cli {
 
 // An option whose value is an input file.
 struct FileOption {
-    const char *flag, *value, *help;
+    const char *flag, *value;
+    std::string help;
     std::string FileRequest::*file;
 };
 const std::vector<FileOption>& file_options();

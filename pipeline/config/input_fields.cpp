@@ -34,7 +34,8 @@ std::vector<Field> input_fields() {
         choice(
             "input.disparity.packed", readers::packing_names(),
             "red, green and blue of the map's picture are one number; carla = 24 bits, red the lowest, of up "
-            "to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px",
+            "to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px; tartanair = the bits of a float, "
+            "alpha the highest, m",
             MEMBER(input.disparity.packing), {"--packed"}),
         flag("input.disparity.flip",
              "the map's rows are stored in the other order, as in a PFM with the top row first",
@@ -77,7 +78,8 @@ std::vector<Field> input_fields() {
         choice(
             "input.depth.packed", readers::packing_names(),
             "red, green and blue of the map's picture are one number; carla = 24 bits, red the lowest, of up "
-            "to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px",
+            "to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px; tartanair = the bits of a float, "
+            "alpha the highest, m",
             MEMBER(input.depth.packing), {"--packed"}),
         flag("input.depth.flip",
              "the map's rows are stored in the other order, as in a PFM with the top row first",

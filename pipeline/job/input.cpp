@@ -122,7 +122,7 @@ class InputReader {
         return readers::read_disparity_file(source.map, before_doffs(config_.disparity), limits_);
     }
     readers::DepthFile values_of(const DepthFiles& source) const {
-        return readers::read_depth_map(source.map, config_.depth, limits_);
+        return readers::read_depth_map(source.map, with_said_unit(config_, source.map), limits_);
     }
 
     static void take_picture(Image image, const fs::path& path, ViewSize view, const fs::path& map_path,
@@ -301,7 +301,7 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
     const bool is_rectified = input.pair() && input.pair()->is_rectified;
     ResolvedCalibration resolved = resolve_calibration(
         {config, view, picture.empty() ? view : size_of(picture), is_rectified ? &rectified : nullptr,
-         photograph, container_ ? &*container_ : nullptr});
+         photograph, container_ ? &*container_ : nullptr, input.files.empty() ? "" : input.files[0].path});
     if (!picture.empty() && size_of(picture) != view)
         log_.decide("picture: " + size_text(size_of(picture)) + " px, scaled to the map's " +
                     size_text(view) + " px; the texture keeps its size");

@@ -20,6 +20,7 @@ bool leaves_disparities(const checks::Finding& finding) {
            finding.mistake == checks::Mistake::range_ends_low ||
            finding.mistake == checks::Mistake::rows_differ ||
            finding.mistake == checks::Mistake::rows_flipped ||
+           finding.mistake == checks::Mistake::color_mirrored ||
            finding.mistake == checks::Mistake::color_elsewhere ||
            finding.mistake == checks::Mistake::color_unrelated;
 }

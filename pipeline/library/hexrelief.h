@@ -142,7 +142,7 @@ class Mesh {
 
 // Reads PNG, JPEG, TIFF, WebP, BMP, HEIC, PPM, PGM. Pixels are as stored, not turned by EXIF data.
 Picture read_picture(const std::string& path);
-// Reads PFM, PNG, PGM, TIFF, NPY, NPZ, EXR, as the settings input.disparity say.
+// Reads any of the formats of maps (exporters/FORMATS.md), as the settings input.disparity say.
 Disparities read_disparities(const std::string& path, const Options& options = {});
 
 // Returns the disparities of the left picture of a rectified pair, at its size whatever

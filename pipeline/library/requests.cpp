@@ -9,6 +9,7 @@
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/library/conversions.h"
+#include "pipeline/readers/codecs.h"
 
 namespace hexrelief::library {
 namespace {
@@ -150,6 +151,12 @@ inline namespace v0 {
 
 bool uses_standard_output(const FileRequest& files) {
     return job::writes_standard_output(library::request_to(files));
+}
+std::string image_formats() {
+    return readers::codec::names_of(readers::codec::kPicture);
+}
+std::string map_formats() {
+    return readers::codec::names_of(readers::codec::kMap);
 }
 std::string output_extensions() {
     return exporters::export_extensions();

@@ -81,6 +81,10 @@ void check_run(const FileRequest& files, const Options& options = {});
 // True if an output or the report goes to the standard output, which should then receive nothing else.
 bool uses_standard_output(const FileRequest& files);
 
+// Return the names of the formats of images, and of maps, that are read: "PNG, JPEG, ...".
+std::string image_formats();
+std::string map_formats();
+
 // Return the names that outputs may have: ".glb .gltf ..." are the extensions of files, "glb:-, drc:-, ..."
 // send a format to the standard output.
 std::string output_extensions();

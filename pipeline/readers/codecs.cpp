@@ -65,20 +65,22 @@ bool is_tiff(std::span<const std::uint8_t> head) {
            begins(head, "MM\0+"sv);
 }
 
-constexpr unsigned kBoth = kPicture | kMap;
+constexpr unsigned kEither = kPicture | kMap | kConfidence, kMaps = kMap | kConfidence;
 // In the order in which a folder's files of one name are preferred.
 constexpr std::array<Codec, 12> kCodecs{{
-    {Format::png, "PNG", ".png", kBoth, is_png, describe_png, decode_png},
-    {Format::jpeg, "JPEG", ".jpg .jpeg", kPicture, is_jpeg, describe_jpeg, decode_jpeg},
-    {Format::pnm, "PGM/PPM", ".ppm .pgm .pnm", kBoth, is_pnm, describe_pnm, decode_pnm},
-    {Format::tiff, "TIFF", ".tif .tiff", kBoth, is_tiff, describe_tiff, decode_tiff},
-    {Format::webp, "WebP", ".webp", kPicture, is_webp, describe_webp, decode_webp},
-    {Format::heic, "HEIC", ".heic .heif", kBoth, is_heic, describe_heic, decode_heic},
-    {Format::bmp, "BMP", ".bmp", kBoth, is_bmp, describe_bmp, decode_bmp},
-    {Format::exr, "EXR", ".exr", kBoth, is_exr, describe_exr, decode_exr},
-    {Format::pfm, "PFM", ".pfm", kMap, is_pfm, describe_pfm, decode_pfm},
-    {Format::npy, "NPY", ".npy", kMap, is_npy, describe_npy, decode_npy},
-    {Format::npz, "NPZ", ".npz", kMap, is_zip, describe_npz, decode_npz},
+    {Format::png, "PNG", ".png", kEither | kBothViews | kCamera, is_png, describe_png, decode_png},
+    {Format::jpeg, "JPEG", ".jpg .jpeg", kPicture | kBothViews | kCamera, is_jpeg, describe_jpeg,
+     decode_jpeg},
+    {Format::pnm, "PGM/PPM", ".ppm .pgm .pnm", kEither, is_pnm, describe_pnm, decode_pnm},
+    {Format::tiff, "TIFF", ".tif .tiff", kEither, is_tiff, describe_tiff, decode_tiff},
+    {Format::webp, "WebP", ".webp", kPicture | kCamera, is_webp, describe_webp, decode_webp},
+    {Format::heic, "HEIC", ".heic .heif", kPicture | kBothViews | kMap | kCamera, is_heic, describe_heic,
+     decode_heic},
+    {Format::bmp, "BMP", ".bmp", kEither, is_bmp, describe_bmp, decode_bmp},
+    {Format::exr, "EXR", ".exr", kEither, is_exr, describe_exr, decode_exr, list_exr},
+    {Format::pfm, "PFM", ".pfm", kMaps, is_pfm, describe_pfm, decode_pfm},
+    {Format::npy, "NPY", ".npy", kMaps | kCamera, is_npy, describe_npy, decode_npy},
+    {Format::npz, "NPZ", ".npz", kMaps | kCamera, is_zip, describe_npz, decode_npz, list_npz},
     {Format::float_map, "COLMAP's, OpenMVS's or Sintel's", ".bin .dmap .dpt .flo", kMap, is_float_map,
      describe_float_map, decode_float_map},
 }};

@@ -41,7 +41,6 @@ FileDescription describe_npz(const SourceFile& source);
 Raster decode_npz(const SourceFile& source);
 FileDescription describe_exr(const SourceFile& source);
 Raster decode_exr(const SourceFile& source);
-// Return a line for each array or part: its names, types and sizes.
 std::vector<std::string> list_npz(const SourceFile& source);
 std::vector<std::string> list_exr(const SourceFile& source);
 // COLMAP's, OpenMVS's and Sintel's depths, and optical flow.
@@ -61,10 +60,13 @@ std::optional<HeicPictures> decode_heic_pair(const SourceFile& source);
 
 enum class Format { png, jpeg, tiff, webp, bmp, pnm, heic, pfm, npy, npz, exr, float_map };
 
-// What a format can hold.
+// What a file of a format can give.
 enum Gives : unsigned {
     kPicture = 1,
-    kMap = 2,  // exact samples: of disparities, depths, a mask, confidences
+    kBothViews = 2,   // of a pair, which the file tells by itself: two pictures, or halves
+    kMap = 4,         // exact samples: of disparities, depths, a mask
+    kCamera = 8,      // of its picture, by EXIF data or properties; or a calibration
+    kConfidence = 16  // of a map
 };
 
 struct Codec {
@@ -75,6 +77,8 @@ struct Codec {
     bool (*recognises)(std::span<const std::uint8_t> head);
     FileDescription (*describe)(const SourceFile& source);
     Raster (*decode)(const SourceFile& source);
+    // Returns a line for each array or part: its names, types and sizes; null if there is one alone.
+    std::vector<std::string> (*list)(const SourceFile& source) = nullptr;
 };
 
 // Returns the codec that recognises the file's first bytes, or null. Throws what load_head() throws.
@@ -84,9 +88,9 @@ const Codec* find_codec(const std::filesystem::path& path);
 // `wanted` would be read.
 const Codec& require_codec(const std::filesystem::path& path, const std::string& wanted);
 
-// Returns the one table of formats: runs, `info`, batches, errors and FORMATS.md, by a test, follow it.
+// Returns the one table of formats: runs, `info`, batches, help, errors and FORMATS.md, by a test, follow it.
 std::span<const Codec> codecs();
-// Returns the names of the formats that can hold one of these (Gives): "PNG, JPEG, ...".
+// Returns the names of the formats that can give one of these (Gives): "PNG, JPEG, ...".
 std::string names_of(unsigned gives);
 
 // The words for a map in error messages: "a disparity map", "disparities".

@@ -22,7 +22,8 @@ void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) 
             refuse(
                 path,
                 "it is a colour picture, and a map has one channel; if red, green and blue together are one "
-                "number, --packed carla or sintel reads them (input.depth.packed, input.disparity.packed), "
+                "number, --packed carla, sintel or tartanair reads them (input.depth.packed, "
+                "input.disparity.packed), "
                 "and colours for the eye cannot be read");
         samples[i] = first;
     }
@@ -120,10 +121,12 @@ void refuse_byte_order(const std::filesystem::path& path) {
 
 Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
                        const ReaderLimits& limits) {
-    const Codec& codec = require_codec(path, std::string(words.map) + " as one of " + names_of(kMap));
-    if ((codec.gives & kMap) == 0)
-        refuse(path, std::string(codec.name) + " does not keep " + words.samples +
-                         " exactly; give the map as PNG, PGM, PFM, TIFF, NPY or EXR");
+    const Gives gives = words.wanted == Wanted::confidence ? kConfidence : kMap;
+    const std::string wanted = std::string(words.map) + " as one of " + names_of(gives);
+    const Codec& codec = require_codec(path, wanted);
+    if ((codec.gives & gives) == 0)
+        refuse(path,
+               std::string(codec.name) + " does not keep " + words.samples + " exactly; give " + wanted);
     SourceFile source = load_raster_file(path, limits);
     source.key = key;
     source.several = words.several;

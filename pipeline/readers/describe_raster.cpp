@@ -41,10 +41,8 @@ std::optional<FileDescription> describe_raster(const std::filesystem::path& path
 
 std::vector<std::string> list_contents(const std::filesystem::path& path, const ReaderLimits& limits) {
     const codec::Codec* codec = codec::find_codec(path);
-    if (!codec) return {};
-    if (codec->format == codec::Format::npz) return codec::list_npz(codec::load_raster_file(path, limits));
-    if (codec->format == codec::Format::exr) return codec::list_exr(codec::load_raster_file(path, limits));
-    return {};
+    if (!codec || !codec->list) return {};
+    return codec->list(codec::load_raster_file(path, limits));
 }
 
 }  // namespace hexrelief::readers

@@ -1,5 +1,7 @@
 #include "pipeline/readers/source.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -39,6 +41,19 @@ SourceFile read_bytes(const std::filesystem::path& path, std::FILE* file, std::s
     if (got < count && std::ferror(file)) refuse(path, system_reason(errno));
     source.bytes.resize(got);
     return source;
+}
+
+// Refuses large files of which hardly anything is on the disk: reading them takes the memory of their size.
+// File systems that compress, or do not count blocks, store any picture in more than that, or say 0.
+void refuse_hollow(const std::filesystem::path& path, std::FILE* file) {
+    constexpr std::int64_t large = 64 << 20, block = 512, least_share = 1000;
+    struct stat status = {};
+    if (::fstat(::fileno(file), &status) != 0 || status.st_size < large || status.st_blocks == 0) return;
+    const std::int64_t stored = status.st_blocks * block;
+    if (stored >= status.st_size / least_share) return;
+    refuse(path, "it is hollow: of its " + std::to_string(status.st_size) + " bytes " +
+                     std::to_string(stored) +
+                     " are on the disk, and the others are missing; copy or export it again");
 }
 
 }  // namespace
@@ -83,6 +98,7 @@ SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes
         refuse(path, "it has " + std::to_string(size) + " bytes, more than the " + std::to_string(max_bytes) +
                          " that any valid file of its kind needs");
     }
+    refuse_hollow(path, file.get());
     return read_bytes(path, file.get(), static_cast<std::size_t>(size));
 }
 

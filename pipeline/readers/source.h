@@ -39,7 +39,8 @@ SourceFile load_head(const std::filesystem::path& path, std::size_t count);
 SourceFile open_file(const std::filesystem::path& path, std::size_t count);
 
 // Loads the whole file. Throws what load_head() throws, and Error(input) if the file is larger than
-// `max_bytes`, in which case nothing is allocated.
+// `max_bytes`, or has more than 64 MiB of which less than a thousandth is on the disk; in both cases nothing
+// is allocated.
 SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes);
 
 // Throws Error(input): "cannot read 'PATH': REASON".

@@ -277,7 +277,22 @@ def write_maps(out, disparity, depth):
     np.save(out / "affine.npy", ((depth - depth.min()) / np.ptp(depth)).astype(np.float16))  # Marigold's
     packed = (depth / 1000 * (2 ** 24 - 1)).round().astype(np.uint32)
     Image.fromarray(np.dstack([packed >> shift & 255 for shift in (0, 8, 16)]).astype(np.uint8)).save(out / "carla.png")
+    sintel = np.dstack([np.floor(disparity * scale) % 256 for scale in (1 / 4, 64, 16384)])  # red green blue
+    Image.fromarray(sintel.astype(np.uint8)).save(out / "sintel.png")
+    tenths = (10000 * np.where(depth < 6.5, depth, 0)).round().astype(np.uint16)
+    Image.fromarray(tenths).save(out / "000003.png")
     (out / "colmap.bin").write_bytes(b"%d&%d&1&" % depth.shape[::-1] + depth.astype("<f4").tobytes())
+
+
+def camera_info(name, width, height, shift):
+    """ROS's calibration of one camera, whose projection is that of a rectified pair's."""
+    focal, cx, cy = FOCAL_PX / SHRINK, (width - 1) / 2, (height - 1) / 2
+    return ("image_width: %d\nimage_height: %d\ncamera_name: %s\n" % (width, height, name) +
+            "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [%g, 0, %g, 0, %g, %g, 0, 0, 1]\n" % (focal, cx, focal, cy) +
+            "distortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n" +
+            "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n" +
+            "projection_matrix:\n  rows: 3\n  cols: 4\n" +
+            "  data: [%g, 0, %g, %g, 0, %g, %g, 0, 0, 0, 1, 0]\n" % (focal, cx, shift, focal, cy))
 
 
 def write_rigs(out, width, height):
@@ -292,6 +307,20 @@ def write_rigs(out, width, height):
         {"w": width, "h": height, "fl_x": focal, "fl_y": focal, "cx": cx + 0.5, "cy": cy + 0.5, "frames": []}) + "\n")
     k = np.array([[focal, 0, cx], [0, focal, cy], [0, 0, 1]])
     np.savez(out / "rig.npz", K=k, baseline=BASELINE_M)
+    (out / "scene_camera.json").write_text(json.dumps(
+        {str(i): {"cam_K": (k * [[s], [s], [1]]).ravel().tolist(), "depth_scale": 0.1} for i, s in ((0, 0.5), (3, 1))}) + "\n")
+    eye = np.eye(3).tolist()
+
+    def oak(socket, other, centimetres):
+        return [socket, {"cameraType": 0, "width": width, "height": height, "intrinsicMatrix": k.tolist(),
+                         "distortionCoeff": [0] * 14, "extrinsics": {"rotationMatrix": eye, "toCameraSocket": other,
+                         "translation": {"x": centimetres, "y": 0, "z": 0}}}]
+
+    (out / "oak.json").write_text(json.dumps(
+        {"cameraData": [oak(1, 2, -100 * BASELINE_M), oak(2, -1, 0)],
+         "stereoRectificationData": {"leftCameraSocket": 1, "rightCameraSocket": 2}}) + "\n")
+    for name, shift in (("left", 0), ("right", -focal * BASELINE_M)):
+        (out / (name + ".yaml")).write_text(camera_info(name, width, height, shift))
 
 
 def write_laser(out, disparity):
@@ -313,14 +342,7 @@ def write_cameras(out, width, height):
     (out / "realsense.json").write_text(json.dumps(
         {"width": width, "height": height, "ppx": cx, "ppy": cy, "fx": focal, "fy": focal,
          "model": "distortion.none", "coeffs": [0, 0, 0, 0, 0]}, indent=1) + "\n")
-    flat = ", ".join("%g" % v for v in k.ravel())
-    (out / "camera_info.yaml").write_text(
-        "image_width: %d\nimage_height: %d\ncamera_name: rgb\n" % (width, height) +
-        "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [%s]\n" % flat +
-        "distortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n" +
-        "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n" +
-        "projection_matrix:\n  rows: 3\n  cols: 4\n" +
-        "  data: [%g, 0, %g, 0, 0, %g, %g, 0, 0, 0, 1, 0]\n" % (focal, cx, focal, cy))
+    (out / "camera_info.yaml").write_text(camera_info("rgb", width, height, 0))
     (out / "cameras.txt").write_text(
         "# Camera list with one line of data per camera:\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
         "1 PINHOLE %d %d %g %g %g %g\n" % (width, height, focal, focal, cx + 0.5, cy + 0.5))

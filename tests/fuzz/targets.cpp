@@ -76,6 +76,7 @@ void read_raster(Bytes bytes, const std::string& name) {
         attempt([&] { readers::read_disparity_map(path, {}, kLimits); });
         attempt([&] { readers::read_disparity_map(path, {.key = "[0]", .flip = true}, kLimits); });
         attempt([&] { readers::read_depth_map(path, {.packing = readers::Packing::carla}, kLimits); });
+        attempt([&] { readers::read_depth_map(path, {.packing = readers::Packing::tartanair}, kLimits); });
         attempt([&] { readers::read_depth_map(path, {}, kLimits); });
         attempt(
             [&] { readers::read_depth_map(path, {.kind = readers::DepthKind::affine_inverse}, kLimits); });
@@ -115,6 +116,7 @@ void read_windows(Bytes bytes, const std::string&) {
 void read_calibrations(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
     attempt([&] { readers::read_calibration_file(path); });
+    attempt([&] { readers::read_calibration_file({path, {}, 640, 480, {"images/000003.png"}}); });
     attempt([&] { readers::read_stereo_calibration(path, readers::Rectify::automatic); });
 }
 

@@ -81,4 +81,11 @@ void print_warning(const std::string& warning) {
     std::fprintf(stderr, "hexrelief: warning: %s\n", printable(warning).c_str());
 }
 
+void end_telling() {
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+    // What is left in the buffer would fail again at the end.
+    static_cast<void>(!std::freopen("/dev/null", "w", stdout));
+    print_warning("the standard output is full or closed and takes no summary; the files are written");
+}
+
 }  // namespace hexrelief::cli

@@ -13,4 +13,8 @@ std::string printable(const std::string& text, bool lines = false);
 // Prints "hexrelief: warning: ..." to standard error.
 void print_warning(const std::string& warning);
 
+// Ends what a command prints about files that are written. If the standard output takes nothing, being full
+// or closed, that is warned of, and is no error.
+void end_telling();
+
 }  // namespace hexrelief::cli

@@ -48,6 +48,7 @@ int make_map(const MakeMapOptions& options) {
     writer.finish();
     outputs.commit();
     std::printf("%s: %dx%d px\n", printable(options.output.string()).c_str(), width, height);
+    end_telling();
     return 0;
 }
 

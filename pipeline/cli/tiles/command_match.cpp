@@ -39,6 +39,7 @@ int match_tiles(const MatchOptions& options) {
         std::printf("%s: %dx%d px in %d tiles, %.1f %% matched, %.1f %% known; %.1f s\n",
                     printable(options.output.string()).c_str(), match.width, match.height, match.tiles,
                     100 * match.matched_share, 100 * match.known_share, log.seconds());
+    end_telling();
     return 0;
 }
 

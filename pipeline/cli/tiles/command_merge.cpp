@@ -29,6 +29,7 @@ int merge(const MergeOptions& options) {
         std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",
                     printable(options.output.string()).c_str(), merged.tiles, merged.empty, merged.levels,
                     merged.vertices, merged.triangles, log.seconds());
+    end_telling();
     return 0;
 }
 

@@ -43,6 +43,7 @@ int plan_tiles(const PlanOptions& options) {
     std::printf("%s: %d x %d tiles, a lattice of %d x %d vertices; %.1f s\n",
                 printable(options.folder.string()).c_str(), tiling.across(), tiling.down(), plan.columns,
                 plan.rows, log.seconds());
+    end_telling();
     return 0;
 }
 

@@ -90,6 +90,7 @@ class TileTeller {
         if (!is_quiet_)
             std::printf("%zu tiles in %.1f s: %zu done, %zu up to date, %zu failed\n", counts_.units,
                         seconds(), counts_.done, counts_.up_to_date, counts_.failed);
+        end_telling();
         return exit_code_;
     }
 

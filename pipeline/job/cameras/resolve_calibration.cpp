@@ -71,8 +71,8 @@ ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
 
 // Returns the file's camera, scaled to the view.
 Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& resolved) {
-    const readers::CalibrationFile file =
-        readers::read_calibration_file(calibration_files(source.config, source.view));
+    const readers::CalibrationFile file = readers::read_calibration_file(
+        calibration_files(source.config, source.view, {source.view_file, source.picture_file}));
     for (const std::string& told : file.told) resolved.warnings.push_back(source.config.file + ": " + told);
     resolved.focal_from = resolved.baseline_from = "the calibration file (" + file.format + ")";
     resolved.other_file = file.other;
@@ -185,8 +185,21 @@ Calibration scaled_to(const Calibration& camera, ViewSize size) {
     return scaled;
 }
 
-readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size) {
-    return {config.file, config.second_file, size.width, size.height};
+readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size,
+                                             std::vector<std::filesystem::path> views) {
+    return {config.file, config.second_file, size.width, size.height, std::move(views)};
+}
+
+readers::DepthFileConfig with_said_unit(const config::InputConfig& config, const std::filesystem::path& map) {
+    readers::DepthFileConfig depth = config.depth;
+    if (config.calibration.file.empty()) return depth;
+    try {
+        depth.said_per_m =
+            readers::read_calibration_file(calibration_files(config.calibration, {}, {map})).depth_per_m;
+    } catch (const Error&) {
+        depth.said_per_m = 0;  // told when the camera is read, for which the map's size may be needed
+    }
+    return depth;
 }
 
 ResolvedCalibration resolve_calibration(const CameraSource& source) {

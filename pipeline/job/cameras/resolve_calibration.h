@@ -42,6 +42,7 @@ struct CameraSource {
     const Calibration* rectified = nullptr;   // camera of a rectified pair, instead of the file's
     std::filesystem::path picture_file = {};  // file whose EXIF data may give the focal length; empty = none
     const Calibration* container = nullptr;   // camera that the pair's file says, used without a calibration
+    std::filesystem::path view_file = {};     // of the map or the left picture; empty = none
 };
 
 struct ResolvedCalibration {
@@ -56,8 +57,13 @@ struct ResolvedCalibration {
     std::filesystem::path other_file = {};  // the second calibration file that was read; empty = none
 };
 
-// Returns the files of the configuration, for pictures of this size.
-readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size);
+// Returns the files of the configuration, for pictures of this size, of these files.
+readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size,
+                                             std::vector<std::filesystem::path> views = {});
+
+// Returns how depths are read: in the unit that the calibration file says for those of this map, if it can be
+// read and says one.
+readers::DepthFileConfig with_said_unit(const config::InputConfig& config, const std::filesystem::path& map);
 
 // Finds the calibration for the view. Explicit values override the file's and apply to the view. A file's
 // camera for another size of the same aspect is scaled to the view's. A camera without a size whose principal

@@ -1,5 +1,5 @@
 // Reads "name = value" lines: ZED's files with their [sections], and what MATLAB writes, whose matrices
-// [1 2; 3 4] may go on over several lines.
+// [1 2; 3 4] may go on over several lines, or shows, with the rows below the name.
 #include <algorithm>
 #include <cctype>
 
@@ -30,12 +30,33 @@ std::vector<std::string> words_of(std::string value) {
     return found;
 }
 
+// Appends a row of numbers, or takes a line such as "1.0e+03 *" as the factor of those that follow. False if
+// the line is neither.
+bool append_shown(std::string_view line, double& factor, std::vector<std::string>& values) {
+    std::vector<std::string_view> row = words(line);
+    const bool is_factor = row.size() == 2 && row[1] == "*";
+    if (is_factor) row.pop_back();
+    std::vector<double> numbers;
+    for (const std::string_view word : row) {
+        const auto number = parse_number(word);
+        if (!number) return false;
+        numbers.push_back(*number);
+    }
+    if (is_factor)
+        factor = numbers[0];
+    else
+        for (const double number : numbers) values.push_back(exact_text(factor * number));
+    return true;
+}
+
 }  // namespace
 
 Entries assigned_entries(const CalibrationText& source) {
     Entries entries;
     std::string section;
-    bool is_open = false;  // within the brackets of the last entry
+    bool is_open = false;   // within the brackets of the last entry
+    bool is_shown = false;  // rows of the last entry follow, as MATLAB shows a matrix
+    double factor = 1;      // of these rows
     std::string value;
     const auto end_value = [&] {
         is_open = value.find('[') != std::string::npos && value.find(']') == std::string::npos;
@@ -59,10 +80,13 @@ Entries assigned_entries(const CalibrationText& source) {
         const std::string_view name = trim(line.substr(0, equals));
         if (equals == std::string_view::npos || !is_name(name)) {
             if (entries.empty()) return {};
+            is_shown = is_shown && append_shown(line, factor, entries.back().values);
             continue;  // words between the values, as people and programs add them
         }
         entries.push_back({section + std::string(name), {}});
         value = std::string(line.substr(equals + 1));
+        is_shown = trim(value).empty();
+        factor = 1;
         end_value();
     }
     if (is_open) refuse_key(source, entries.back().name, "has no closing bracket; the file is truncated");

@@ -15,12 +15,13 @@ namespace hexrelief::readers::codec {
 
 // The text of a calibration file, and what its format says about it besides the numbers.
 struct CalibrationText {
-    std::filesystem::path path;     // for error messages
-    std::string text;               // without NUL bytes and byte order mark
-    std::string format = {};        // set by the parser that accepts the text
-    bool has_baseline = true;       // false: the file describes a single camera
-    std::vector<std::string> told;  // assumptions that may be wrong, a sentence each
-    int width = 0, height = 0;      // of the pictures; 0 = not known
+    std::filesystem::path path;                // for error messages
+    std::string text;                          // without NUL bytes and byte order mark
+    std::string format = {};                   // set by the parser that accepts the text
+    bool has_baseline = true;                  // false: the file describes a single camera
+    std::vector<std::string> told;             // assumptions that may be wrong, a sentence each
+    int width = 0, height = 0;                 // of the pictures; 0 = not known
+    std::vector<std::filesystem::path> views;  // the map and the picture
 };
 
 // Loads a calibration file. A matrix saved by NumPy and COLMAP's cameras.bin are converted to text. Throws

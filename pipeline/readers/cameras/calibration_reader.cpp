@@ -34,7 +34,8 @@ CalibrationFile read_calibration_file(const CalibrationSource& source) {
     Calibration calibration = file.parts ? file.parts->rectified() : *file.calibration;
     calibration.metric = file.text.has_baseline;
     check_possible(file.text, calibration);
-    return {calibration, file.text.format, file.text.told, file.other};
+    return {calibration, file.text.format, file.text.told, file.other,
+            file.parts ? file.parts->depth_per_m() : 0};
 }
 
 Calibration read_calibration(const CalibrationSource& source) {

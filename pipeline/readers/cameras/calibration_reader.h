@@ -17,17 +17,19 @@ struct CalibrationSource {
     requires std::is_convertible_v<const Path&, std::filesystem::path> CalibrationSource(const Path& path)
         : file(path) {}  // NOLINT(google-explicit-constructor)
     CalibrationSource(std::filesystem::path path, std::filesystem::path second_path, int picture_width,
-                      int picture_height)
+                      int picture_height, std::vector<std::filesystem::path> map_and_picture = {})
         : file(std::move(path)),
           second(std::move(second_path)),
           width(picture_width),
-          height(picture_height) {}
+          height(picture_height),
+          views(std::move(map_and_picture)) {}
 
     std::filesystem::path file;
     // The right camera's file, or that of the movement between the cameras; empty = none, or
     // find_other_file().
     std::filesystem::path second;
-    int width = 0, height = 0;  // of the pictures; 0 = not known
+    int width = 0, height = 0;                 // of the pictures; 0 = not known
+    std::vector<std::filesystem::path> views;  // by whose names the camera is found in a list
 };
 
 // Returns the file that goes with this one by its name and is there: right.yaml with left.yaml, cam1 with
@@ -39,6 +41,7 @@ struct CalibrationFile {
     std::string format;             // "Middlebury", "KITTI", ...
     std::vector<std::string> told;  // assumptions that may be wrong, a sentence each
     std::filesystem::path other;    // the second file that was read; empty = none
+    double depth_per_m = 0;         // integers of the file's depth maps in a metre; 0 = not said
 };
 
 // Reads the calibration of a rectified pair or of one view, whose format is recognised by its content;

@@ -61,6 +61,7 @@ CameraFile::CameraFile(const CalibrationSource& source, bool wants_pair)
     : text(load_calibration_text(source.file)) {
     text.width = source.width;
     text.height = source.height;
+    text.views = source.views;
     if (trim(text.text).empty()) refuse(source.file, "the file is empty; give a calibration");
     const bool is_archive = text.text.starts_with("PK\3\4");
     if (!is_archive && parse_own_format(text, calibration)) {

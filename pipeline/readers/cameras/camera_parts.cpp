@@ -263,4 +263,17 @@ Calibration CameraParts::rectified() {
     return calibration;
 }
 
+// BOP's depth_scale is in mm, RealSense's in m, and Open3D's a number of integers in a metre: none of these
+// is as large as that of another.
+double CameraParts::depth_per_m() const {
+    constexpr double most_m = 0.01, most_mm = 100;
+    const Part part = has(Part::depth_factor) ? Part::depth_factor : Part::depth_scale;
+    if (!has(part)) return 0;
+    const double value = number(part);
+    if (!(value > 0))
+        refuse_key(source_, find(part)->name, "is " + number_text(value) + "; it must be above 0");
+    if (part == Part::depth_factor || value >= most_mm) return value;
+    return (value < most_m ? 1 : 1000) / value;
+}
+
 }  // namespace hexrelief::readers::codec

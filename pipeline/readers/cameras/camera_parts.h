@@ -30,6 +30,8 @@ class CameraParts {
     // files that lack a part, naming its key.
     StereoCalibration pair();
     Calibration rectified();
+    // Returns the integers of the file's depth maps in a metre; 0 = not said.
+    double depth_per_m() const;
 
   private:
     const Entry* find(Part part, Side side = Side::none) const;

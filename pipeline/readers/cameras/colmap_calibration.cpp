@@ -29,7 +29,7 @@ bool is_model(std::string_view word) {
 
 // The models by their numbers in cameras.bin, and how many parameters each has.
 struct Model {
-    const char* name;
+    std::string_view name;
     std::size_t parameters;
 };
 constexpr Model kModels[] = {{"SIMPLE_PINHOLE", 3},
@@ -71,8 +71,8 @@ std::optional<std::string> text_of_colmap(const std::vector<std::uint8_t>& bytes
         const std::uint64_t id = reader.take(4), model = reader.take(4), width = reader.take(8),
                             height = reader.take(8);
         if (reader.is_short || model >= std::size(kModels)) return std::nullopt;
-        text += std::to_string(id) + " " + kModels[model].name + " " + std::to_string(width) + " " +
-                std::to_string(height);
+        text += std::to_string(id) + " " + std::string(kModels[model].name) + " " + std::to_string(width) +
+                " " + std::to_string(height);
         for (std::size_t k = 0; k < kModels[model].parameters; ++k)
             text += " " + exact_text(std::bit_cast<double>(reader.take(8)));
         text += "\n";
@@ -86,24 +86,33 @@ std::optional<Calibration> parse_colmap(CalibrationText& source) {
     if (entries.empty() || entries[0].size() < 2 || !parse_number(entries[0][0]) || !is_model(entries[0][1]))
         return std::nullopt;
     source.format = "COLMAP";
-    if (entries.size() > 1)
+    const Words& entry = entries[0];
+    const bool are_same = std::ranges::all_of(entries, [&](const Words& other) {
+        return std::equal(entry.begin() + 1, entry.end(), other.begin() + 1, other.end());
+    });
+    if (!are_same)
         refuse_key(source, "the file",
                    "has " + std::to_string(entries.size()) + " cameras; keep the line of the picture's own");
-    const Words& entry = entries[0];
     const std::string model(entry[1]), key = "camera " + std::string(entry[0]);
-    const bool simple = model == "SIMPLE_PINHOLE";
-    if (!simple && model != "PINHOLE")
+    const bool simple = model == "SIMPLE_PINHOLE" || model == "SIMPLE_RADIAL" || model == "RADIAL";
+    const bool is_straight = model == "PINHOLE" || model == "OPENCV" || model == "FULL_OPENCV" || simple;
+    const std::size_t pinhole = simple ? 7 : 8;  // entries of the camera without its lens
+    const auto bends = [&](std::string_view text) { return require_number(source, key, text) != 0; };
+    if (!is_straight ||
+        (!model.ends_with("PINHOLE") && entry.size() > pinhole &&
+         std::any_of(entry.begin() + static_cast<std::ptrdiff_t>(pinhole), entry.end(), bends)))
         refuse_key(source, key,
                    "is of the model " + excerpt(model) +
                        ", with distortion; undistort the pictures first (colmap image_undistorter) and take "
                        "the PINHOLE camera that this writes");
-    const std::size_t expected = simple ? 7 : 8;
+    const std::size_t expected = 4 + std::ranges::find(kModels, model, &Model::name)->parameters;
     if (entry.size() != expected)
         refuse_key(source, key,
                    "has " + std::to_string(entry.size()) + " entries; " + model + " has " +
                        std::to_string(expected) +
                        (simple ? ": id, model, width, height, f, cx, cy"
-                               : ": id, model, width, height, fx, fy, cx, cy"));
+                               : ": id, model, width, height, fx, fy, cx, cy") +
+                       (expected > pinhole ? " and the lens" : ""));
     const auto number = [&](std::size_t i) { return require_number(source, key, entry[i]); };
     const std::size_t fy = simple ? 4 : 5;
     // COLMAP counts the centre of pixel 0 as 0.5, as Calibration does.

@@ -21,10 +21,10 @@ constexpr KeyRow kKeys[] = {
     {Part::lengths, 4, 4, "intrinsics intrinsic k cameraintrinsics"},
     {Part::focal, 1, 2, "focallength fc"},
     {Part::centre, 2, 2, "principalpoint cc"},
-    {Part::fx, 1, 1, "fx flx"},
-    {Part::fy, 1, 1, "fy fly"},
-    {Part::cx, 1, 1, "cx ppx u0"},
-    {Part::cy, 1, 1, "cy ppy v0"},
+    {Part::fx, 1, 1, "fx flx fxdepth"},
+    {Part::fy, 1, 1, "fy fly fydepth"},
+    {Part::cx, 1, 1, "cx ppx u0 mxdepth"},
+    {Part::cy, 1, 1, "cy ppy v0 mydepth"},
     {Part::fov_x, 1, 1, "fovx"},
     {Part::fov_y, 1, 1, "fovy"},
     {Part::angle_x, 1, 1, "cameraanglex"},
@@ -41,8 +41,8 @@ constexpr KeyRow kKeys[] = {
     {Part::k6, 1, 1, "k6"},
     {Part::p1, 1, 1, "p1"},
     {Part::p2, 1, 1, "p2"},
-    {Part::width, 1, 1, "w width imagewidth nx"},
-    {Part::height, 1, 1, "h height imageheight ny"},
+    {Part::width, 1, 1, "w width imagewidth nx depthwidth"},
+    {Part::height, 1, 1, "h height imageheight ny depthheight"},
     {Part::size, 2, 2, "imagesize size imgsize resolution resolutionleftright"},
     {Part::model, 1, 1, "distortionmodel cameramodel model camera.type"},
     {Part::rectification, 9, 9, "rectificationmatrix"},
@@ -64,6 +64,8 @@ constexpr KeyRow kKeys[] = {
     {Part::baseline, 1, 1, "baseline stereo.b"},
     {Part::baseline_px, 1, 1, "camera.bf bf"},
     {Part::q, 16, 16, "q"},
+    {Part::depth_scale, 1, 1, "depthscale integerdepthscale"},
+    {Part::depth_factor, 1, 1, "depthmapfactor pngdepthscale depthshift camera.scale"},
 };
 
 constexpr const char *kRaw = "a pair to rectify", *kRectified = "a rectified pair", *kOne = "one view";
@@ -97,9 +99,11 @@ constexpr Family kFamilies[] = {
     {"ROS camera_info", "`camera_matrix` and `projection_matrix`, or `K` and `P`", kRaw,
      "projectionmatrix+cameramatrix p+k"},
     {"OpenCV", "`K1`, `D1`, `K2`, `D2`, `R`, `T`; `Q`, or `P1` and `P2`", kRaw, "q RECTIFIED PAIR"},
-    {"nerfstudio and instant-ngp", "`fl_x` or `camera_angle_x`, `w`, `h`", kOne, "flx cameraanglex", 0.5},
+    {"nerfstudio and instant-ngp", "`fl_x` or `camera_angle_x`, `w`, `h`", kOne, "flx cameraanglex", 0.5, 1,
+     nullptr, select_view},
     {"Cityscapes", "`extrinsic.baseline`, `intrinsic.u0`", kRectified, "u0"},
-    {"BOP", "`cam_K`", kOne, "camk"},
+    {"BOP", "`cam_K`, `depth_scale`", kOne, "camk", 0, 1, nullptr, select_view},
+    {"ScanNet", "`fx_depth`, `depthShift`", kOne, "fxdepth"},
     {"MoGe", "`fov_x` in degrees", kOne, "fovx", 0.5},
     {"Open3D intrinsics", "`intrinsic_matrix`", kOne, "intrinsicmatrix"},
     {"RealSense intrinsics", "`fx`, `fy`, `ppx`, `ppy`", kOne, "ppx"},
@@ -169,8 +173,9 @@ std::optional<Meaning> meaning_of(const Entry& entry) {
 bool lacks_numbers(const Entry& entry) {
     if (entry.values.size() < 2 || meaning_of(entry)) return false;
     const std::optional<Meaning> meant = find_key(entry.key, kAnyCount, entry.side);
-    return meant &&
-           (meant->part == Part::matrix || meant->part == Part::projection || meant->part == Part::q);
+    // A projection of 4x4 is that of a renderer.
+    return meant && (meant->part == Part::matrix || meant->part == Part::q ||
+                     (meant->part == Part::projection && entry.values.size() != 16));
 }
 
 std::span<const Family> families() {

@@ -53,8 +53,10 @@ enum class Part {
     transform,       // from left to right, 4x4
     transform_back,  // from right to left, 4x4
     baseline,
-    baseline_px,  // baseline times focal length
-    q,            // cv::stereoRectify's Q
+    baseline_px,   // baseline times focal length
+    q,             // cv::stereoRectify's Q
+    depth_scale,   // of integers of depth, in a unit that its size tells
+    depth_factor,  // integers of depth in a metre
 };
 
 struct Meaning {
@@ -87,10 +89,12 @@ struct Family {
 };
 
 // Return the cameras of a file as entries of one pair: those of the pictures' size, or of any if it is not
-// known, and of DepthAI's left and right socket.
+// known, and of DepthAI's left and right socket; and of a list of views, BOP's by their numbers or
+// nerfstudio's by their files, that of the picture or map, or all if it is not in the list.
 Entries select_zed(const CalibrationText& source, Entries entries);
 Entries select_d400(const CalibrationText& source, Entries entries);
 Entries select_oak(const CalibrationText& source, Entries entries);
+Entries select_view(const CalibrationText& source, Entries entries);
 
 // Returns all families in the order in which they are tried.
 std::span<const Family> families();

@@ -10,15 +10,19 @@ namespace {
 
 using Lines = std::map<std::string, std::string, std::less<>>;
 
-// Returns the camera's digit in a key "P2" or "P_rect_02"; -1 for any other key.
+// Returns the camera's number in a key "P2", "P_rect_02" or, as DrivingStereo has it, "P_rect_101"; -1 for
+// any other key.
 int camera_of(std::string_view key) {
-    for (std::string_view prefix : {"P_rect_0", "P"}) {
-        if (key.starts_with(prefix) && key.size() == prefix.size() + 1 && key.back() >= '0' &&
-            key.back() <= '3') {
-            return key.back() - '0';
-        }
-    }
-    return -1;
+    const bool is_long = key.starts_with("P_rect_");
+    const std::string_view digits = is_long ? key.substr(7) : key.starts_with("P") ? key.substr(1) : "";
+    const bool are_digits = digits.find_first_not_of("0123456789") == std::string_view::npos;
+    if (digits.empty() || !are_digits || digits.size() > (is_long ? 3u : 1u)) return -1;
+    const int number = std::stoi(std::string(digits));
+    return is_long || number <= 3 ? number : -1;
+}
+
+std::string key_of(const char* prefix, int camera) {
+    return prefix + std::string(camera < 10 ? "0" : "") + std::to_string(camera);
 }
 
 // Returns only the entries of the cameras' matrices and sizes; a file also has rotations,
@@ -29,7 +33,7 @@ Lines read_lines(const CalibrationText& source) {
         const std::size_t colon = line.find(':');
         if (colon == std::string_view::npos) continue;
         const std::string_view key = trim(line.substr(0, colon)), value = trim(line.substr(colon + 1));
-        if (camera_of(key) < 0 && !key.starts_with("S_rect_0")) continue;
+        if (camera_of(key) < 0 && !key.starts_with("S_rect_")) continue;
         if (value.starts_with('!') || value.starts_with('[') || value.empty())
             return {};  // this is YAML with keys of that name
         if (!entries.emplace(key, value).second) refuse_key(source, key, "is given twice; keep one");
@@ -59,7 +63,7 @@ Calibration from_pair(CalibrationText& source, const Lines& entries, const std::
 
 // Takes the size of the rectified pictures, if the file has it.
 void take_size(const CalibrationText& source, const Lines& entries, int camera, Calibration& calibration) {
-    const std::string size = "S_rect_0" + std::to_string(camera);
+    const std::string size = key_of("S_rect_", camera);
     const auto found = entries.find(size);
     if (found == entries.end()) return;
     const auto parts = words(found->second);
@@ -94,9 +98,15 @@ std::optional<Calibration> parse_kitti(CalibrationText& source) {
     if (!any) return std::nullopt;
     source.format = "KITTI";
 
-    for (const auto& [left, right] : {std::pair{2, 3}, {0, 1}}) {
-        for (const std::string prefix : {"P_rect_0", "P"}) {
-            const std::string l = prefix + std::to_string(left), r = prefix + std::to_string(right);
+    std::vector<std::pair<int, int>> pairs = {{2, 3}, {0, 1}};
+    constexpr int kLeastOfDrivingStereo = 100;
+    for (const auto& [key, value] : entries)
+        if (const int camera = camera_of(key); camera >= kLeastOfDrivingStereo)
+            pairs.emplace_back(camera, camera + 2);
+    for (const auto& [left, right] : pairs) {
+        for (const bool is_long : {true, false}) {
+            const std::string l = is_long ? key_of("P_rect_", left) : "P" + std::to_string(left),
+                              r = is_long ? key_of("P_rect_", right) : "P" + std::to_string(right);
             if (!entries.contains(l) || !entries.contains(r)) continue;
             Calibration calibration = from_pair(source, entries, l, r);
             take_size(source, entries, left, calibration);

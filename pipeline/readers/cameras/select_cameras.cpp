@@ -1,4 +1,4 @@
-// Chooses a pair's cameras in files that have those of several picture sizes or sockets.
+// Chooses the cameras in files that have those of several picture sizes, sockets or views.
 #include <algorithm>
 #include <map>
 
@@ -134,6 +134,32 @@ Entries select_oak(const CalibrationText& source, Entries entries) {
         selected.push_back({(is_left ? "left." : "right.") + name, entry.values});
         if (name == "distortioncoeff") add(selected, "model", is_fisheye ? "fisheye" : "pinhole");
     }
+    return selected;
+}
+
+// The keys NUMBER.cam_K, and frames.N.fl_x with frames.N.file_path, which go before those of all frames.
+Entries select_view(const CalibrationText& source, Entries entries) {
+    std::string own;
+    for (const std::filesystem::path& view : source.views) {
+        const std::string stem = view.stem().string();
+        std::string number = stem.substr(0, stem.find_first_not_of("0123456789"));
+        if (!number.empty()) number.erase(0, std::min(number.find_first_not_of('0'), number.size() - 1));
+        for (const Entry& entry : entries) {
+            if (entry.key.ends_with(".filepath") && !entry.values.empty() &&
+                std::filesystem::path(entry.values[0]).stem() == stem)
+                own = entry.key.substr(0, entry.key.rfind('.') + 1);
+            if (!number.empty() && entry.key.starts_with(number + ".")) own = number + ".";
+        }
+        if (!own.empty()) break;
+    }
+    if (own.empty()) return entries;
+    Entries selected;
+    for (const Entry& entry : entries)
+        if (entry.key.starts_with(own))
+            selected.push_back({entry.name.substr(own.size()), entry.values});
+        else if (entry.key.find('.') == std::string::npos &&
+                 std::ranges::none_of(entries, [&](const Entry& one) { return one.key == own + entry.key; }))
+            selected.push_back({entry.name, entry.values});
     return selected;
 }
 

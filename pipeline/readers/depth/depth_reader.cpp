@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "pipeline/data/error.h"
@@ -93,6 +94,10 @@ Unit unit_of(const std::filesystem::path& path, const Samples& samples, const De
         codec::refuse(path,
                       "integers of inverse depth do not say how many are one over a metre; give --depth-unit "
                       "(input.depth.unit)");
+    if (config.said_per_m > 0)
+        return {config.said_per_m,
+                (config.said_per_m == 1000 ? "mm" : "1/" + number(config.said_per_m) + " m") +
+                    std::string(", as the calibration file says")};
     if (samples.are_bytes)
         codec::refuse(path,
                       "an 8-bit depth map does not say how many of its levels are a metre; give --depth-unit "
@@ -210,6 +215,21 @@ std::string doubt_of(const Samples& samples, const DepthFileConfig& config) {
            ", read as metres; if they are millimetres, give --depth-unit mm (input.depth.unit)";
 }
 
+// Returns a warning if 16-bit integers that are taken for mm are all multiples of 8, but not all of 16. Few
+// different ones tell nothing.
+std::string doubt_of_bits(const codec::Raster& raster, const DepthFileConfig& config) {
+    constexpr std::size_t kLeastDifferent = 64;
+    const auto* const samples = std::get_if<std::vector<std::uint16_t>>(&raster.samples);
+    if (!samples || config.kind != DepthKind::depth || !config.unit.empty() || config.said_per_m > 0)
+        return {};
+    std::uint16_t bits = 0;
+    for (const std::uint16_t sample : *samples) bits |= sample;
+    if (bits % 16 != 8 || std::set(samples->begin(), samples->end()).size() < kLeastDifferent) return {};
+    return "all depths are multiples of 8, as those of SUN RGB-D, which has millimetres with their bits "
+           "turned "
+           "by three; if they are its, --depth-unit 8000 reads them (input.depth.unit)";
+}
+
 DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& config) {
     switch (config.kind) {
         case DepthKind::depth:
@@ -262,7 +282,8 @@ DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& pa
     if (raster.stated.step > 0) samples.step = raster.stated.step;
     const std::string name = raster.stated.told.empty() ? codec::samples_name(raster) : raster.stated.told;
     const Unit unit = unit_of(path, samples, config);
-    const std::string doubt = raster.stated.told.empty() ? doubt_of(samples, config) : "";
+    std::string doubt = raster.stated.told.empty() ? doubt_of(samples, config) : "";
+    if (doubt.empty()) doubt = doubt_of_bits(raster, config);
     DepthFile file = to_depths(std::move(samples), unit, config);
     file.believed = name + ", " + file.believed;
     file.doubt = doubt;

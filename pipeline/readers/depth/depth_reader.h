@@ -34,6 +34,8 @@ struct DepthFileConfig {
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
     Packing packing = Packing::none;  // of maps in a picture's colours
     bool flip = false;                // the rows are stored in the other order
+    // Integers in a metre by the camera's file, for depths without a unit; 0 = not said.
+    double said_per_m = 0;
 };
 
 struct DepthFile {

@@ -10,9 +10,9 @@ namespace {
 
 // The usual names, the most telling first.
 constexpr const char* kMaps[] = {
-    "z",          "depth",      "depth_map", "depthmap",      "depths",      "metric_depth",  "pred_depth",
-    "depth_pred", "disparity",  "disp",      "disparity_map", "disparities", "inverse_depth", "inv_depth",
-    "distance",   "prediction", "pred",      "pred_disp",     "disp_pred",   "pred_disparity"};
+    "z",          "depth",      "depth_map",  "depthmap", "depths",        "depthmaps",   "metric_depth",
+    "pred_depth", "depth_pred", "disparity",  "disp",     "disparity_map", "disparities", "inverse_depth",
+    "inv_depth",  "distance",   "prediction", "pred",     "pred_disp",     "disp_pred",   "pred_disparity"};
 constexpr const char* kConfidences[] = {"confidence", "conf", "confidence_map", "conf_map"};
 constexpr const char* kMasks[] = {"mask", "valid_mask", "valid"};
 // Channels of a layer that is called by a usual name.

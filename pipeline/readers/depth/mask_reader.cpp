@@ -46,7 +46,8 @@ double full_confidence(const codec::Raster& raster) {
 }  // namespace
 
 PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config, const ReaderLimits& limits) {
-    const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
+    const codec::Codec& codec =
+        codec::require_codec(path, "a mask as one of " + codec::names_of(codec::kPicture | codec::kMap));
     codec::SourceFile source = codec::load_raster_file(path, limits);
     source.several = "give a file that has one alone";
     source.wanted = codec::Wanted::mask;

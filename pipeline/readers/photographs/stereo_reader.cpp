@@ -189,8 +189,7 @@ StereoViews read_stereo_file(const std::filesystem::path& path, const StereoFile
 std::optional<StereoFileDescription> describe_stereo_file(const std::filesystem::path& path,
                                                           const ReaderLimits& limits) {
     const codec::Codec* const codec = codec::find_codec(path);
-    if (!codec || (codec->gives & codec::kPicture) == 0 || codec->format == codec::Format::exr)
-        return std::nullopt;
+    if (!codec || (codec->gives & codec::kPicture) == 0) return std::nullopt;
     const codec::SourceFile source = codec::load_raster_file(path, limits);
     if (codec->format == codec::Format::heic) {
         const auto pair = codec::find_heic_pair(source.bytes);
@@ -205,7 +204,7 @@ std::optional<StereoFileDescription> describe_stereo_file(const std::filesystem:
         return StereoFileDescription{
             in_x ? whole.width / 2 : whole.width, in_x ? whole.height : whole.height / 2, {}, own->told};
     }
-    const auto second = second_view(source);
+    const auto second = (codec->gives & codec::kBothViews) != 0 ? second_view(source) : std::nullopt;
     if (!second) return std::nullopt;
     const FileDescription first = codec->describe(source),
                           other = codec->describe(second_file(source, *second));

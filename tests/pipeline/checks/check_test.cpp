@@ -219,7 +219,8 @@ TEST(CheckMap, NoticesAPictureOfSomethingElse) {
     EXPECT_EQ(found(scene().disparity, mistakes::shifted(left, 12, 0)), List{Mistake::color_elsewhere});
     const Image noise = mistakes::plain(left, 128, 100, 1);
     EXPECT_EQ(found(scene().disparity, noise), List{Mistake::color_unrelated});
-    EXPECT_EQ(found(scene().disparity, mistakes::mirrored(left)).size(), 1u);
+    EXPECT_EQ(found(scene().disparity, mistakes::mirrored(left)), List{Mistake::color_mirrored});
+    EXPECT_EQ(found(scene().disparity, scene().pair.right).size(), 1u);
 }
 
 // Maps as matchers of blocks and networks make them, and pictures whose texture hides the edges of things.

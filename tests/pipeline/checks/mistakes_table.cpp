@@ -340,8 +340,9 @@ void wrong_colors(const TestScene& scene, const std::vector<TestScene>& scenes, 
     add("colour 8 px right", shifted(left, 8, 0), either);
     add("colour 8 px left", shifted(left, -8, 0), either);
     add("colour 8 px higher", shifted(left, 0, -8), either);
-    add("colour mirrored", mirrored(left), {Mistake::color_unrelated});
-    add("colour upside down", rotated(mirrored(left), 180), {Mistake::color_unrelated});
+    add("colour mirrored", mirrored(left), {Mistake::color_mirrored, Mistake::color_unrelated});
+    add("colour upside down", rotated(mirrored(left), 180),
+        {Mistake::rows_flipped, Mistake::color_unrelated});
     add("colour is the right view", scene.pair.right, either);
     for (const TestScene& other : scenes) {
         const Image& image = other.pair.left;

@@ -75,6 +75,8 @@ TEST(Advice, OnMapsHelps) {
     expect_map_help(same, false, "--depth", "give disparities with --disparity", {"--disparity"});
     expect_map_help([](float d) { return 1 / depth_of(d); }, false, "--depth", "--depth-kind inverse_depth",
                     {"--depth-kind", "inverse_depth", "--depth"});
+    expect_map_help([](float d) { return (d - 4) / 36; }, false, "--depth", "guess with affine_inverse",
+                    {"--depth-kind", "affine_inverse", "--depth"});
     expect_map_help([](float d) { return d * 256; }, false, "--disparity", "give --disparity-scale",
                     {"--disparity-scale", "256", "--disparity"});
     expect_map_help([](float d) { return d / 256; }, false, "--disparity", "give --disparity-scale",
@@ -88,6 +90,14 @@ TEST(Advice, OnPairsHelps) {
     const Words right = {"--left", kLeft, "--right", kRight, "--calib", kCamera};
     expect_help(folder, {"--left", kRight, "--right", kLeft, "--calib", kCamera},
                 "exchange --left and --right", right);
+    const Image left = readers::read_image(kLeft), second = readers::read_image(kRight);
+    Image crossed{left.width, 2 * left.height, left.channels, second.pixels};
+    crossed.pixels.insert(crossed.pixels.end(), left.pixels.begin(), left.pixels.end());
+    exporters::write_png(folder / "tb.png", crossed);
+    Words one_file = {"--stereo", folder / "tb.png", "--layout", "tb", "--calib", kCamera};
+    Words exchanged = one_file;
+    exchanged.insert(exchanged.end(), {"--set", "input.stereo.right_first=true"});
+    expect_help(folder, one_file, "input.stereo.right_first=true", exchanged);
     expect_help(folder, {"--left", kLeft, "--right", kLeft, "--calib", kCamera},
                 "give the left and the right view", right);
     Words narrow = right, wider = right;

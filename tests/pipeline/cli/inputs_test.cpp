@@ -49,6 +49,10 @@ std::vector<std::vector<std::string>> more_commands() {
             {"--depth", kInputs / "carla.png", "--packed", "carla", "--color", left, "--calib",
              kInputs / "transforms.json"},
             {"--depth", kInputs / "colmap.bin", "--depth-unit", "m", "--color", left, "--calib", camera},
+            {"--disparity", kInputs / "sintel.png", "--packed", "sintel", "--color", left, "--calib", camera},
+            {"--depth", kInputs / "000003.png", "--color", left, "--calib", kInputs / "scene_camera.json"},
+            {"--left", left, "--right", kInputs / "right.png", "--calib", kInputs / "oak.json"},
+            {"--left", left, "--right", kInputs / "right.png", "--calib", kInputs / "left.yaml"},
             {"--left", left, "--right", kInputs / "right.png", "--calib", kInputs / "camchain.yaml"},
             {"--left", left, "--right", kInputs / "right.png", "--calib", kInputs / "rig.npz"}};
 }

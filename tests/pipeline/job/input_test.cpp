@@ -45,6 +45,30 @@ TEST(RunInput, EveryPictureAndMapIsHeldAgainstTheLimitOfPixels) {
     }
 }
 
+TEST(RunInput, DepthsAreInTheUnitAndOfTheCameraThatTheFileSaysForThem) {
+    const test::TemporaryFolder folder;
+    const std::string map = folder / "000003.pgm", camera = folder / "scene_camera.json";
+    test::write_text(map, std::string("P5\n2 1\n65535\n\x27\x10\x13\x88", 17));  // 10000 and 5000
+    test::write_text(camera, R"({"2": {"cam_K": [7, 0, 1, 0, 7, 0.5, 0, 0, 1], "depth_scale": 1.0},
+                                 "3": {"cam_K": [9, 0, 1, 0, 9, 0.5, 0, 0, 1], "depth_scale": 0.1}})");
+    config::InputConfig config;
+    config.calibration.file = camera;
+    const auto read = [&] {
+        RunLog log;
+        return read_input(DepthFiles{map}, config, {}, 1, log);
+    };
+    const RunInput input = read();
+    const InputMap& depths = std::get<InputMap>(input.views);
+    EXPECT_EQ(input.calibration.focal_px, 9);
+    EXPECT_NE(depths.read_as.find("1/10000 m, as the calibration file says"), std::string::npos)
+        << depths.read_as;
+    EXPECT_FLOAT_EQ(depths.disparities.values[1], 2 * depths.disparities.values[0]);
+    EXPECT_FLOAT_EQ(depths.disparities.values[0], static_cast<float>(9 * input.calibration.baseline_m / 1.0))
+        << "1 m";
+    config.depth.unit = "mm";
+    EXPECT_NE(std::get<InputMap>(read().views).read_as.find("integers, mm"), std::string::npos);
+}
+
 Image columns(const Image& image, int first, int count) {
     Image part{count, image.height, image.channels, {}};
     for (int y = 0; y < image.height; ++y)

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
@@ -33,6 +34,23 @@ TEST(DescribeRaster, TellsEveryFormat) {
     expect_description(make_jpeg(4, 2, Bytes(24), JpegKind::rgb), "jpeg", 3, 8);
     expect_description(make_webp(4, 2, Bytes(32, 255), true), "webp", 3, 8);
     expect_description(make_tiff(4, 2, Bytes(32), {.bits = 32, .format = 3}), "tiff", 1, 32);
+}
+
+// A PFM of the right size, a ZIP archive and a photograph of which all but the first bytes are missing.
+TEST(DescribeRaster, HollowFilesAreNotLoaded) {
+    const Folder folder;
+    constexpr std::uintmax_t large = std::uintmax_t{4} << 30;
+    const std::string head = "Pf\n16384 16384\n-1\n";
+    const auto pfm = folder.write("a.pfm", to_bytes(head));
+    std::filesystem::resize_file(pfm, head.size() + (std::uintmax_t{1} << 30));
+    const auto npz = folder.write("a.npz", to_bytes(std::string("PK\3\4") + std::string(60, 'x')));
+    const auto heic = folder.write("a.heic", to_bytes(std::string("\0\0\0\x10"
+                                                                  "ftypheic\0\0\0\0",
+                                                                  16)));
+    for (const auto& file : {npz, heic}) std::filesystem::resize_file(file, large);
+    EXPECT_CONTAINS(error_of([&] { read_disparity_map(pfm, {}); }), "it is hollow: of its");
+    EXPECT_CONTAINS(error_of([&] { describe_raster(npz); }), "are on the disk");
+    EXPECT_CONTAINS(error_of([&] { describe_raster(heic); }), "are on the disk");
 }
 
 TEST(DescribeRaster, GivesNothingForOtherFiles) {
@@ -94,12 +112,27 @@ TEST(DescribeRaster, ThePageOfFormatsFollowsTheTable) {
     std::ifstream file(HEXRELIEF_SOURCE_DIR "/exporters/FORMATS.md");
     std::stringstream page;
     page << file.rdbuf();
-    EXPECT_CONTAINS(page.str(), "| images | " + codec::names_of(codec::kPicture) + ";");
-    EXPECT_CONTAINS(page.str(), "| maps | " + codec::names_of(codec::kMap) + " |");
+    std::string rows = "| format | names | picture | both views | map | camera | confidence |\n";
+    rows += "| --- | --- | --- | --- | --- | --- | --- |\n";
+    for (const codec::Codec& codec : codec::codecs()) {
+        rows += "| " + std::string(codec.name) + " | " + std::string(codec.endings) + " |";
+        for (const unsigned one :
+             {codec::kPicture, codec::kBothViews, codec::kMap, codec::kCamera, codec::kConfidence})
+            rows += (codec.gives & one) != 0 ? " yes |" : " |";
+        rows += "\n";
+    }
+    EXPECT_NE(page.str().find("\n" + rows + "\n"), std::string::npos) << "write FORMATS.md anew as this:\n"
+                                                                      << rows;
     const Folder folder;
     const auto text = folder.write("a.txt", "1,2,3\n");
     EXPECT_CONTAINS(error_of([&] { read_image(text); }), codec::names_of(codec::kPicture));
     EXPECT_CONTAINS(error_of([&] { read_disparity_map(text, {}); }), codec::names_of(codec::kMap));
+    EXPECT_CONTAINS(error_of([&] { read_confidence(text, {}); }), codec::names_of(codec::kConfidence));
+    EXPECT_CONTAINS(error_of([&] { read_mask(text, {}); }), codec::names_of(codec::kPicture | codec::kMap));
+    const auto jpeg = folder.write("a.jpg", make_jpeg(4, 2, Bytes(8), JpegKind::grey));
+    EXPECT_CONTAINS(error_of([&] { read_disparity_map(jpeg, {}); }),
+                    "JPEG does not keep disparities exactly; give a disparity map as one of " +
+                        codec::names_of(codec::kMap));
 }
 
 }  // namespace

@@ -178,7 +178,7 @@ TEST(ReadDisparity, SaysWhatItAssumes) {
 TEST(ReadDisparity, ColoursArePackedNumbers) {
     const Bytes picture = make_png(3, 1, {1, 64, 64, 0, 0, 0, 3, 128, 0}, {.colour_type = 2});
     EXPECT_EQ(read(picture, {.packing = Packing::sintel}).values, (Values{5.00390625f, kInf, 14}));
-    EXPECT_CONTAINS(error_for(picture), "--packed carla or sintel");
+    EXPECT_CONTAINS(error_for(picture), "--packed carla, sintel or tartanair");
     EXPECT_CONTAINS(error_for(make_pfm(1, 1, {4}), {.packing = Packing::sintel}), "leave --packed out");
     const Folder folder;
     const Bytes carla = make_png(3, 1, {0, 0, 1, 255, 255, 255, 16, 39, 0}, {.colour_type = 2});
@@ -187,6 +187,13 @@ TEST(ReadDisparity, ColoursArePackedNumbers) {
     EXPECT_EQ(depth.map.values[1], kInf) << "the sky";
     EXPECT_FLOAT_EQ(depth.map.values[2], 10000 * 1000 / 16777215.f);
     EXPECT_EQ(depth.believed, "CARLA's 24 bits, m");
+    // 1 and 2.5 are 0x3f800000 and 0x40200000; alpha is the highest byte.
+    const Bytes floats = make_png(2, 1, {0x80, 0, 0, 0x3f, 0x20, 0, 0, 0x40}, {.colour_type = 6});
+    const auto file = folder.write("f.png", floats);
+    EXPECT_EQ(read_depth_map(file, {.packing = Packing::tartanair}).map.values, (Values{1, 2.5f}));
+    EXPECT_CONTAINS(error_of([&] { read_depth_map(file, {.packing = Packing::carla}); }),
+                    "--packed tartanair");
+    EXPECT_CONTAINS(error_for(picture, {.packing = Packing::tartanair}), "fourth channel");
 }
 
 TEST(ReadDisparity, RowsMayBeStoredInTheOtherOrder) {

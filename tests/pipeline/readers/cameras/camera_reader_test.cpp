@@ -194,11 +194,11 @@ TEST(ReadColmapCamera, CountsPixelCentresAsCalibrationDoes) {
 
 TEST(ReadColmapCamera, RefusesOthers) {
     EXPECT_CONTAINS(error_for("1 SIMPLE_RADIAL 640 480 500 320 240 0.1\n"), "undistort");
-    EXPECT_CONTAINS(error_for("1 OPENCV 640 480 500 500 320 240 0 0 0 0\n"), "camera 1");
+    EXPECT_CONTAINS(error_for("1 OPENCV 640 480 500 500 320 240 0 0 0 0.1\n"), "camera 1");
     EXPECT_CONTAINS(error_for("1 PINHOLE 640 480 500 320 240\n"), "has 7 entries; PINHOLE has 8");
     EXPECT_CONTAINS(error_for("1 PINHOLE 640 480 500 x 320 240\n"), "camera 1 is 'x'");
     EXPECT_CONTAINS(error_for("1 PINHOLE 0 480 500 500 320 240\n"), "camera 1's width");
-    EXPECT_CONTAINS(error_for("1 PINHOLE 640 480 5 5 3 2\n2 PINHOLE 640 480 5 5 3 2\n"), "2 cameras");
+    EXPECT_CONTAINS(error_for("1 PINHOLE 640 480 5 5 3 2\n2 PINHOLE 640 480 6 6 3 2\n"), "2 cameras");
 }
 
 }  // namespace

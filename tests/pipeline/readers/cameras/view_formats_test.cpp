@@ -79,6 +79,49 @@ TEST(ReadViewFormats, NerfTransforms) {
     EXPECT_CONTAINS(error_for(frames("701")), "frames.1.fl_x differ");
 }
 
+TEST(ReadViewFormats, TheUnitOfDepths) {
+    const auto per_m = [](const std::string& key, const char* value) {
+        return read("{\"fx\": 700, \"fy\": 700, \"cx\": 320, \"cy\": 240, \"" + key + "\": " + value + "}")
+            .depth_per_m;
+    };
+    EXPECT_EQ(read("700 700 320 240\n").depth_per_m, 0);
+    EXPECT_NEAR(per_m("depth_scale", "0.1"), 10000, 1e-9) << "BOP, mm";
+    EXPECT_NEAR(per_m("depth_scale", "1.0"), 1000, 1e-9);
+    EXPECT_NEAR(per_m("depth_scale", "0.00025"), 4000, 1e-9) << "RealSense, m";
+    EXPECT_NEAR(per_m("depth_scale", "1000"), 1000, 1e-9) << "Open3D";
+    EXPECT_EQ(per_m("png_depth_scale", "6553.5"), 6553.5);
+    EXPECT_EQ(read("Camera.fx: 517\nCamera.fy: 516\nCamera.cx: 318\nCamera.cy: 255\nDepthMapFactor: 5000.0\n")
+                  .depth_per_m,
+              5000);
+    EXPECT_CONTAINS(error_of([&] { per_m("depth_scale", "0"); }), "depth_scale is 0; it must be above 0");
+    EXPECT_CONTAINS(error_of([&] { per_m("depth_scale", ".nan"); }), "finite");
+}
+
+TEST(ReadViewFormats, AListOfViewsHasThatOfThePicture) {
+    const Folder folder;
+    const auto focal = [&](const std::string& text, const char* view) {
+        return read_calibration_file({folder.write("views.json", to_bytes(text)), {}, 640, 480, {view}})
+            .calibration.focal_px;
+    };
+    const auto bop = [](const char* number, const char* length) {
+        return std::string("\"") + number + "\": {\"cam_K\": [" + length + ", 0, 320, 0, " + length +
+               ", 240, 0, 0, 1], \"depth_scale\": 0.1}";
+    };
+    const std::string images = "{" + bop("0", "500") + ", " + bop("7", "700") + ", " + bop("70", "900") + "}";
+    EXPECT_EQ(focal(images, "depth/000007.png"), 700);
+    EXPECT_EQ(focal(images, "rgb/000000.jpg"), 500);
+    EXPECT_EQ(focal(images, "000070_000001.png"), 900);
+    EXPECT_CONTAINS(error_of([&] { focal(images, "rgb/left.png"); }),
+                    "differ; keep the picture's own camera");
+    EXPECT_CONTAINS(error_of([&] { focal(images, "rgb/000008.png"); }), "differ");
+    const std::string frames =
+        "{\"fl_x\": 300, \"cx\": 320, \"cy\": 240, \"frames\": [{\"file_path\": \"images/a.jpg\", \"fl_x\": "
+        "400}, {\"file_path\": \"images/b.jpg\", \"fl_x\": 600}, {\"file_path\": \"images/c.jpg\"}]}";
+    EXPECT_EQ(focal(frames, "images/b.jpg"), 600);
+    EXPECT_EQ(focal(frames, "depth/a.png"), 400);
+    EXPECT_EQ(focal(frames, "images/c.jpg"), 300);
+}
+
 TEST(ReadViewFormats, DataSets) {
     expect_view(read("{\"0\": {\"cam_K\": [700, 0, 320, 0, 700, 240, 0, 0, 1], \"depth_scale\": 0.1}, \"7\": "
                      "{\"cam_K\": [700, 0, 320, 0, 700, 240, 0, 0, 1], \"depth_scale\": 0.1}}"),
@@ -100,6 +143,56 @@ TEST(ReadViewFormats, DataSets) {
     EXPECT_NEAR(city.calibration.baseline_m, 0.2, 1e-12);
     EXPECT_NEAR(city.calibration.cx, 1096.5, 1e-12);
     EXPECT_TRUE(city.calibration.metric);
+}
+
+TEST(ReadViewFormats, Apps) {
+    expect_view(
+        read("colorHeight = 968\ncolorWidth = 1296\ndepthHeight = 480\ndepthShift = 1000\ndepthWidth = 640\n"
+             "fx_color = 1170\nfx_depth = 577\nfy_color = 1170\nfy_depth = 577\nmx_color = 647\nmx_depth = "
+             "319.5\nmy_color = 483\nmy_depth = 239.5\nsceneType = Apartment\n"),
+        "ScanNet", 577, 320, 240, 640, 480);
+    const CalibrationFile replica = read(
+        "{\"camera\": {\"w\": 640, \"h\": 480, \"fx\": 600, \"fy\": 600, \"cx\": 319.5, \"cy\": 239.5, "
+        "\"scale\": "
+        "6553.5}}");
+    EXPECT_EQ(replica.depth_per_m, 6553.5);
+    std::string sixteen = "1";
+    for (int i = 0; i < 15; ++i) sixteen += ", 0";
+    expect_view(read("{\"intrinsics\": [700, 0, 320, 0, 700, 240, 0, 0, 1], \"projectionMatrix\": [" +
+                     sixteen + "]}"),
+                "camera matrix", 700, 320.5, 240.5);
+}
+
+// MATLAB shows matrices turned, below their names, and large ones with a factor.
+TEST(ReadViewFormats, MatlabAsItIsShown) {
+    const CalibrationFile file = read(
+        "IntrinsicMatrix =\n\n   1.0e+03 *\n\n    0.7000 0 0\n    0 0.7000 0\n    0.3210 0.2410 0.0010\n\n"
+        "RadialDistortion =\n\n    0    0\n\nImageSize =\n\n    480    640\n");
+    expect_view(file, "MATLAB", 700, 320.5, 240.5, 640, 480);
+    EXPECT_CONTAINS(error_for("IntrinsicMatrix =\n\n 1.0e+03 *\n\n 0.7 0 0\nRadialDistortion = [0 0]\n"),
+                    "3 numbers");
+}
+
+TEST(ReadViewFormats, ColmapCamerasWithoutALens) {
+    expect_view(read("1 OPENCV 640 480 700 700 320 240 0 0 0 0\n"), "COLMAP", 700, 320, 240, 640, 480);
+    expect_view(read("1 SIMPLE_RADIAL 640 480 700 320 240 0\n2 SIMPLE_RADIAL 640 480 700 320 240 0\n"),
+                "COLMAP", 700, 320, 240, 640, 480);
+    EXPECT_CONTAINS(error_for("1 OPENCV 640 480 700 700 320 240 0 0 0 0.1\n"), "OPENCV");
+    EXPECT_CONTAINS(error_for("1 OPENCV_FISHEYE 640 480 700 700 320 240 0 0 0 0\n"), "OPENCV_FISHEYE");
+    EXPECT_CONTAINS(error_for("1 OPENCV 640 480 700 700 320 240 0 0\n"), "10 entries; OPENCV has 12");
+    EXPECT_CONTAINS(error_for("1 PINHOLE 640 480 700 700 320 240\n2 PINHOLE 640 480 700 700 320 241\n"),
+                    "2 cameras");
+    EXPECT_CONTAINS(error_for("1 PINHOLE 640 480 700 700 320 240\n2 PINHOLE 640\n"), "2 cameras");
+}
+
+TEST(ReadViewFormats, DrivingStereo) {
+    const CalibrationFile file = read(
+        "calib_time: 2018-07-09\nS_101: 1920 1080\nS_rect_101: 1758 1114\nP_rect_101: 2000 0 900 0 0 2000 "
+        "550 0 0 0 1 0\n"
+        "P_rect_103: 2000 0 900 -1080 0 2000 550 0 0 0 1 0\n");
+    EXPECT_EQ(file.format, "KITTI");
+    EXPECT_NEAR(file.calibration.baseline_m, 0.54, 1e-9);
+    EXPECT_EQ(file.calibration.width, 1758);
 }
 
 void put(Bytes& bytes, std::uint64_t value, int size) {

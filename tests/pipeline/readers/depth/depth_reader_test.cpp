@@ -129,6 +129,26 @@ TEST(DepthReader, WholeNumbersOfFloatsMayBeMillimetres) {
     EXPECT_EQ(read_floats({15, 7}).doubt, "");
 }
 
+TEST(DepthReader, MultiplesOfEightMayBeTurnedBits) {
+    std::vector<int> sun, even;
+    for (int i = 1; i <= 100; ++i) {
+        sun.push_back(8 * (1000 + i));
+        even.push_back(2 * (1000 + i));
+    }
+    EXPECT_CONTAINS(read_wide(sun).doubt, "--depth-unit 8000");
+    EXPECT_EQ(read_wide(sun, {.unit = "8000"}).doubt, "");
+    EXPECT_FLOAT_EQ(read_wide(sun, {.unit = "8000"}).map.values[0], 1.001f);
+    EXPECT_EQ(read_wide(even).doubt, "");
+    EXPECT_EQ(read_wide({1000, 1008, 1016}).doubt, "") << "too few to tell";
+}
+
+TEST(DepthReader, TheCamerasFileMaySayTheUnit) {
+    EXPECT_EQ(read_wide({10000}, {.said_per_m = 10000}).map.values[0], 1);
+    EXPECT_EQ(read_wide({10000}, {.unit = "mm", .said_per_m = 10000}).map.values[0], 10);
+    EXPECT_EQ(read_floats({2}, {.said_per_m = 10000}).map.values[0], 2) << "metres";
+    EXPECT_EQ(read_bytes_map({50}, {.said_per_m = 25}).map.values[0], 2);
+}
+
 TEST(DepthReader, AnUnknownSampleReplacesTheFormatsOwn) {
     EXPECT_EQ(read_wide({1000, 0, 65535, 7}, {.unknown = 7}).map.values,
               (std::vector<float>{1, kInf, 65.535f, kInf}))
