@@ -29,7 +29,7 @@ std::string obstacle(const std::string& name) {
     for (const char* call : {"$(", "${"})
         if (name.find(call) != std::string::npos) return "it has '" + std::string(call) + "'";
     if (std::string(") \\").find(name.back()) != std::string::npos)
-        return std::string("it ends with '") + name.back() + "'";
+        return "it ends with '" + name.substr(name.size() - 1) + "'";
     if (is_pattern(name) && holds_any(name, "\\%")) return "it has '\\' or '%' beside a wildcard";
     if (name.size() > 1 && name[0] == '.' && std::isupper(static_cast<unsigned char>(name[1])) &&
         !holds_any(name, "/"))
@@ -42,8 +42,8 @@ std::string obstacle(const std::string& name) {
 // `export` from being read as a keyword of make.
 std::string quoted(const std::filesystem::path& path, Position position) {
     const std::string name = path.string();
-    if (const std::string why = obstacle(name); !why.empty())
-        throw Error(ErrorKind::usage, "--depfile: make cannot read the name '" + name + "': " + why);
+    if (const std::string reason = obstacle(name); !reason.empty())
+        throw Error(ErrorKind::usage, "--depfile: make cannot read the name '" + name + "': " + reason);
     const std::string separators = position == Position::target ? " #:%" : " #:|";
     std::string text = holds_any(name, "./~") ? "" : "./";
     std::size_t backslashes = 0;
