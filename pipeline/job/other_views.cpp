@@ -93,18 +93,16 @@ DensityMap density_of_view(const DisparityMap& map, stages::DensityConfig config
 }
 
 // Returns the view whose map, seen in a mirror, is given.
-RightView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
+OtherView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
                      int threads) {
-    RightView right{stages::mirrored(std::move(mirrored))};
-    right.color = pair.views.right;
-    right.picture = pair.pictures.right;
+    OtherView right{{}, stages::mirrored(std::move(mirrored)), {}, pair.views.right, pair.pictures.right};
     for (Image* image : {&right.color, &right.picture})
         if (!image->empty()) matching::relight(*image, range.correction.light, threads);
     return right;
 }
 
 // Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
-void add_texture(OtherViews& others, const Image& left, SurfaceMesh& mesh) {
+void add_texture(SurfaceResult::OtherViews& others, const Image& left, SurfaceMesh& mesh) {
     if (left.empty()) return;
     std::vector<stages::PictureInUse> pictures;
     for (const OtherView& other : others.views) pictures.push_back({other.texture(), other.missing});
@@ -116,14 +114,14 @@ void add_texture(OtherViews& others, const Image& left, SurfaceMesh& mesh) {
 
 }  // namespace
 
-RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
+OtherView matched_right_view(const InputPair& pair, const StereoPair& corrected,
                              const stages::FoundRange& range, Backend& backend) {
     const int threads = backend.threads();
     return right_view(stages::match_range(stages::mirrored(corrected), range.config, backend, threads), pair,
                       range, threads);
 }
 
-RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
                                 const stages::FoundRange& range, int threads) {
     const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left)};
     return right_view(
@@ -131,7 +129,7 @@ RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& m
         threads);
 }
 
-void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
+void complete_right_view(OtherView& right, const LeftView& left, const DisparityResult& disparity,
                          const readers::PixelMask& mask, int threads) {
     right.place = left_place(left);
     right.place.right = 1;
@@ -149,11 +147,11 @@ void complete_right_view(RightView& right, const LeftView& left, const Disparity
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
                      Backend& backend, const RunLog& log) {
-    const RightView* const right = view.right;
+    const OtherView* const right = view.right;
     const double behind = is_without_background(view) ? 0 : config.surface.behind;
     const int threads = backend.threads();
     SurfaceMesh& mesh = result.mesh;
-    OtherViews others;
+    SurfaceResult::OtherViews others;
     const auto add = [&](OtherView other, const stages::SeenSurface& here,
                          const stages::VisibleSurface& visible) {
         stages::join_to_surface(other, here);
@@ -165,7 +163,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     };
     if (right) {
         const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-        OtherView missing{right->place, right->map, {}, right->color, right->picture};
+        OtherView missing = *right;
         stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind}, visible, threads);
@@ -186,7 +184,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");
-    result.others = std::make_shared<const OtherViews>(std::move(others));
+    result.others = std::make_shared<const SurfaceResult::OtherViews>(std::move(others));
 }
 
 void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftView& view,

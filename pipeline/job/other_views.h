@@ -6,18 +6,18 @@
 
 namespace hexrelief::job {
 
-// Matches the right view of a pair in the range of the left one. `corrected`: the pair as the left view was
-// matched.
-RightView matched_right_view(const InputPair& pair, const StereoPair& corrected,
-                             const stages::FoundRange& range, Backend& backend);
+// Matches the right view of a pair in the range of the left one; its picture is in the left one's light.
+// `corrected`: the pair as the left view was matched.
+stages::OtherView matched_right_view(const InputPair& pair, const StereoPair& corrected,
+                                     const stages::FoundRange& range, Backend& backend);
 
 // The same by both views' maps of a program of the user's.
-RightView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
-                                const stages::FoundRange& range, int threads);
+stages::OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+                                        const stages::FoundRange& range, int threads);
 
 // Makes the right view's map fit the left view's: counted from infinity, ended by the backdrop, without the
 // background, smoothed. Adds the place.
-void complete_right_view(RightView& right, const LeftView& left, const DisparityResult& disparity,
+void complete_right_view(stages::OtherView& right, const LeftView& left, const DisparityResult& disparity,
                          const readers::PixelMask& mask, int threads);
 
 // Adds to the left view's surface what only the right camera sees, and what no camera saw behind silhouettes,

@@ -24,7 +24,7 @@ struct Relief {
     DisparityResult disparity;
     Calibration pair_camera;  // the input's before its disparities were counted from infinity
     DensityMap density;
-    std::optional<RightView> right;  // none = the surface is made of the left view only
+    std::optional<stages::OtherView> right;  // none = the surface is made of the left view only
     SurfaceResult surface;
 
     // Returns a view that refers to this relief.

@@ -91,10 +91,14 @@ DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& 
     return result;
 }
 
-RightView supplied_right_view(InputMap& input, const config::Config& config, int threads, RunLog& log) {
+stages::OtherView supplied_right_view(InputMap& input, const config::Config& config, int threads,
+                                      RunLog& log) {
     InputMap map{std::move(input.right), std::move(input.right_color)};
     DisparityResult result = supplied_disparities(map, {}, config, threads, log);
-    return {result.quantum_px > 0 ? std::move(result.smooth) : std::move(result.map), std::move(map.color),
+    return {{},
+            result.quantum_px > 0 ? std::move(result.smooth) : std::move(result.map),
+            {},
+            std::move(map.color),
             std::move(input.right_picture)};
 }
 

@@ -42,14 +42,6 @@ struct DisparityResult {
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
 
-// The right camera's view. All members have one size except the picture.
-struct RightView {
-    DisparityMap map;    // as matched or supplied, until complete_right_view()
-    Image color = {};    // in the left picture's light, as the picture is
-    Image picture = {};  // at its original size; empty = `color` is it
-    stages::ViewPlace place = {};
-};
-
 // The left camera's view. All members have one size except the texture.
 struct LeftView {
     const DisparityMap& disparity;  // the reference for measures of the surface
@@ -58,19 +50,13 @@ struct LeftView {
     const Image& color;    // empty = none
     const Image& texture;  // the same picture at its original size; empty = none
     const Calibration& calibration;
-    const Calibration& pair_camera;    // with the doffs that `calibration` may have in the map
-    float least_px = 0;                // no vertex has a smaller disparity
-    const RightView* right = nullptr;  // null = there is none
-    bool is_whole = false;             // RunInput::is_whole()
+    const Calibration& pair_camera;            // with the doffs that `calibration` may have in the map
+    float least_px = 0;                        // no vertex has a smaller disparity
+    const stages::OtherView* right = nullptr;  // null = there is none
+    bool is_whole = false;                     // RunInput::is_whole()
     const std::vector<std::uint8_t>* texture_file = nullptr;  // as in exporters::Scene
     static constexpr std::array<double, 2> kUpright = {0, 1};
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
-};
-
-// The part of a surface that the left camera does not see.
-struct OtherViews {
-    std::vector<stages::OtherView> views;
-    stages::TextureAtlas atlas;
 };
 
 // A surface with the lattice and the configuration that it was made from.
@@ -79,6 +65,11 @@ struct SurfaceResult {
     HexMesh2D lattice;
     quality::MeshQuality quality;  // of the lattice
     SurfaceMesh mesh;
+    // The part of the mesh that the left camera does not see.
+    struct OtherViews {
+        std::vector<stages::OtherView> views;
+        stages::TextureAtlas atlas;
+    };
     std::shared_ptr<const OtherViews> others;  // null = the mesh is that of the left view only
     Bounds bounds;                             // of the mesh
     DeviceFigures device;
