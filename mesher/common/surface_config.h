@@ -33,11 +33,10 @@ struct SurfaceConfig {
     // Depth of the backdrop that ends a matched pair's scene, as a multiple of the depth that its matches
     // support (pipeline/stages/disparity_range.h); 0 = the scene has no end.
     double farthest = 1.1;
-    // both: what only the right camera of a pair sees is part of the surface, too
-    // (pipeline/stages/other_views).
+    // both: what only the right camera sees is part of the surface, too (pipeline/stages/other_views).
     SurfaceViews views = SurfaceViews::both;
     // Behind silhouettes, surfaces continue as far as cameras so many baselines beyond both see; 0 = not at
-    // all. Only with both views.
+    // all. Only with views = both.
     double behind = 1;
 };
 

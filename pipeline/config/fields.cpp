@@ -60,7 +60,8 @@ std::vector<Field> disparity_fields() {
             "sgbm: 1",
             MEMBER(disparity.left_right_check_px)),
         choice("disparity.fill", {"none", "planes"},
-               "pixels without a match: none = unknown; planes = on the planes of the matches around them",
+               "pixels without a match, and those that a supplied map does not know but its picture shows: none = "
+               "unknown; planes = on the planes around them",
                MEMBER(disparity.fill)),
         choice("disparity.dequantize", {"auto", "none"},
                "a supplied map of whole pixels or other steps of 0.1 to 1 px: auto = the smoothest surface "
@@ -218,11 +219,12 @@ std::vector<Field> surface_fields() {
                "lies on a backdrop there; 0 = anywhere",
                MEMBER(surface.farthest)),
         choice("surface.views", {"both", "left"},
-               "cameras whose views a pair's mesh is made of: both = with what only the right one sees",
+               "cameras whose views the mesh is made of: both = with what only the right one sees, of pairs and of "
+               "maps with --disparity-right",
                MEMBER(surface.views)),
         number("surface.behind", "baselines", {0, 8},
-               "with both views: behind silhouettes the farther surface continues, as far as cameras so many "
-               "baselines beyond both see; 0 = not at all",
+               "with views=both, also of one map: behind silhouettes the farther surface continues, as far as "
+               "cameras so many baselines beyond both see; 0 = not at all",
                MEMBER(surface.behind)),
     };
 }

@@ -79,10 +79,8 @@ double texture_bytes(const LeftView& view, const SurfaceResult& result,
         exporters::encode_texture(scene, exporters::textured_mesh(scene, config), config).bytes.size());
 }
 
-}  // namespace
-
-SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
-                          const std::vector<fs::path>& outputs, Backend& backend, RunLog& log) {
+SurfaceResult search_spacing(const LeftView& view, const config::Config& given,
+                             const std::vector<fs::path>& outputs, Backend& backend, RunLog& log) {
     const int threads = backend.threads();
     config::Config config = given;        // with the texture in use
     std::optional<SurfaceResult> result;  // at solved_px; empty = nothing is left to mesh
@@ -134,6 +132,24 @@ SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
     log.decide("budget " + found.kind + ": " + fixed(found.reached, 3) + " of " + fixed(found.limit, 3) +
                " reached in " + std::to_string(found.solves) + " solves");
     return std::move(*result);
+}
+
+}  // namespace
+
+SurfaceResult meet_budget(const LeftView& view, const config::Config& given,
+                          const std::vector<fs::path>& outputs, Backend& backend, RunLog& log) {
+    try {
+        return search_spacing(view, given, outputs, backend, log);
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::usage || given.surface.views == SurfaceViews::left) throw;
+    }
+    config::Config left_only = given;
+    left_only.surface.views = SurfaceViews::left;
+    SurfaceResult result = search_spacing(view, left_only, outputs, backend, log);
+    log.warn(
+        "the budget has no room for what the left camera does not see; the mesh is of its view only "
+        "(surface.views=left)");
+    return result;
 }
 
 }  // namespace hexrelief::job

@@ -18,7 +18,9 @@ constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
 constexpr int kBorder_px = 2;
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
-constexpr std::size_t kLeastRegion = 3;    // pixels that nobody would miss
+// Pixels that nobody would miss, where the right camera sees something and where nobody does.
+constexpr std::size_t kLeastRegion = 3, kLeastHidden = 30;
+constexpr double kAnyStep_px = 1e9;
 
 // A row or a column of a view, from either end.
 struct Line {
@@ -175,8 +177,9 @@ void for_neighbours(const DisparityMap& map, std::size_t pixel, const Take& take
             take(static_cast<std::size_t>(v) * map.width + u);
 }
 
-// Returns the pixels of those regions of one surface that have fewer than `least` pixels.
-std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least) {
+// Returns the pixels of those regions that have fewer than `least` pixels. Neighbours that differ by more
+// than `step_px` are in two regions.
+std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
     std::vector<char> visited(map.values.size());
     std::vector<std::size_t> region, specks;
     for (std::size_t seed = 0; seed < map.values.size(); ++seed) {
@@ -185,8 +188,7 @@ std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least) {
         visited[seed] = 1;
         for (std::size_t next = 0; next < region.size(); ++next)
             for_neighbours(map, region[next], [&](std::size_t i) {
-                if (visited[i] || !(std::abs(map.values[i] - map.values[region[next]]) <= kOneSurface_px))
-                    return;
+                if (visited[i] || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px)) return;
                 visited[i] = 1;
                 region.push_back(i);
             });
@@ -198,7 +200,7 @@ std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least) {
 // Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
 void merge_specks(DisparityMap& map) {
     const DisparityMap before = map;
-    std::vector<std::size_t> open = specks_of(map, kLeastSurface);
+    std::vector<std::size_t> open = specks_of(map, kLeastSurface, kOneSurface_px);
     for (const std::size_t i : open) map.values[i] = kUnknownDisparity;
     for (std::size_t left = open.size() + 1; left > open.size();) {
         left = open.size();
@@ -210,7 +212,8 @@ void merge_specks(DisparityMap& map) {
         });
     }
     for (const std::size_t i : open) map.values[i] = before.values[i];
-    for (const std::size_t i : specks_of(map, kLeastRegion)) map.values[i] = kUnknownDisparity;
+    for (const std::size_t i : specks_of(map, kLeastRegion, kOneSurface_px))
+        map.values[i] = kUnknownDisparity;
 }
 
 // Adds the covered pixels beside the known ones that lie on the same surface.
@@ -247,6 +250,8 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                 view.missing.values[pixel] = view.map.values[pixel] = d;
             }
     });
+    for (const std::size_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
+        if (continued.disparities[i] != kNotCovered) view.missing.values[i] = kUnknownDisparity;
     spread_colours(continued, view, front);
     paint(view.color, place, continued);
     paint(view.picture, place, continued);

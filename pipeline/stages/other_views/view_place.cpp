@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSetBack_px = 0.3;  // more than the noise of a match
 constexpr double kFarther_px = 1;    // of this view: a guess that is so much farther than all else is wrong
-constexpr double kInFront_px = 0.1;  // what is less in front is not seen to be
+constexpr double kInFront_px = 0.02; // what is less in front is not seen to be
 constexpr int kSplits = 2;           // of a triangle that is partly in front
 constexpr int kMoves = 8;            // a vertex that moves is before another place of the surface
 
@@ -71,21 +71,24 @@ bool any_inside(const std::array<ViewPoint, 3>& corners, double scale, const IsF
 // The vertices in the middle of edges, by the edges' ends.
 using Middles = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
 
-// Splits triangles along edges whose neighbours were split, so that they share their vertices.
-std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middles& middles) {
-    for (std::size_t i = 0; i < triangles.size();) {
-        bool is_split = false;
-        for (std::size_t k = 0; k < 3 && !is_split; ++k) {
-            const auto [a, b, c] =
-                std::array{triangles[i][k], triangles[i][(k + 1) % 3], triangles[i][(k + 2) % 3]};
-            const auto middle = middles.find(std::minmax(a, b));
-            if (middle == middles.end()) continue;
-            is_split = true;
-            triangles[i] = {a, middle->second, c};
-            triangles.push_back({middle->second, b, c});
-        }
-        i += is_split ? 0 : 1;
-    }
+// Splits triangles along edges whose neighbours were split, so that they share their vertices, unless a part
+// could not be kept.
+template <class IsKept>
+std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middles& middles,
+                                   const IsKept& is_kept) {
+    const auto split = [&](std::size_t i, std::size_t k) {
+        const Triangle t = triangles[i];
+        const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+        const auto middle = middles.find(std::minmax(a, b));
+        if (middle == middles.end()) return false;
+        const Triangle first{a, middle->second, c}, second{middle->second, b, c};
+        if (!is_kept(first) || !is_kept(second)) return false;
+        triangles[i] = first;
+        triangles.push_back(second);
+        return true;
+    };
+    for (std::size_t i = 0; i < triangles.size();)
+        if (!split(i, 0) && !split(i, 1) && !split(i, 2)) ++i;
     return triangles;
 }
 
@@ -164,6 +167,9 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
             return in_left.d > seen.limit_at(in_left) + kInFront_px;
         });
     };
+    const auto is_kept = [&](const Triangle& t) {
+        return is_placed(cut_mesh, t) && !any_inside(corners_of(cut_mesh, t), place.scale, is_out);
+    };
     Middles middles;
     const auto add_middle = [&](std::uint32_t a, std::uint32_t b) {
         const auto [found, is_new] =
@@ -180,10 +186,9 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
     std::vector<Triangle> kept, tested = std::move(cut_mesh.triangles), split;
     for (int round = 0; round <= kSplits; ++round, tested.swap(split), split.clear())
         for (const Triangle& t : tested) {
-            if (!is_placed(cut_mesh, t)) continue;
-            if (!any_inside(corners_of(cut_mesh, t), place.scale, is_out)) {
+            if (is_kept(t)) {
                 kept.push_back(t);
-            } else if (round < kSplits) {
+            } else if (round < kSplits && is_placed(cut_mesh, t)) {
                 const std::uint32_t ab = add_middle(t[0], t[1]), bc = add_middle(t[1], t[2]),
                                     ca = add_middle(t[2], t[0]);
                 for (const Triangle& part : {Triangle{t[0], ab, ca}, Triangle{ab, t[1], bc},
@@ -191,7 +196,7 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                     split.push_back(part);
             }
         }
-    cut_mesh.triangles = with_middles(std::move(kept), middles);
+    cut_mesh.triangles = with_middles(std::move(kept), middles, is_kept);
 }
 
 SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {

@@ -6,13 +6,11 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/core/folder_lock.h"
 #include "pipeline/data/error.h"
-#include "tests/pipeline/process.h"
+#include "tests/exporters/sample_scene.h"
 
 namespace {
 int renames_left = -1;  // below 0: any number
@@ -33,18 +31,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void put(const fs::path& path, const std::string& text) {
-    std::ofstream(path) << text;
-}
-
-std::string contents(const fs::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-}
-
 TEST(FailingRenames, OldFilesComeBackWithoutARename) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     for (const char* name : {"a", "b", "c"}) put(folder / name, std::string("old ") + name);
     FileTransaction files;
     for (const char* name : {"a", "b", "c"}) files.write(folder / name, std::string("new"));
@@ -52,11 +40,11 @@ TEST(FailingRenames, OldFilesComeBackWithoutARename) {
     EXPECT_THROW(files.commit(), Error);
     renames_left = -1;
     for (const char* name : {"a", "b", "c"}) EXPECT_EQ(contents(folder / name), std::string("old ") + name);
-    EXPECT_EQ(folder.entries(), 3u);
+    EXPECT_EQ(folder.entries(), 3);
 }
 
 TEST(FailingRenames, TheOnlyCopyOfAnOldFileIsNoLeftover) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const fs::path kept = folder / ".hexrelief-1-0.old.tmp";
     put(kept, "old");
     put(folder / ".hexrelief-1-1.old.tmp", "killed while it renamed");
@@ -65,14 +53,14 @@ TEST(FailingRenames, TheOnlyCopyOfAnOldFileIsNoLeftover) {
     files.write(folder / "a", std::string("new"));
     files.commit();
     EXPECT_EQ(contents(kept), "old");
-    EXPECT_EQ(folder.entries(), 2u);
+    EXPECT_EQ(folder.entries(), 2);
 }
 
 // Without the sticky bit's rule the old file's link would stay, for its owner alone may remove it.
 TEST(FailingRenames, AnotherUsersFileInAStickyFolderGetsNoLink) {
     if (::geteuid() != 0) GTEST_SKIP() << "only root may become another user";
     constexpr uid_t other = 65534;
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     fs::permissions(folder.path(), fs::perms(01777));
     put(folder / "a", "old");
     fs::permissions(folder / "a", fs::perms(0666));
@@ -82,7 +70,7 @@ TEST(FailingRenames, AnotherUsersFileInAStickyFolderGetsNoLink) {
     EXPECT_THROW(files.commit(), Error);
     ASSERT_EQ(::seteuid(0), 0);
     EXPECT_EQ(contents(folder / "a"), "old");
-    EXPECT_EQ(folder.entries(), 1u);
+    EXPECT_EQ(folder.entries(), 1);
 }
 
 }  // namespace

@@ -1,0 +1,190 @@
+// What the left camera does not see in supplied maps, and what they do not know, on a made-up scene: a box of
+// 20 px of disparity before a wall of 6 px.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "pipeline/config/reader.h"
+#include "pipeline/data/error.h"
+#include "pipeline/job/runner.h"
+#include "pipeline/stages/other_views/view_place.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::job {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120, kScale = 4;
+constexpr int kBox = 20, kWall = 6;
+
+struct Scene {
+    std::vector<int> left, right;  // disparities, px; 0 = unknown
+    std::vector<int> left_color = std::vector<int>(kWidth * kHeight), right_color = left_color;
+
+    Scene() : left(kWidth * kHeight, kWall), right(left) {
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x) {
+                left_color[y * kWidth + x] = 60 + (x * 7 + y * 3) % 30;
+                right_color[y * kWidth + x] = 60 + ((x + kWall) * 7 + y * 3) % 30;
+            }
+        fill(left, left_color, 60, 40);
+        fill(right, right_color, 60 - kBox, 40);
+    }
+    static void fill(std::vector<int>& map, std::vector<int>& color, int first_x, int first_y) {
+        for (int y = first_y; y < first_y + 40; ++y)
+            for (int x = first_x; x < first_x + 40; ++x) {
+                map[y * kWidth + x] = kBox;
+                color[y * kWidth + x] = 180 + ((x - first_x) * 5 + y) % 20;
+            }
+    }
+};
+
+std::filesystem::path saved(const std::filesystem::path& file, const std::vector<int>& values, int scale) {
+    std::ofstream out(file, std::ios::binary);
+    out << "P5 " << kWidth << " " << kHeight << " 255\n";
+    for (const int value : values) out.put(static_cast<char>(value * scale));
+    return file;
+}
+
+class WholeMap : public testing::Test {
+  protected:
+    RunReport run(const std::vector<std::string>& settings, bool with_right = false, bool with_color = true) {
+        DisparityFiles files{saved(folder_ / "left.pgm", scene_.left, kScale)};
+        if (with_color) files.color = saved(folder_ / "left_color.pgm", scene_.left_color, 1);
+        if (with_right) {
+            files.right = saved(folder_ / "right.pgm", scene_.right, kScale);
+            files.color_right = saved(folder_ / "right_color.pgm", scene_.right_color, 1);
+        }
+        RunRequest request;
+        request.source = files;
+        request.config.input.disparity.scale = kScale;
+        for (const std::string& setting : settings) config::apply_setting(request.config, setting);
+        request.outputs = {folder_ / "a.glb"};
+        return run_job(request);
+    }
+    static std::vector<double> seen(const SurfaceMesh& mesh, double right, double up = 0) {
+        return stages::see(mesh, {right, up, up == 0 ? 0.0 : kWall, 1, kWidth, kHeight}, 2).disparities;
+    }
+    // Returns the share of the pixels of the wall's own field that show nothing from there.
+    static double holes(const SurfaceMesh& mesh, double right, double up = 0) {
+        const std::vector<double> disparities = seen(mesh, right, up);
+        int open = 0, all = 0;
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 20; x < kWidth - 20; ++x, ++all)
+                open += disparities[y * kWidth + x] == stages::kNotCovered;
+        return static_cast<double>(open) / all;
+    }
+    static SurfaceMesh left_part(SurfaceMesh mesh) {
+        mesh.triangles.resize(mesh.left_triangles());
+        return mesh;
+    }
+
+    test::TemporaryFolder folder_;
+    Scene scene_;
+};
+
+TEST_F(WholeMap, WhatNobodySawContinuesBehindTheBox) {
+    const SurfaceMesh whole = run({}).relief->surface.mesh,
+                      left = run({"surface.behind=0"}).relief->surface.mesh;
+    EXPECT_EQ(left.left_triangles(), left.triangles.size());
+    for (const double t : {-1.0, -0.5, 0.5, 1.0, 1.5}) {
+        EXPECT_GT(holes(left, t), 0.01) << t;
+        EXPECT_LT(holes(whole, t), 0.002) << t;
+    }
+    for (const double up : {-1.0, 1.0}) {
+        EXPECT_GT(holes(left, 0, up), 0.01) << up;
+        EXPECT_LT(holes(whole, 0, up), 0.002) << up;
+    }
+}
+
+TEST_F(WholeMap, NothingIsInFrontOfWhatTheCamerasSee) {
+    for (const bool with_right : {false, true}) {
+        const SurfaceMesh mesh = run({}, with_right).relief->surface.mesh;
+        EXPECT_GT(mesh.triangles.size(), mesh.left_triangles());
+        EXPECT_EQ(seen(mesh, 0), seen(left_part(mesh), 0));
+        const std::vector<double> all = seen(mesh, 1), left = seen(left_part(mesh), 1);
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (left[i] == stages::kNotCovered) continue;
+            ASSERT_EQ(all[i], left[i]) << i % kWidth << " " << i / kWidth;
+        }
+    }
+}
+
+TEST_F(WholeMap, TheRightViewsMapIsPartOfTheSurface) {
+    const RunReport report = run({"surface.behind=0"}, true);
+    const SurfaceMesh& mesh = report.relief->surface.mesh;
+    EXPECT_GT(mesh.triangles_of(PartOrigin::right), 0u);
+    EXPECT_EQ(mesh.triangles_of(PartOrigin::nobody), 0u);
+    EXPECT_LT(holes(mesh, 1), 0.001);
+    EXPECT_GT(holes(mesh, -0.5), 0.01);
+    // Both pictures are in the texture.
+    EXPECT_GT(report.relief->surface.texture(report.relief->view())->height, kHeight);
+    ASSERT_EQ(report.relief->input.files.size(), 4u);
+    EXPECT_EQ(report.relief->input.files[2].role, "disparity right");
+    EXPECT_EQ(report.relief->input.files[3].role, "color right");
+    EXPECT_EQ(run({"surface.views=left"}, true).relief->surface.mesh.parts.size(), 0u);
+}
+
+TEST_F(WholeMap, WithoutPicturesTheSurfaceIsTheSame) {
+    const SurfaceMesh mesh = run({}, false, false).relief->surface.mesh;
+    EXPECT_LT(holes(mesh, 1), 0.002);
+    EXPECT_LT(holes(mesh, -0.5), 0.002);
+}
+
+TEST_F(WholeMap, OnlyBackgroundThatMattersOpensTheScene) {
+    for (const int rows : {1, 6}) {  // a far strip of 0.8 and of 5 % of the view
+        scene_ = {};
+        std::fill_n(scene_.left.begin(), kWidth * rows, 2);
+        const SurfaceMesh mesh =
+            run({"density.background.method=threshold_px", "density.background.threshold_px=4"})
+                .relief->surface.mesh;
+        EXPECT_EQ(mesh.triangles_of(PartOrigin::nobody) > 0, rows == 1) << rows;
+    }
+}
+
+TEST_F(WholeMap, UnknownPixelsThatThePictureShowsLieOnThePlanesAroundThem) {
+    for (int y = 60; y < 80; ++y)
+        for (int x = 70; x < 90; ++x) scene_.left[y * kWidth + x] = 0;
+    for (int y = 5; y < 15; ++y) scene_.left[y * kWidth + 30] = 0;
+    const RunReport report = run({});
+    const DisparityMap& map = report.relief->disparity.map;
+    EXPECT_NEAR(map.at(80, 70), kBox, 0.5);
+    EXPECT_NEAR(map.at(30, 10), kWall, 0.5);
+    EXPECT_EQ(map.origins[70 * kWidth + 80], PixelOrigin::filled);
+    EXPECT_EQ(map.origins[70 * kWidth + 65], PixelOrigin::matched);
+    EXPECT_EQ(report.shares.unknown, 0);
+    const RunReport open = run({"disparity.fill=none"});
+    EXPECT_EQ(open.relief->disparity.map.at(80, 70), kUnknownDisparity);
+    EXPECT_GT(open.shares.unknown, 0.01);
+    // Without a picture nobody sees anything there.
+    EXPECT_EQ(run({}, false, false).relief->disparity.map.at(80, 70), kUnknownDisparity);
+}
+
+TEST_F(WholeMap, AThingThatIsCutOutStaysSo) {
+    for (int& d : scene_.left)
+        if (d == kWall) d = 0;
+    const RunReport report = run({});
+    EXPECT_EQ(report.relief->disparity.map.at(10, 10), kUnknownDisparity);
+    EXPECT_EQ(report.relief->surface.mesh.parts.size(), 0u);
+}
+
+TEST_F(WholeMap, ARightMapOfAnotherSizeIsAnError) {
+    DisparityFiles files{saved(folder_ / "left.pgm", scene_.left, kScale)};
+    files.right = folder_ / "small.pgm";
+    std::ofstream(files.right) << "P5 2 2 255\nabcd";
+    RunRequest request;
+    request.source = files;
+    request.config.input.disparity.scale = kScale;
+    request.outputs = {folder_ / "a.glb"};
+    try {
+        run_job(request);
+        FAIL() << "nothing was thrown";
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("small.pgm: it has 2x2 px, but"), std::string::npos) << text;
+        EXPECT_NE(text.find("160x120"), std::string::npos) << text;
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::job
