@@ -122,7 +122,7 @@ class InputReader {
         return readers::read_disparity_file(source.map, before_doffs(config_.disparity), limits_);
     }
     readers::DepthFile values_of(const DepthFiles& source) const {
-        return readers::read_depth_map(source.map, with_said_unit(config_, source.map), limits_);
+        return readers::read_depth_map(source.map, config_.depth, limits_, said_per_m(config_, source.map));
     }
 
     static void take_picture(Image image, const fs::path& path, ViewSize view, const fs::path& map_path,

@@ -96,6 +96,7 @@ const Codec* match(std::span<const std::uint8_t> head) {
 struct Unread {
     std::string_view magic;
     const char* told;
+    std::size_t at = 0;
 };
 constexpr Unread kUnread[] = {
     {"\x89HDF\r\n", "it is HDF5 (.h5, .dsp5, newer .mat), which is not read; save its data set as NPY"},
@@ -104,11 +105,19 @@ constexpr Unread kUnread[] = {
     {"ply\n", "it is a PLY mesh or point cloud, not a map"},
     {"# .PCD", "it is a point cloud, not a map"},
     {"GIF8", "it is a GIF, whose palette holds no map"},
+    {"ftypavif", "it is AVIF, which is not read", 4},
+    {"jP  \r\n\x87\n", "it is JPEG 2000, which is not read", 4},
+    {"JXL \r\n\x87\n", "it is JPEG XL, which is not read", 4},
+    {"\xff\x0a", "it is JPEG XL, which is not read"},
+    {"\x80\2", "it is a Python pickle, which is not read; save the array by numpy.save"},
+    {"\x80\3", "it is a Python pickle, which is not read; save the array by numpy.save"},
+    {"\x80\4", "it is a Python pickle, which is not read; save the array by numpy.save"},
+    {"\x80\5", "it is a Python pickle, which is not read; save the array by numpy.save"},
 };
 
 std::string looks_like(std::span<const std::uint8_t> head) {
     for (const Unread& unread : kUnread)
-        if (begins(head, unread.magic)) return unread.told;
+        if (begins(head, unread.magic, unread.at)) return unread.told;
     if (head.empty()) return "the file is empty";
     if (netpbm_kind(head, "12347")) {
         return std::string("Netpbm kind P") + static_cast<char>(head[1]) +

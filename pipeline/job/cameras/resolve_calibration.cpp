@@ -190,16 +190,13 @@ readers::CalibrationSource calibration_files(const config::CalibrationConfig& co
     return {config.file, config.second_file, size.width, size.height, std::move(views)};
 }
 
-readers::DepthFileConfig with_said_unit(const config::InputConfig& config, const std::filesystem::path& map) {
-    readers::DepthFileConfig depth = config.depth;
-    if (config.calibration.file.empty()) return depth;
+double said_per_m(const config::InputConfig& config, const std::filesystem::path& map) {
+    if (config.calibration.file.empty()) return 0;
     try {
-        depth.said_per_m =
-            readers::read_calibration_file(calibration_files(config.calibration, {}, {map})).depth_per_m;
+        return readers::read_calibration_file(calibration_files(config.calibration, {}, {map})).depth_per_m;
     } catch (const Error&) {
-        depth.said_per_m = 0;  // told when the camera is read, for which the map's size may be needed
+        return 0;  // told when the camera is read, for which the map's size may be needed
     }
-    return depth;
 }
 
 ResolvedCalibration resolve_calibration(const CameraSource& source) {

@@ -61,9 +61,9 @@ struct ResolvedCalibration {
 readers::CalibrationSource calibration_files(const config::CalibrationConfig& config, ViewSize size,
                                              std::vector<std::filesystem::path> views = {});
 
-// Returns how depths are read: in the unit that the calibration file says for those of this map, if it can be
-// read and says one.
-readers::DepthFileConfig with_said_unit(const config::InputConfig& config, const std::filesystem::path& map);
+// Returns how many integers of this depth map are a metre, as the calibration file says; 0 = not said, or the
+// file cannot be read.
+double said_per_m(const config::InputConfig& config, const std::filesystem::path& map);
 
 // Finds the calibration for the view. Explicit values override the file's and apply to the view. A file's
 // camera for another size of the same aspect is scaled to the view's. A camera without a size whose principal

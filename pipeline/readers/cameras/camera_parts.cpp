@@ -25,7 +25,7 @@ CameraParts::CameraParts(CalibrationText& source, const Family& family, Entries 
         if (lacks_numbers(entry))
             refuse_key(source, entry.name,
                        "has " + std::to_string(entry.values.size()) +
-                           " numbers; K must hold the 9 numbers of a 3x3 matrix, P 12, Q 16");
+                           " numbers; K must hold the 9 numbers of a 3x3 matrix, P 12, Q 16" + lens_text());
         const std::optional<Meaning> meaning = meaning_of(entry);
         if (!meaning || meaning->part == Part::model) continue;
         const std::pair place{meaning->part, meaning->side};
@@ -40,6 +40,13 @@ CameraParts::CameraParts(CalibrationText& source, const Family& family, Entries 
             doubled_[place] = &entry;
         }
     }
+}
+
+std::string CameraParts::lens_text() const {
+    for (const Entry& entry : entries_)
+        if (const auto meaning = meaning_of(entry); meaning && meaning->part == Part::model)
+            return "; its camera model is " + excerpt(entry.values[0]);
+    return {};
 }
 
 const Entry* CameraParts::find(Part part, Side side) const {

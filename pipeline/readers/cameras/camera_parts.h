@@ -34,6 +34,8 @@ class CameraParts {
     double depth_per_m() const;
 
   private:
+    // Returns a clause with the name of the lens's model, if the file has one.
+    std::string lens_text() const;
     const Entry* find(Part part, Side side = Side::none) const;
     bool has(Part part, Side side = Side::none) const { return find(part, side) != nullptr; }
     // Returns the numbers of a part that is there; of one count if that is not 0.

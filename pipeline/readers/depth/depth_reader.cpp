@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <iterator>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "pipeline/data/error.h"
@@ -87,17 +86,17 @@ std::optional<Unit> parse_unit(const std::string& text) {
     return Unit{*scale, "1/" + text + " m"};
 }
 
-Unit unit_of(const std::filesystem::path& path, const Samples& samples, const DepthFileConfig& config) {
+Unit unit_of(const std::filesystem::path& path, const Samples& samples, const DepthFileConfig& config,
+             double said_per_m) {
     if (!config.unit.empty()) return parse_unit(config.unit).value();
     if (!samples.are_integers || is_affine(config.kind)) return {1, "m"};
     if (config.kind == DepthKind::inverse_depth)
         codec::refuse(path,
                       "integers of inverse depth do not say how many are one over a metre; give --depth-unit "
                       "(input.depth.unit)");
-    if (config.said_per_m > 0)
-        return {config.said_per_m,
-                (config.said_per_m == 1000 ? "mm" : "1/" + number(config.said_per_m) + " m") +
-                    std::string(", as the calibration file says")};
+    if (said_per_m > 0)
+        return {said_per_m, (said_per_m == 1000 ? "mm" : "1/" + number(said_per_m) + " m") +
+                                std::string(", as the calibration file says")};
     if (samples.are_bytes)
         codec::refuse(path,
                       "an 8-bit depth map does not say how many of its levels are a metre; give --depth-unit "
@@ -217,17 +216,19 @@ std::string doubt_of(const Samples& samples, const DepthFileConfig& config) {
 
 // Returns a warning if 16-bit integers that are taken for mm are all multiples of 8, but not all of 16. Few
 // different ones tell nothing.
-std::string doubt_of_bits(const codec::Raster& raster, const DepthFileConfig& config) {
-    constexpr std::size_t kLeastDifferent = 64;
+std::string doubt_of_bits(const codec::Raster& raster, const DepthFileConfig& config, double said_per_m) {
+    constexpr int kLeastDifferent = 64;
     const auto* const samples = std::get_if<std::vector<std::uint16_t>>(&raster.samples);
-    if (!samples || config.kind != DepthKind::depth || !config.unit.empty() || config.said_per_m > 0)
-        return {};
+    if (!samples || config.kind != DepthKind::depth || !config.unit.empty() || said_per_m > 0) return {};
     std::uint16_t bits = 0;
-    for (const std::uint16_t sample : *samples) bits |= sample;
-    if (bits % 16 != 8 || std::set(samples->begin(), samples->end()).size() < kLeastDifferent) return {};
+    std::vector<bool> is_there(1 << 16);
+    for (const std::uint16_t sample : *samples) {
+        bits |= sample;
+        is_there[sample] = true;
+    }
+    if (bits % 16 != 8 || std::count(is_there.begin(), is_there.end(), true) < kLeastDifferent) return {};
     return "all depths are multiples of 8, as those of SUN RGB-D, which has millimetres with their bits "
-           "turned "
-           "by three; if they are its, --depth-unit 8000 reads them (input.depth.unit)";
+           "turned by three; if they are its, --depth-unit 8000 reads them (input.depth.unit)";
 }
 
 DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& config) {
@@ -266,24 +267,24 @@ std::string wrong_depth_config(const DepthFileConfig& config) {
 }
 
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config,
-                         const ReaderLimits& limits) {
+                         const ReaderLimits& limits, double said_per_m) {
     if (const std::string wrong = wrong_depth_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
     return depths_of(
         codec::read_map_raster(path, {.map = "a depth map", .samples = "depths", .packing = config.packing},
                                config.key, limits),
-        path, config);
+        path, config, said_per_m);
 }
 
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
-                    const DepthFileConfig& given) {
+                    const DepthFileConfig& given, double said_per_m) {
     const DepthFileConfig config = with_stated(given, raster.stated);
     Samples samples = samples_of(raster, config);
     if (raster.stated.step > 0) samples.step = raster.stated.step;
     const std::string name = raster.stated.told.empty() ? codec::samples_name(raster) : raster.stated.told;
-    const Unit unit = unit_of(path, samples, config);
+    const Unit unit = unit_of(path, samples, config, said_per_m);
     std::string doubt = raster.stated.told.empty() ? doubt_of(samples, config) : "";
-    if (doubt.empty()) doubt = doubt_of_bits(raster, config);
+    if (doubt.empty()) doubt = doubt_of_bits(raster, config, said_per_m);
     DepthFile file = to_depths(std::move(samples), unit, config);
     file.believed = name + ", " + file.believed;
     file.doubt = doubt;

@@ -34,8 +34,6 @@ struct DepthFileConfig {
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
     Packing packing = Packing::none;  // of maps in a picture's colours
     bool flip = false;                // the rows are stored in the other order
-    // Integers in a metre by the camera's file, for depths without a unit; 0 = not said.
-    double said_per_m = 0;
 };
 
 struct DepthFile {
@@ -52,10 +50,12 @@ std::string wrong_depth_config(const DepthFileConfig& config);
 // replaces a configured `depth`. Samples that are NaN or infinite, and depths that are infinite or not above
 // 0, are unknown. Throws Error(usage) if the configuration is wrong; Error(input) as read_disparity_map()
 // does, and if the unit of integers is unknown: those of 8 bits, and those of inverse depth.
+// said_per_m: integers in a metre by the camera's file, used for depths if no unit is configured; 0 = not
+// said.
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config,
-                         const ReaderLimits& limits = {});
+                         const ReaderLimits& limits = {}, double said_per_m = 0);
 // As read_depth_map(), for samples of one channel that have been read already; errors name `path`.
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
-                    const DepthFileConfig& config);
+                    const DepthFileConfig& config, double said_per_m = 0);
 
 }  // namespace hexrelief::readers

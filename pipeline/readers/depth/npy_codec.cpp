@@ -86,6 +86,7 @@ class DictionaryText {
 
 void take_type(const SourceFile& source, std::string_view type, NpyHeader& header) {
     constexpr std::string_view orders = "<>|=";
+    if (type == "|O") refuse(source.path, "it holds Python's objects; save the array alone by numpy.save");
     if (type.size() < 3 || orders.find(type[0]) == std::string_view::npos) refuse_header(source);
     header.big_endian = type[0] == '>';
     header.kind = type[1];

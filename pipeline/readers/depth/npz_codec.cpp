@@ -23,7 +23,10 @@ std::string array_name(const ZipMember& member) {
 std::vector<ZipMember> arrays_of(const SourceFile& source) {
     std::vector<ZipMember> arrays = list_members(source);
     std::erase_if(arrays, [](const ZipMember& member) { return !member.name.ends_with(kEnding); });
-    if (arrays.empty()) refuse(source.path, "it is a ZIP archive without numpy arrays (.npy)");
+    if (arrays.empty())
+        refuse(source.path,
+               "it is a ZIP archive without numpy arrays (.npy), as PyTorch's are; save the array by "
+               "numpy.save");
     return arrays;
 }
 

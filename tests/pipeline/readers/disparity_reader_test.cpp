@@ -207,6 +207,15 @@ TEST(ReadDisparity, FilesOfOtherKindsAreNamed) {
     EXPECT_CONTAINS(error_for(to_bytes("\x89HDF\r\n\x1a\n........")), "it is HDF5");
     EXPECT_CONTAINS(error_for(to_bytes("MATLAB 5.0 MAT-file")), "MATLAB's .mat");
     EXPECT_CONTAINS(error_for(to_bytes("ply\nformat ascii 1.0\n")), "PLY");
+    EXPECT_CONTAINS(error_for(to_bytes("\x80\4\x95.......")), "it is a Python pickle");
+    using namespace std::string_literals;
+    EXPECT_CONTAINS(error_for(to_bytes("\0\0\0\x1c"
+                                       "ftypavif\0\0\0\0"s)),
+                    "it is AVIF");
+    EXPECT_CONTAINS(error_for(to_bytes("\0\0\0\x0cjP  \r\n\x87\n...."s)), "it is JPEG 2000");
+    EXPECT_CONTAINS(
+        error_for(to_bytes("\x93NUMPY\1\0\x3a\0{'descr': '|O', 'fortran_order': False, 'shape': (), }  \n"s)),
+        "Python's objects");
 }
 
 TEST(ReadDisparity, PfmIsBottomRowFirstAndItsScaleOnlyASign) {

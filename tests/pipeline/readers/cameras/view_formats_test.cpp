@@ -173,6 +173,11 @@ TEST(ReadViewFormats, MatlabAsItIsShown) {
                     "3 numbers");
 }
 
+TEST(ReadViewFormats, ModelsWithMoreNumbersAreNamed) {
+    EXPECT_CONTAINS(error_for("cam0:\n  camera_model: omni\n  intrinsics: [1.2, 320, 320, 159.5, 119.5]\n"),
+                    "'omni'");
+}
+
 TEST(ReadViewFormats, ColmapCamerasWithoutALens) {
     expect_view(read("1 OPENCV 640 480 700 700 320 240 0 0 0 0\n"), "COLMAP", 700, 320, 240, 640, 480);
     expect_view(read("1 SIMPLE_RADIAL 640 480 700 320 240 0\n2 SIMPLE_RADIAL 640 480 700 320 240 0\n"),

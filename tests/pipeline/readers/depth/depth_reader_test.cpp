@@ -143,10 +143,15 @@ TEST(DepthReader, MultiplesOfEightMayBeTurnedBits) {
 }
 
 TEST(DepthReader, TheCamerasFileMaySayTheUnit) {
-    EXPECT_EQ(read_wide({10000}, {.said_per_m = 10000}).map.values[0], 1);
-    EXPECT_EQ(read_wide({10000}, {.unit = "mm", .said_per_m = 10000}).map.values[0], 10);
-    EXPECT_EQ(read_floats({2}, {.said_per_m = 10000}).map.values[0], 2) << "metres";
-    EXPECT_EQ(read_bytes_map({50}, {.said_per_m = 25}).map.values[0], 2);
+    const Folder folder;
+    const auto depth = [&](const Bytes& bytes, const DepthFileConfig& config, double per_m) {
+        return read_depth_map(folder.write("d", bytes), config, {}, per_m).map.values[0];
+    };
+    const Bytes tenths = make_png(1, 1, wide({10000}), {.bits = 16});
+    EXPECT_EQ(depth(tenths, {}, 10000), 1);
+    EXPECT_EQ(depth(tenths, {.unit = "mm"}, 10000), 10);
+    EXPECT_EQ(depth(make_pfm(1, 1, {2}), {}, 10000), 2) << "metres";
+    EXPECT_EQ(depth(make_png(1, 1, {50}, {}), {}, 25), 2);
 }
 
 TEST(DepthReader, AnUnknownSampleReplacesTheFormatsOwn) {
