@@ -208,6 +208,8 @@ Json surface_json(const RunReport& report) {
     json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
     json["flat_rmse_px"] = quality.flat_rmse_px;
     json["sheet_share"] = quality.sheet_share;
+    json["hole_share"] = report.holes.right;
+    json["hole_share_above"] = report.holes.above;
     json["coverage"] = quality.coverage;
     json["slack_coverage"] = quality.slack_coverage;
     return json;
@@ -290,9 +292,12 @@ PictureShares shares_of(const Relief& relief) {
 
 void take_measures(const std::vector<std::filesystem::path>& outputs, const RunLog& log, RunReport& report) {
     const SurfaceResult& surface = report.relief->surface;
+    const LeftView view = report.relief->view();
+    const int threads = report.relief->backend->threads();
     report.topology = stages::count_topology(surface.mesh);
-    report.quality =
-        measure_written(report.relief->view(), surface, outputs, report.relief->backend->threads(), log);
+    report.quality = measure_written(view, surface, outputs, threads, log);
+    report.holes = stages::measure_holes(surface.mesh, view.disparity,
+                                         view.pair_camera.doffs_px - view.calibration.doffs_px, threads);
 }
 
 void take_figures(const RunLog& log, RunReport& report) {

@@ -13,6 +13,7 @@
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/picture_shares.h"
 #include "pipeline/job/steps.h"
+#include "pipeline/stages/hole_shares.h"
 
 namespace hexrelief::job {
 
@@ -40,6 +41,7 @@ struct RunReport {
     // By take_measures(), only for a report or a page; else 0.
     stages::Topology topology = {};
     stages::SurfaceQuality quality = {};
+    stages::HoleShares holes = {};
     std::vector<SurfaceMesh> coarser = {};  // levels of detail, fine to coarse
     PictureShares shares = {};
     std::vector<OutputFile> outputs = {};
@@ -62,7 +64,7 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map);
 // pixels count as unknown.
 PictureShares shares_of(const Relief& relief);
 
-// Sets the topology of the surface, and its quality by measure_written().
+// Sets the topology of the surface, its holes, and its quality by measure_written().
 void take_measures(const std::vector<std::filesystem::path>& outputs, const RunLog& log, RunReport& report);
 
 // Copies the times, memory and warnings so far into the report.

@@ -276,6 +276,7 @@ SurfaceResult make_surface(const LeftView& view, const config::Config& config, B
         const DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
         result.device = backend.figures();
         result.mesh = surface_of(cut, view, config.surface);
+        result.left_bounds = bounds_of(result.mesh.positions);
         if (config.surface.views == SurfaceViews::both && view.is_whole)
             add_other_views(result, view, config, backend, log);
         result.bounds = bounds_of(result.mesh.positions);

@@ -71,13 +71,13 @@ struct SurfaceResult {
         stages::TextureAtlas atlas;
     };
     std::shared_ptr<const OtherViews> others;  // null = the mesh is that of the left view only
-    Bounds bounds;                             // of the mesh
+    Bounds bounds, left_bounds;                // of the mesh, and of its part that the left camera sees
     DeviceFigures device;
     budget::BudgetResult budget;  // result of the search for the spacing; no kind = no budget
 
-    // Depths of the mesh along the left camera's axis, in metres or relative units.
-    double nearest() const { return -static_cast<double>(bounds.high.z); }
-    double farthest() const { return -static_cast<double>(bounds.low.z); }
+    // Depths of that part along the left camera's axis, in metres or relative units.
+    double nearest() const { return -static_cast<double>(left_bounds.high.z); }
+    double farthest() const { return -static_cast<double>(left_bounds.low.z); }
     // The picture that the texture coordinates refer to; null = none.
     const Image* texture(const LeftView& view) const {
         if (view.texture.empty()) return nullptr;

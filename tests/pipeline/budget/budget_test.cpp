@@ -270,8 +270,9 @@ TEST(Budget, LevelsOfDetailLimitTheSpacing) {
 TEST(Budget, WhatTheLeftCameraDoesNotSeeGivesWay) {
     const TemporaryFolder folder;
     ASSERT_EQ(run_program({"tiles", "make-map", "--size", "150x110", "-o", folder / "l.pfm"}).exit_code, 0);
-    const auto result = run_program({"run", "--disparity", folder / "l.pfm", "--max-bytes", "14000",
-                                     "--report", folder / "r.json", "-o", folder / "f.obj"});
+    const auto result =
+        run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3", "--max-bytes", "40000",
+                     "--report", folder / "r.json", "-o", folder / "f.obj"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.err.find("(surface.views=left)"), std::string::npos) << result.err;
     EXPECT_NE(read_text(folder / "r.json").find("\"hidden_triangles\": 0"), std::string::npos);

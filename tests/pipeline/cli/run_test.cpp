@@ -202,9 +202,10 @@ TEST(Run, ReportFollowsTheSchema) {
               report["mesh"]["columns"].get<int>() * report["mesh"]["rows"].get<int>());
     EXPECT_EQ(report["mesh"]["inverted_triangles"], 0);
     const Json& surface = report["surface"];
-    expect_keys(surface, {"vertices", "triangles", "components", "boundary_loops", "bounds", "metric",
-                          "right_triangles", "hidden_triangles", "rmse_near_px", "duo_rmse_near_px",
-                          "flat_rmse_px", "sheet_share", "coverage", "slack_coverage"});
+    expect_keys(surface,
+                {"vertices", "triangles", "components", "boundary_loops", "bounds", "metric",
+                 "right_triangles", "hidden_triangles", "rmse_near_px", "duo_rmse_near_px", "flat_rmse_px",
+                 "sheet_share", "hole_share", "hole_share_above", "coverage", "slack_coverage"});
     EXPECT_GT(surface["flat_rmse_px"], 0);
     EXPECT_LT(surface["flat_rmse_px"], surface["rmse_near_px"]);
     EXPECT_GT(surface["coverage"], 0.5);

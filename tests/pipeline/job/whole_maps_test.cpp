@@ -60,6 +60,7 @@ class WholeMap : public testing::Test {
         request.config.input.disparity.scale = kScale;
         for (const std::string& setting : settings) config::apply_setting(request.config, setting);
         request.outputs = {folder_ / "a.glb"};
+        request.report = folder_ / "a.json";
         return run_job(request);
     }
     static std::vector<double> seen(const SurfaceMesh& mesh, double right, double up = 0) {
@@ -95,6 +96,17 @@ TEST_F(WholeMap, WhatNobodySawContinuesBehindTheBox) {
         EXPECT_GT(holes(left, 0, up), 0.01) << up;
         EXPECT_LT(holes(whole, 0, up), 0.002) << up;
     }
+}
+
+TEST_F(WholeMap, TheReportTellsTheHoles) {
+    const RunReport left = run({"surface.behind=0"}), whole = run({}), both = run({"surface.behind=0"}, true);
+    // Of the wall's 154 columns, and of 120 rows, the box hides 14 from each side, over 40 of the others.
+    EXPECT_NEAR(left.holes.right, 14. * 40 / (154 * 120), 0.002);
+    EXPECT_NEAR(left.holes.above, 14. * 40 / (160 * 106), 0.002);
+    EXPECT_LT(both.holes.right, 0.001);
+    EXPECT_GT(both.holes.above, 0.02);
+    EXPECT_LT(whole.holes.right, 0.002);
+    EXPECT_LT(whole.holes.above, 0.002);
 }
 
 TEST_F(WholeMap, NothingIsInFrontOfWhatTheCamerasSee) {
