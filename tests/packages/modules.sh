@@ -20,7 +20,9 @@ for place in . a a/b; do
     [[ $code -eq 3 && $(<"$work/log") == *"is in none"* ]] || fail "in $place the program gave $code: $(<"$work/log")"
 done
 
-for component in program heif library; do cmake --install "$build" --prefix "$work/installed" --component $component >/dev/null; done
+for component in program heif library; do
+    cmake --install "$build" --prefix "$work/installed" --component $component >/dev/null
+done
 mv "$work/installed" "$work/prefix"
 "$work/prefix/bin/hexrelief" "${pair[@]}" -o "$work/installed.ply"
 ln -s "$work/prefix/bin/hexrelief" "$work/link"
