@@ -88,8 +88,8 @@ struct Cells {
 };
 
 Cells size_of(const MatchedMap& map, const std::vector<int>& widths) {
-    const int longer = std::max(map.width, map.height);
-    const int cell_px = std::max(1, (longer + kCells / 2) / kCells);
+    const auto [shorter, longer] = std::minmax(map.width, map.height);
+    const int cell_px = std::clamp((longer + kCells / 2) / kCells, 1, shorter);
     Cells cells{cell_px, map.width / cell_px, map.height / cell_px, 0};
     std::vector<int> strips;
     for (int y = 0; y < cells.rows; ++y) strips.push_back(widths[cells.middle(y)] / cell_px);
@@ -154,11 +154,11 @@ void put_disparities(Cells& cells, const MatchedMap& map, const std::vector<int>
 
 // For each cell the seed at the end of its cheapest path (Dijkstra's algorithm); -1 if there is none.
 std::vector<int> nearest_seeds(const Cells& cells) {
-    constexpr std::uint32_t kFar = UINT32_MAX;
+    constexpr std::uint64_t kFar = UINT64_MAX;
     std::vector<int> seeds(cells.is_seed.size(), -1);
-    std::vector<std::uint32_t> costs(seeds.size(), kFar);
+    std::vector<std::uint64_t> costs(seeds.size(), kFar);
     // A path's cost, and its cell: of equal costs the first cell's path goes on first.
-    using Path = std::pair<std::uint32_t, int>;
+    using Path = std::pair<std::uint64_t, int>;
     std::priority_queue<Path, std::vector<Path>, std::greater<>> paths;
     const auto begin_at = [&](int x, int y) {
         const std::size_t i = cells.index(x, y);

@@ -151,11 +151,15 @@ TEST(UnseenStrip, NothingHappensWithoutMatchesOrStrip) {
 }
 
 TEST(UnseenStrip, OneRowOfGreyIsEnough) {
-    MatchedMap map{40, 1, std::vector<std::int16_t>(40, 8 * kOnePixel), std::vector<std::uint8_t>(40, 1)};
-    std::fill_n(map.is_matched.begin(), 8, std::uint8_t{0});
-    std::fill_n(map.disparities.begin(), 8, std::int16_t{3 * kOnePixel});
-    continue_into_strip(map, {40, 1, 1, std::vector<std::uint8_t>(40, kGrey)}, 0);
-    EXPECT_EQ(map.disparities, std::vector<std::int16_t>(40, 8 * kOnePixel));
+    for (const int width : {40, 1400}) {
+        const auto count = static_cast<std::size_t>(width);
+        const std::vector<std::int16_t> wall(count, 8 * kOnePixel);
+        MatchedMap map{width, 1, wall, std::vector<std::uint8_t>(count, 1)};
+        std::fill_n(map.is_matched.begin(), 8, std::uint8_t{0});
+        std::fill_n(map.disparities.begin(), 8, std::int16_t{3 * kOnePixel});
+        continue_into_strip(map, {width, 1, 1, std::vector<std::uint8_t>(count, kGrey)}, 0);
+        EXPECT_EQ(map.disparities, wall);
+    }
 }
 
 }  // namespace
