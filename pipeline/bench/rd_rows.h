@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/stages/hole_shares.h"
+#include "pipeline/stages/other_views/hole_shares.h"
 #include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief::bench::rd {

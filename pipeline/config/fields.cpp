@@ -61,7 +61,8 @@ std::vector<Field> disparity_fields() {
             "sgbm: 1",
             MEMBER(disparity.left_right_check_px)),
         choice("disparity.fill", {"none", "planes"},
-               "pixels without a match, and those that a supplied map does not know but its picture shows: none = "
+               "pixels without a match, and those that a supplied map does not know but its picture shows: "
+               "none = "
                "unknown; planes = on the planes around them",
                MEMBER(disparity.fill)),
         choice("disparity.dequantize", {"auto", "none"},
@@ -227,13 +228,15 @@ std::vector<Field> surface_fields() {
                "lies on a backdrop there; 0 = anywhere",
                MEMBER(surface.farthest)),
         choice("surface.views", {"both", "left"},
-               "cameras whose views the mesh is made of: both = with what only the right one sees, of pairs and of "
+               "cameras whose views the mesh is made of: both = with what only the right one sees, of pairs "
+               "and of "
                "maps with --disparity-right",
                MEMBER(surface.views)),
-        number("surface.behind", "baselines", {0, 8},
-               "with views=both, also of one map: behind silhouettes the farther surface continues, as far as "
-               "cameras so many baselines beyond both see; 0 = not at all",
-               MEMBER(surface.behind)),
+        number(
+            "surface.behind", "baselines", {0, 8},
+            "with views=both, also of one map: behind silhouettes the farther surface continues, as far as "
+            "cameras so many baselines beyond both see; 0 = not at all",
+            MEMBER(surface.behind)),
     };
 }
 

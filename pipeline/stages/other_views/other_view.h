@@ -12,8 +12,8 @@ struct OtherView {
     DisparityMap map;           // of the whole view
     DisparityMap missing = {};  // the same at the pixels that the surface leaves open or hides; all others
                                 // are unknown
-    Image color = {};    // of the whole view; empty = none
-    Image picture = {};  // the same at another size; empty = `color` is it
+    Image color = {};           // of the whole view; empty = none
+    Image picture = {};         // the same at another size; empty = `color` is it
     const Image& texture() const { return picture.empty() ? color : picture; }
 };
 

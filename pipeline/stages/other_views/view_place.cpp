@@ -12,11 +12,11 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr double kSetBack_px = 0.3;  // more than the noise of a match
-constexpr double kFarther_px = 1;    // of this view: a guess that is so much farther than all else is wrong
-constexpr double kInFront_px = 0.02; // what is less in front is not seen to be
-constexpr int kSplits = 2;           // of a triangle that is partly in front
-constexpr int kMoves = 8;            // a vertex that moves is before another place of the surface
+constexpr double kSetBack_px = 0.3;   // more than the noise of a match
+constexpr double kFarther_px = 1;     // of this view: a guess that is so much farther than all else is wrong
+constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
+constexpr int kSplits = 2;            // of a triangle that is partly in front
+constexpr int kMoves = 8;             // a vertex that moves is before another place of the surface
 
 SeenSurface eroded(const SeenSurface& surface, int threads) {
     SeenSurface result = surface;
