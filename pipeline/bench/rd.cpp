@@ -141,7 +141,8 @@ struct MapBench {
                         seen.triangles.size(),
                         packed.bytes.size(),
                         seconds,
-                        stages::measure_surface_quality(seen, map, background_px, threads)};
+                        stages::measure_surface_quality(seen, map, background_px, threads),
+                        stages::measure_holes(seen, map, 0, threads)};
         out << rd::point_text(point) << std::flush;
         points.push_back(std::move(point));
     }

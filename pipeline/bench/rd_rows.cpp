@@ -105,19 +105,21 @@ std::string headings() {
            "from "
            "discontinuities.\n"
            "Hidden: share of what only the right view sees that is behind a rubber sheet. Covered: share of "
-           "the foreground, with half a pixel of slack.\n"
+           "the foreground, with half a pixel of slack. Open: share of the left picture's field that shows "
+           "nothing from the right camera, and from one baseline above.\n"
            "                                                          bits/     left     both     away   "
-           "hidden   covered\n"
+           "hidden   covered     open    above\n"
            "map      method        spacing bits  vertices    bytes  vertex       px       px       px        "
-           "%         %        s\n";
+           "%         %        %        %        s\n";
 }
 
 std::string point_text(const Point& p) {
     const std::string spacing = p.spacing_px > 0 ? format("%7.2f", p.spacing_px) : format("%7s", "-");
-    return format("%-8s %-13s %s %4d  %8zu %8zu %7.2f %8.3f %8.3f %8.3f %8.2f  %8.2f %8.3f\n", p.map.c_str(),
-                  p.method.c_str(), spacing.c_str(), p.bits, p.vertices, p.bytes, bits_per_vertex(p),
-                  p.quality.rmse_near_px, p.quality.duo_rmse_near_px, p.quality.flat_rmse_px,
-                  100 * p.quality.sheet_share, 100 * p.quality.slack_coverage, p.seconds);
+    return format("%-8s %-13s %s %4d  %8zu %8zu %7.2f %8.3f %8.3f %8.3f %8.2f  %8.2f %8.2f %8.2f %8.3f\n",
+                  p.map.c_str(), p.method.c_str(), spacing.c_str(), p.bits, p.vertices, p.bytes,
+                  bits_per_vertex(p), p.quality.rmse_near_px, p.quality.duo_rmse_near_px,
+                  p.quality.flat_rmse_px, 100 * p.quality.sheet_share, 100 * p.quality.slack_coverage,
+                  100 * p.holes.right, 100 * p.holes.above, p.seconds);
 }
 
 std::string comparison_text(const Comparison& c, const std::vector<std::string>& others) {
@@ -154,6 +156,8 @@ nlohmann::ordered_json point_json(const Point& p) {
     json["duo_rmse_near_px"] = p.quality.duo_rmse_near_px;
     json["flat_rmse_px"] = p.quality.flat_rmse_px;
     json["sheet_share"] = p.quality.sheet_share;
+    json["hole_share"] = p.holes.right;
+    json["hole_share_above"] = p.holes.above;
     json["coverage"] = p.quality.coverage;
     json["slack_coverage"] = p.quality.slack_coverage;
     json["seconds"] = p.seconds;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/stages/other_views/hole_shares.h"
 #include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief::bench::rd {
@@ -18,6 +19,7 @@ struct Point {
     std::size_t vertices = 0, triangles = 0, bytes = 0;
     double seconds = 0;  // to make the mesh, without compression
     stages::SurfaceQuality quality;
+    stages::HoleShares holes = {};
 };
 
 // Returns a figure of a method's points on one map at `bytes`: interpolated between the two nearest points on

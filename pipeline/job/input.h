@@ -32,8 +32,9 @@ struct InputPair {
 // A supplied disparity map, or a supplied depth map converted to disparities.
 struct InputMap {
     DisparityMap disparities;
-    Image color;               // the left picture at the map's size; empty = none
-    Image picture = {};        // the left picture at its own size, if that differs from the map's; else empty
+    Image color;  // the left picture at the map's size; empty = none
+    // The left picture at its own size, if that differs from the map's; else empty.
+    Image picture = {};
     std::string read_as = {};  // how its samples were read: "16-bit integers, mm"; empty = it was in memory
     bool is_depth = false;     // true if it was a depth map
     // The right view, of the same sizes; without a map it was not supplied.

@@ -13,7 +13,7 @@
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/picture_shares.h"
 #include "pipeline/job/steps.h"
-#include "pipeline/stages/hole_shares.h"
+#include "pipeline/stages/other_views/hole_shares.h"
 
 namespace hexrelief::job {
 

@@ -76,8 +76,12 @@ TEST_F(BenchRd, EveryMethodAtEverySpacingAndTheComparison) {
         EXPECT_GT(point["rmse_near_px"], 0);
         EXPECT_LT(point["rmse_near_px"], 10);
         EXPECT_LE(point["coverage"], point["slack_coverage"]);
+        EXPECT_GE(point["hole_share"], 0);
+        EXPECT_LT(point["hole_share"], 1);
+        EXPECT_LT(point["hole_share_above"], 1);
         if (method == "default") {
             bytes_of_default[point["spacing_px"]] = point["bytes"];
+            EXPECT_GT(point["hole_share"], 0) << "cut along its silhouettes";
             EXPECT_LT(point["position_bits"], 12) << "0.1 px of 90 px take fewer";
         } else if (point["spacing_px"].is_null()) {
             EXPECT_EQ(point["position_bits"], 12);

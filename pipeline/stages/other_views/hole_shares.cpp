@@ -1,4 +1,4 @@
-#include "pipeline/stages/hole_shares.h"
+#include "pipeline/stages/other_views/hole_shares.h"
 
 #include <algorithm>
 #include <cmath>
