@@ -53,13 +53,6 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const MatchingConfig& config,
                         int threads);
 
-// Gives the filled pixels of a map's unseen strip new disparities. In each row the strip is what lies left of
-// the first match inside the right picture: only the left camera sees it. `left` is the map's picture, of 1
-// or 3 channels. Each pixel continues the surface that a path of least change of colour and disparity leads
-// to (Dijkstra 1959), on its plane, as far as its bend allows, and between the least and the largest matched
-// disparity. Works on some 450 cells along the longer side, for both backends.
-void continue_into_strip(MatchedMap& map, const Image& left, int min_px);
-
 // Curves from the right picture's levels to the left picture's, because cameras may expose differently or see
 // colours differently: curves[channel][level in the right picture] = level in the left one. One curve serves
 // for all channels if the views' numbers of channels differ. Empty = the levels are the same.

@@ -145,9 +145,7 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
         matching_config(config), threads);
 }
 
-DisparityMap to_pixels(matching::MatchedMap matched, const Image& left, const DisparityConfig& config,
-                       int threads) {
-    matching::continue_into_strip(matched, left, config.min_disparity_px);
+DisparityMap to_pixels(const matching::MatchedMap& matched, const DisparityConfig& config, int threads) {
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
                      std::vector<PixelOrigin>(count, PixelOrigin::unknown)};
@@ -225,8 +223,8 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
         throw Error(ErrorKind::usage,
                     "disparity.method=command is for whole pairs of `run` and `batch`; take sgm here");
     if (config.method == DisparityMethod::sgm)
-        return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair.left, ranged, threads);
-    return to_pixels(refine_sgbm(pair, ranged, threads), pair.left, ranged, threads);
+        return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
+    return to_pixels(refine_sgbm(pair, ranged, threads), config, threads);
 }
 
 DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,
@@ -248,7 +246,7 @@ DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const Di
                                             {above_least(views.left, ranged.min_disparity_px),
                                              above_least(views.right, ranged.min_disparity_px)},
                                             matching_config(ranged), threads),
-                     pair.left, ranged, threads);
+                     ranged, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
