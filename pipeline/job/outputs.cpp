@@ -32,7 +32,14 @@ stages::SurfaceQuality quality_as_written(const LeftView& view, const SurfaceRes
                                           const std::vector<fs::path>& outputs, int threads) {
     SurfaceMesh written = as_written(scene_of(view, result, {}), result.config.exporting, outputs);
     written.triangles.resize(result.mesh.left_triangles());  // the map says nothing of other views
-    return stages::measure_surface_quality(written, view.disparity, view.density.background_px, threads);
+    const auto against = [&](const DisparityMap& map) {
+        return stages::measure_surface_quality(written, map, view.density.background_px, threads);
+    };
+    if (!view.has_filled_holes) return against(view.disparity);
+    DisparityMap supplied = view.disparity;
+    for (std::size_t i = 0; i < supplied.values.size(); ++i)
+        if (supplied.origins[i] == PixelOrigin::filled) supplied.values[i] = kUnknownDisparity;
+    return against(supplied);
 }
 
 stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,

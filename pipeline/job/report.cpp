@@ -264,7 +264,8 @@ LeftView Relief::view() const {
             right ? &*right : nullptr,
             input.is_whole(),
             input.texture_file.empty() ? nullptr : &input.texture_file,
-            input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright};
+            input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright,
+            disparity.has_filled_holes};
 }
 
 double Relief::depth_of_backdrop() const {

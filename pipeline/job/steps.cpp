@@ -218,6 +218,7 @@ void fill_map(DisparityResult& disparity, const Image& left, const readers::Pixe
     DisparityMap filled = densify::fill_holes(meshed, left, threads);
     hide(filled, mask);
     std::vector<PixelOrigin>& origins = disparity.map.origins;
+    disparity.has_filled_holes = origins.empty();
     if (origins.empty()) origins = filled.origins;
     for (std::size_t i = 0; i < origins.size(); ++i) {
         if (filled.origins[i] != PixelOrigin::filled) continue;

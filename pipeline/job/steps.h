@@ -38,6 +38,7 @@ struct DisparityResult {
     double support = 0;                              // of a matched map by its pair (checks/pair_support.h)
     dequantize::NoiseSmoothing noise = {};           // of a matched map
     std::optional<stages::Backdrop> backdrop = {};   // of a matched map; none = it has no end
+    bool has_filled_holes = false;  // the map's filled pixels are holes of the one that was supplied
 
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
@@ -57,6 +58,7 @@ struct LeftView {
     const std::vector<std::uint8_t>* texture_file = nullptr;  // as in exporters::Scene
     static constexpr std::array<double, 2> kUpright = {0, 1};
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
+    bool has_filled_holes = false;        // as in DisparityResult: no measure counts them
 };
 
 // A surface with the lattice and the configuration that it was made from.
