@@ -168,6 +168,7 @@ TEST_F(WholeMap, UnknownPixelsThatThePictureShowsLieOnThePlanesAroundThem) {
     const RunReport open = run({"disparity.fill=none"});
     EXPECT_EQ(open.relief->disparity.map.at(80, 70), kUnknownDisparity);
     EXPECT_GT(open.shares.unknown, 0.01);
+    EXPECT_EQ(report.quality.scored_pixels, open.quality.scored_pixels) << "what was filled is not measured";
     // Without a picture nobody sees anything there.
     EXPECT_EQ(run({}, false, false).relief->disparity.map.at(80, 70), kUnknownDisparity);
 }
