@@ -168,6 +168,8 @@ Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, 
         return out;
     }
     out.disparities = on_canvas(found, out.canvas);
+    out.movers = find_movers(estimate);
+    out.movers.middle = {out.movers.middle.x / scale, out.movers.middle.y / scale};
     return out;
 }
 

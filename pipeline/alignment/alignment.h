@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pipeline/alignment/estimate.h"
+#include "pipeline/alignment/movers.h"
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::alignment {
@@ -46,6 +47,7 @@ struct Alignment {
     double focal_deviation = 0;  // share of focal_px, one standard deviation; 0 = given
     DisparityBounds disparities = {};  // if rectified or aligned
     Canvas canvas = {};                // if aligned
+    Movers movers = {};                // if aligned; in px of the first picture as given
 
     // True if the focal length was given, or the matches determine it.
     bool is_focal_determined() const;

@@ -29,11 +29,13 @@ std::vector<Field> disparity_fields() {
              MEMBER(disparity.worker)),
         number("disparity.timeout_s", "s", stages::DisparityConfig::kTimeout_s,
                "command: longest wait for a view's map", MEMBER(disparity.timeout_s)),
-        number("disparity.working_px", "px", stages::DisparityConfig::kWorkingSize_px,
-               "longest side at which a pair is matched and meshed; a larger pair is reduced by the least "
-               "whole number that makes it so, its texture is not; 0 = never. Keys in px from here on are of "
-               "the reduced pair, unless they say that they are of the full one",
-               MEMBER(disparity.working_px)),
+        number(
+            "disparity.working_px", "px", stages::DisparityConfig::kWorkingSize_px,
+            "longest side at which a pair is matched and meshed; a larger pair is reduced by the least "
+            "whole number that makes it so, its texture is not; soft photographs that are aligned by their "
+            "points, or lie partly behind infinity, are halved further as long as 900 px remain; 0 = never. "
+            "Keys in px from here on are of the reduced pair, unless they say that they are of the full one",
+            MEMBER(disparity.working_px)),
         number("disparity.min_disparity_px", "px", stages::DisparityConfig::kMinDisparity_px,
                "least disparity searched, px of the full pair", MEMBER(disparity.min_disparity_px)),
         number("disparity.num_disparities_px", "px", stages::DisparityConfig::kNumDisparities_px,
@@ -225,7 +227,10 @@ std::vector<Field> surface_fields() {
             MEMBER(surface.views)),
         number("surface.behind", "baselines", {0, 8},
                "with views=both, also of one map: behind silhouettes the farther surface continues, as far "
-               "as cameras so many baselines beyond both see; 0 = not at all",
+               "as cameras so many baselines beyond both see; 0 = not at all; if not given, photographs that "
+               "are "
+               "aligned by their points, or lie partly behind infinity, have as many as a turn by 20 degrees "
+               "takes, at most 8",
                MEMBER(surface.behind)),
     };
 }

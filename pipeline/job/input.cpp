@@ -63,11 +63,7 @@ class InputReader {
         auto reading_right = start_work(threads_, [&] { return read_hashed("right", source.right); });
         HashedImage left = read_hashed("left", source.left), right = reading_right.get();
         tell(turn_upright(left, right, !config_.calibration.file.empty()));
-        const ViewSize size = size_of(left.image), other = size_of(right.image);
-        if (size != other)
-            throw Error(ErrorKind::input, "the pair's sizes differ: " + source.left.string() + " has " +
-                                              size_text(size) + " px, " + source.right.string() + " " +
-                                              size_text(other) + "; rectified images have one size");
+        check_sizes(left.image, source.left.string(), right.image, source.right.string());
         RunInput input{InputPair{{std::move(left.image), std::move(right.image)}}};
         input.files = {std::move(left.file), std::move(right.file)};
         return complete_pair(std::move(input), source.mask, source.left, false,
@@ -92,11 +88,8 @@ class InputReader {
     RunInput read(const DepthFiles& source) { return read_map(source, "depth"); }
 
     RunInput read(PairArrays& source) {
-        const ViewSize size = size_of(source.views.left), other = size_of(source.views.right);
-        if (size != other)
-            throw Error(ErrorKind::input, "the pair's sizes differ: left has " + size_text(size) +
-                                              " px, right " + size_text(other) +
-                                              "; rectified images have one size");
+        const ViewSize size = size_of(source.views.left);
+        check_sizes(source.views.left, "left", source.views.right, "right");
         RunInput input{InputPair{std::move(source.views)}};
         find_camera(input, size, {});
         hide_strips(input);
@@ -109,14 +102,22 @@ class InputReader {
     RunInput read(DepthArrays& source) { return take_map(source, "depth"); }
 
   private:
+    static void check_sizes(const Image& left, const std::string& left_name, const Image& right,
+                            const std::string& right_name) {
+        if (const ViewSize size = size_of(left), other = size_of(right); size != other)
+            throw Error(ErrorKind::input, "the pair's sizes differ: " + left_name + " has " +
+                                              size_text(size) + " px, " + right_name + " " +
+                                              size_text(other) + "; rectified images have one size");
+    }
     HashedImage read_hashed(const std::string& role, const fs::path& path) const {
         return {{readers::read_image(path, limits_), path,
                  config_.exif_orientation ? readers::read_orientation(path) : readers::kUpright},
                 hashed(role, path)};
     }
-    void tell(const readers::Turning& turning) {
-        for (const std::string& warning : turning.warnings) log_.warn(warning);
-        for (const std::string& decision : turning.decisions) log_.decide(decision);
+    template <typename Step>
+    void tell(const Step& done) {
+        for (const std::string& warning : done.warnings) log_.warn(warning);
+        for (const std::string& decision : done.decisions) log_.decide(decision);
     }
     readers::DisparityFile values_of(const DisparityFiles& source) const {
         return readers::read_disparity_file(source.map, before_doffs(config_.disparity), limits_);
@@ -255,8 +256,7 @@ void InputReader::rectify_pair(RunInput& input) {
     InputPair& pair = std::get<InputPair>(input.views);
     const ViewSize size = size_of(pair.views.left);
     FileRectification done = rectify_by_file(pair.views, config_, threads_);
-    for (const std::string& warning : done.warnings) log_.warn(warning);
-    for (const std::string& decision : done.decisions) log_.decide(decision);
+    tell(done);
     if (!done.is_done) return;
     input.calibration = done.calibration;
     pair.is_rectified = true;
@@ -280,8 +280,7 @@ void InputReader::align(RunInput& input, const ResolvedCalibration& camera, cons
         input.mask = {pair.views.left.width, pair.views.left.height, std::move(done.seen)};
         pair.right_mask = {pair.views.left.width, pair.views.left.height, std::move(done.right_seen)};
     }
-    for (const std::string& warning : done.warnings) log_.warn(warning);
-    for (const std::string& decision : done.decisions) log_.decide(decision);
+    tell(done);
     pair.alignment = std::move(done.found);
 }
 
@@ -310,15 +309,13 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
     input.baseline_from = resolved.baseline_from;
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     if (!resolved.other_file.empty()) input.files.push_back(hashed("calibration", resolved.other_file));
-    for (const std::string& warning : resolved.warnings) log_.warn(warning);
-    for (const std::string& decision : resolved.decisions) log_.decide(decision);
+    tell(resolved);
     return resolved;
 }
 
-// Restricts the input's mask, which may hold the pixels that a rectified view shows, by the given mask and
-// the picture's transparency. Returns that mask restricted further to pixels of sufficient confidence; empty
-// = all. The two differ because a sparse map is filled across pixels of low confidence, but not at pixels
-// that the mask hides.
+// Restricts the input's mask, which may hold what a rectified view shows, by the given mask and the picture's
+// transparency. Returns it restricted further to pixels of sufficient confidence; empty = all. The two differ
+// because a sparse map is filled across pixels of low confidence, but not at pixels that the mask hides.
 readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskSource mask,
                                            MaskSource confidence) {
     if (config_.mask.alpha) {
@@ -379,7 +376,9 @@ RunInput read_input(Source source, const config::InputConfig& config, const read
 
 void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log) {
     auto* const pair = std::get_if<InputPair>(&input.views);
-    const int by = pair ? reduction_of(pair->views, config.working_px) : 1;
+    const int least = pair ? reduction_of(pair->views.left, config.working_px) : 1;
+    const bool is_of_points = pair && pair->alignment && has_camera_of_points(*pair->alignment);
+    const int by = is_of_points ? reduction_of_soft(pair->views.left, config.working_px, threads) : least;
     if (by == 1) return;
     stages::check_matchable(pair->views, config);
     const ViewSize full = size_of(pair->views.left);
@@ -391,7 +390,8 @@ void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int thr
     input.mask = reduced(input.mask, by);
     pair->right_mask = reduced(pair->right_mask, by);
     log.decide("working size: the pair of " + size_text(full) + " px is matched and meshed at " +
-               size_text(size_of(views.left)) + " px (disparity.working_px); the texture keeps its size");
+               size_text(size_of(views.left)) + " px (disparity.working_px" +
+               (by > least ? ", its pictures are soft" : "") + "); the texture keeps its size");
     pair->views = std::move(views);
     pair->pictures = std::move(pictures);
     pair->reduced_by = by;

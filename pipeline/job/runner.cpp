@@ -172,14 +172,17 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
 }
 
 Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
-    const config::Config config = request.config;
+    config::Config config = request.config;
     const std::vector<std::filesystem::path> outputs = request.outputs;
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
     relief.pair_camera = relief.input.calibration;
     const InputPair* const pair = relief.input.pair();
-    if (pair && pair->alignment)
+    if (pair && pair->alignment) {
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
+        if (!config.given.contains("surface.behind"))
+            config.surface.behind = baselines_of_turn(*pair->alignment, relief.pair_camera, pair->reduced_by);
+    }
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     if (config.disparity.dequantize == stages::Dequantization::automatic)

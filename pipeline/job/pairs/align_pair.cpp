@@ -47,6 +47,13 @@ void tell_aligned(PairAlignment& pair) {
         pair.warnings.push_back("the focal length is not known: " + digits(pair.found.focal_px, 0) +
                                 " px are taken, so depths may be stretched; give --fov-x DEG or "
                                 "input.calibration.focal_px");
+    if (const alignment::Movers& movers = pair.found.movers; movers.points > 0)
+        pair.warnings.push_back(std::to_string(movers.points) + " of " + std::to_string(pair.found.matches) +
+                                " points, around (" + digits(movers.middle.x, 0) + ", " +
+                                digits(movers.middle.y, 0) +
+                                ") px of the first picture, shift together as no movement of the camera "
+                                "explains: something moved "
+                                "there, or a pattern repeats, and the mesh is wrong there");
     tell_infinity(pair);
 }
 
@@ -142,6 +149,13 @@ std::array<double, 2> up_if_turned(const Alignment& found) {
     return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
 }
 
+double baselines_of_turn(const Alignment& found, const Calibration& camera, int reduced_by) {
+    constexpr double kTangent = 0.364, kMost = 8;  // of 20 degrees; as many as surface.behind takes
+    if (!has_camera_of_points(found)) return 1;
+    const double median_px = found.disparities.median_px / reduced_by + camera.doffs_px;
+    return std::clamp(kTangent * camera.focal_px / std::max(median_px, 1e-3), 1.0, kMost);
+}
+
 std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {
     const alignment::Estimate& estimate = found.estimate;
     const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);
@@ -152,14 +166,14 @@ std::string alignment_text(const Alignment& found, double focal_px, const std::s
 }
 
 double nearest_px(const Alignment& found) {
-    if (!is_aligned(found) && !found.is_partly_negative()) return std::numeric_limits<double>::infinity();
+    if (!has_camera_of_points(found)) return std::numeric_limits<double>::infinity();
     const DisparityBounds& bounds = found.disparities;
     return bounds.largest_px + kNearMargin * (bounds.largest_px - bounds.least_px) + kNearMargin_px;
 }
 
 stages::DisparityConfig with_range_of(const Alignment& found, int width, const config::Config& config) {
     stages::DisparityConfig searched = config.disparity;
-    if (!is_aligned(found) && !found.is_partly_negative()) return searched;
+    if (!has_camera_of_points(found)) return searched;
     const DisparityBounds& bounds = found.disparities;
     const double spread = bounds.largest_px - bounds.least_px;
     const double least = std::max(bounds.least_px - kFarMargin * spread - kFarMargin_px, bounds.infinity_px),

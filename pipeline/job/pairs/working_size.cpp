@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipeline/alignment/grey_picture.h"
 #include "pipeline/data/crop.h"
 #include "pipeline/data/shrink.h"
 #include "pipeline/data/start_work.h"
@@ -10,7 +11,11 @@
 namespace hexrelief::job {
 namespace {
 
-constexpr int kLeastSide_px = 16;  // matching needs as many columns
+constexpr int kLeastSide_px = 16;       // matching needs as many columns
+constexpr int kLeastSoftSide_px = 900;  // the longer side of a picture that was halved because it is soft
+// Of soft pictures: the mean square of their second differences over that of half their size. A smooth
+// signal has 1/16, white noise 4.
+constexpr double kSoftShare = 0.22;
 
 // Returns the image without the columns and rows that a reduction would leave over.
 Image cut_for(int by, Image image) {
@@ -23,15 +28,47 @@ int floor_of(int value, int by) {
     return value >= 0 ? value / by : -((by - 1 - value) / by);
 }
 
+// Returns the mean square of the second differences along rows and columns.
+double second_differences(const alignment::GreyPicture& picture) {
+    std::uint64_t sum = 0;
+    const auto square = [](int before, int at, int after) {
+        const int difference = before - 2 * at + after;
+        return static_cast<std::uint32_t>(difference * difference);
+    };
+    for (int y = 1; y < picture.height - 1; ++y) {
+        const std::uint8_t *const above = picture.row(y - 1), *const row = picture.row(y),
+                                  *const below = picture.row(y + 1);
+        for (int x = 1; x < picture.width - 1; ++x)
+            sum += square(row[x - 1], row[x], row[x + 1]) + square(above[x], row[x], below[x]);
+    }
+    return static_cast<double>(sum) / (static_cast<double>(picture.width - 2) * (picture.height - 2));
+}
+
+bool is_soft(const alignment::GreyPicture& picture) {
+    const double own = second_differences(picture), of_half = second_differences(alignment::halved(picture));
+    return own < kSoftShare * of_half;
+}
+
 }  // namespace
 
 int reduction_to(int working_px, int longest_px) {
     return working_px > 0 ? (longest_px + working_px - 1) / working_px : 1;
 }
 
-int reduction_of(const StereoPair& pair, int working_px) {
-    const auto [shorter, longer] = std::minmax({pair.left.width, pair.left.height});
+int reduction_of(const Image& picture, int working_px) {
+    const auto [shorter, longer] = std::minmax({picture.width, picture.height});
     return std::max(1, std::min(reduction_to(working_px, longer), shorter / kLeastSide_px));
+}
+
+int reduction_of_soft(const Image& picture, int working_px, int threads) {
+    int by = reduction_of(picture, working_px);
+    if (working_px == 0) return by;
+    const auto [shorter, longer] = std::minmax({picture.width, picture.height});
+    ThreadPool pool(threads);
+    while (longer / (2 * by) >= kLeastSoftSide_px && shorter / (2 * by) >= kLeastSide_px &&
+           is_soft(alignment::reduced_grey(picture, longer / by, pool)))
+        by *= 2;
+    return by;
 }
 
 ReducedPair reduced(StereoPair pair, int by, int threads) {

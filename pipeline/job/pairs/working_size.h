@@ -11,8 +11,13 @@ namespace hexrelief::job {
 // Returns the least whole number that divides a pair's longest side into at most working_px; 1 if working_px
 // is 0.
 int reduction_to(int working_px, int longest_px);
-// Returns that number for a pair of these sides, or less, so that at least 16 px of each side remain.
-int reduction_of(const StereoPair& pair, int working_px);
+// Returns that number for pictures of these sides, or less, so that at least 16 px of each side remain.
+int reduction_of(const Image& picture, int working_px);
+
+// Returns that number, doubled as long as the picture so reduced is soft and keeps a longer side of at least
+// 900 px when halved; 1 if working_px is 0. Soft is a picture that hardly loses anything by halving: a lens
+// out of focus, a scanned print, a picture that was enlarged. A finer mesh of it follows noise.
+int reduction_of_soft(const Image& picture, int working_px, int threads);
 
 struct ReducedPair {
     StereoPair views;

@@ -173,6 +173,27 @@ TEST(Alignment, RefusesMirroredAndUnrelatedPictures) {
     EXPECT_NE(find_alignment(pair, {}, kThreads).verdict, Verdict::aligned);
 }
 
+// Puts a thing of 120 x 100 px into a picture.
+void put_thing(Image& image, int x, int y) {
+    for (int j = 0; j < 100; ++j)
+        for (int i = 0; i < 120; ++i)
+            *image.at(x + i, y + j) =
+                static_cast<std::uint8_t>((i / 6 * 2654435761u ^ j / 6 * 2246822519u) >> 11);
+}
+
+TEST(Alignment, TellsWhatMovedBetweenThePictures) {
+    const TurnedCameras cameras{.pitch = 1, .yaw = 2, .roll = 1};
+    StereoPair pair = render_pair(cameras);
+    EXPECT_EQ(find_alignment(pair, {cameras.focal_px}, kThreads).movers.points, 0);
+    put_thing(pair.left, 300, 200);
+    put_thing(pair.right, 280, 225);
+    const Alignment moved = find_alignment(pair, {cameras.focal_px}, kThreads);
+    ASSERT_EQ(moved.verdict, Verdict::aligned);
+    EXPECT_GE(moved.movers.points, 8);
+    EXPECT_NEAR(moved.movers.middle.x, 360, 40);
+    EXPECT_NEAR(moved.movers.middle.y, 250, 40);
+}
+
 TEST(Alignment, TellsIfTooFewPointsAreFound) {
     const Image plain{320, 240, 1, std::vector<std::uint8_t>(std::size_t{320} * 240, 128)};
     const Alignment alignment = find_alignment({plain, plain}, {}, kThreads);

@@ -66,6 +66,29 @@ TEST(Reduction, IsTheLeastWholeNumberThatMakesAPairSmallEnough) {
     EXPECT_EQ(reduction_to(3000, 8064), 3);
 }
 
+// Returns a picture of this width and three quarters of its height: grain, or the same blurred.
+Image grain(int width, int blurs) {
+    Image image{width, width * 3 / 4, 1, {}};
+    std::uint32_t state = 1;
+    for (int i = 0; i < image.width * image.height; ++i)
+        image.pixels.push_back(static_cast<std::uint8_t>((state = state * 1664525u + 1013904223u) >> 24));
+    for (const int step : {1, width})
+        for (int i = 0; i < blurs; ++i)
+            for (std::size_t p = 0; p + 2 * step < image.pixels.size(); ++p)
+                image.pixels[p] = static_cast<std::uint8_t>(
+                    (image.pixels[p] + 2 * image.pixels[p + step] + image.pixels[p + 2 * step] + 2) / 4);
+    return image;
+}
+
+TEST(Reduction, HalvesSoftPicturesAsLongAsTheyKeepTheirSize) {
+    EXPECT_EQ(reduction_of_soft(grain(1800, 0), 3000, 2), 1);
+    EXPECT_EQ(reduction_of_soft(grain(1800, 8), 3000, 2), 2);
+    EXPECT_EQ(reduction_of_soft(grain(1800, 8), 3000, 1), 2);
+    EXPECT_EQ(reduction_of_soft(grain(1799, 8), 3000, 2), 1) << "899 px would remain";
+    EXPECT_EQ(reduction_of_soft(grain(1800, 8), 0, 2), 1) << "never";
+    EXPECT_EQ(reduction_of_soft(grain(1800, 0), 1000, 2), 2);
+}
+
 TEST(Reduction, KeepsWhatTheRangeHolds) {
     stages::DisparityConfig config;
     config.min_disparity_px = -5;
