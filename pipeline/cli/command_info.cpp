@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -94,27 +95,64 @@ void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
 }
 
-// Returns what a run without a calibration would do to the rows of a file's two views.
-std::string alignment_of(const fs::path& path, const readers::ReaderLimits& limits) {
+// What a run without a calibration would do with a pair before it matches it.
+struct PairForesight {
+    std::vector<std::string> decisions, warnings;
+    std::string refusal;  // why it would not; empty = it would
+    // True if its points say that both pictures show one scene, from places that are nearer to each other
+    // than to it: rows of windows match, too.
+    bool is_one_scene = false;
+};
+
+PairForesight foresee(job::Source pair, const config::Config& config, const readers::ReaderLimits& limits) {
+    PairForesight seen;
+    job::RunLog log;
+    log.decides = [&](const std::string& decision) { seen.decisions.push_back(decision); };
     try {
-        job::RunLog log;
-        const job::RunInput input =
-            job::read_input(job::StereoFile{path}, {}, limits, job::effective_threads(0), log);
-        const alignment::Alignment& found = *input.pair()->alignment;
-        if (job::is_aligned(found))
-            return job::alignment_text(found, input.calibration.focal_px, input.focal_from);
-        if (!found.reason.empty()) return "none: " + found.reason;
-        return "none: rows are off by " + number(found.estimate.before.median_px) + " px in the median of " +
-               std::to_string(found.matches) + " points";
+        const int threads = job::effective_threads(0);
+        job::RunInput input = job::read_input(std::move(pair), config.input, limits, threads, log);
+        job::reduce_pair(input, config.disparity, threads, log);
+        const auto& found = input.pair()->alignment;
+        seen.is_one_scene =
+            found && found->verdict != alignment::Verdict::unclear &&
+            (found->verdict != alignment::Verdict::aligned || input.calibration.baseline_m < 1);
     } catch (const Error& error) {
-        return std::string("refused: ") + error.what();
+        seen.refusal = error.what();
     }
+    seen.warnings = log.warnings();
+    return seen;
+}
+
+void tell(const PairForesight& seen, Text& text) {
+    lines(text, "a run", seen.decisions);
+    lines(text, "it warns", seen.warnings);
+    if (!seen.refusal.empty()) line(text, "it refuses", seen.refusal);
+}
+
+// Adds what a run would do with the halves of a wide picture, if they are two views of one scene.
+void tell_halves(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
+                 Text& text) {
+    constexpr double kWide = 1.3;      // a stereo card's views are higher than wide
+    constexpr int kPixelsOfByte = 32;  // more is no photograph, and would take long
+    if (raster.width < kWide * raster.height || static_cast<double>(raster.width) * raster.height >
+                                                    kPixelsOfByte * static_cast<double>(fs::file_size(path)))
+        return;
+    config::Config config;
+    config.input.stereo.layout = readers::StereoLayout::side_by_side;
+    const PairForesight seen = foresee(job::StereoFile{path}, config, options.limits());
+    if (!seen.refusal.empty() || !seen.is_one_scene) return;
+    line(text, "as stereo", "with --layout sbs: its halves show one scene");
+    tell(seen, text);
 }
 
 // Adds how a file that holds both views is read by `run --stereo`.
-void tell_views(const fs::path& path, const RasterOptions& options, Text& text) {
+void tell_views(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
+                Text& text) {
     const auto views = readers::describe_stereo_file(path, options.limits());
-    if (!views) return;
+    if (!views) {
+        tell_halves(path, raster, options, text);
+        return;
+    }
     line(text, "as stereo",
          "two views of " + std::to_string(views->width) + " x " + std::to_string(views->height) +
              " px: " + views->told);
@@ -124,7 +162,7 @@ void tell_views(const fs::path& path, const RasterOptions& options, Text& text) 
              "focal " + number(camera.focal_px) + " px, baseline " +
                  (camera.baseline_m > 0 ? number(camera.baseline_m) + " m: a mesh in metres" : "not known") +
                  ", said by the file");
-    line(text, "alignment", alignment_of(path, options.limits()));
+    tell(foresee(job::StereoFile{path}, {}, options.limits()), text);
 }
 
 // Adds a photograph's focal length, its orientation and its transparent pixels.
@@ -140,7 +178,7 @@ void tell_picture(const fs::path& path, const readers::FileDescription& raster, 
         line(text, "focal", number(focal->focal_px) + " px by EXIF: " + focal->believed);
     for (const std::string& picture : readers::list_pictures(path, options.limits()))
         line(text, "holds", picture);
-    tell_views(path, options, text);
+    tell_views(path, raster, options, text);
     if (raster.format == "heic" || (raster.channels != 2 && raster.channels != 4)) return;
     const std::vector<std::uint8_t> alpha = readers::read_image(path, options.limits()).alpha;
     const auto transparent = std::ranges::count_if(alpha, [](std::uint8_t a) { return a < kOpaque; });
@@ -254,33 +292,60 @@ Text described(const fs::path& path, const RasterOptions& options) {
     return text;
 }
 
-// Describes a picture or a map in a process of its own, because other libraries decode them. Files of
-// pictures and maps decode at more than 256 KiB per second. A map takes 8 bytes per pixel here: 1 GiB is
-// enough for 134 megapixels at any packing, and 64 bytes per byte of the file for maps that are packed
-// less than 8 times.
-Text raster_text(const fs::path& path, const RasterOptions& options) {
-    const std::uintmax_t bytes = fs::file_size(path);
-    const inspect::WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18),
+// Returns the text that `tell` makes of files of pictures or maps in a process of its own, because other
+// libraries decode them. Such files decode at more than 256 KiB per second; four seconds are for a pair's
+// points. A map takes 8 bytes per pixel
+// here: 1 GiB is enough for 134 megapixels at any packing, and 64 bytes per byte of the files for maps that
+// are packed less than 8 times.
+Text told_apart(const std::vector<fs::path>& paths, const std::function<Text()>& tell) {
+    std::uintmax_t bytes = 0;
+    for (const fs::path& path : paths) bytes += fs::file_size(path);
+    const inspect::WorkLimits limits{4 + static_cast<unsigned>(bytes >> 18),
                                      (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
     const inspect::WorkBytes told =
-        inspect::run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
-            const Text text = described(path, options);
+        inspect::run_limited(limits, "cannot read '" + paths[0].string() + "': ", [&] {
+            const Text text = tell();
             return inspect::WorkBytes(text.begin(), text.end());
         });
     return {told.begin(), told.end()};
 }
 
-Text information(const fs::path& path, const RasterOptions& options) {
+void check_file(const fs::path& path) {
     std::error_code code;
     if (!fs::exists(path, code)) throw Error(ErrorKind::input, path.string() + ": no such file");
     if (fs::is_directory(path, code))
         throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
+}
+
+// Tells of two pictures what a run would do with them as a pair.
+Text information_of_pair(const fs::path& left, const fs::path& right, const RasterOptions& options) {
+    for (const fs::path& path : {left, right}) {
+        check_file(path);
+        if (!readers::codec::find_codec(path))
+            throw Error(ErrorKind::input, path.string() +
+                                              ": no picture; two files are taken for the left "
+                                              "and the right picture of a pair");
+    }
+    return told_apart({left, right}, [&] {
+        Text text;
+        for (const auto& [name, path] : {std::pair{"left", left}, {"right", right}})
+            if (const auto raster = readers::describe_raster(path, {}, options.limits()))
+                line(text, name,
+                     raster->format + ", " + std::to_string(raster->width) + " x " +
+                         std::to_string(raster->height) + " px");
+        tell(foresee(job::PairFiles{left, right}, {}, options.limits()), text);
+        return text;
+    });
+}
+
+Text information(const fs::path& path, const RasterOptions& options) {
+    check_file(path);
     Text text;
     if (exporters::find_mesh_format(path)) {
         tell_mesh(exporters::describe_mesh(path), text);
         return text;
     }
-    if (readers::codec::find_codec(path)) return raster_text(path, options);
+    if (readers::codec::find_codec(path)) return told_apart({path}, [&] { return described(path, options); });
     try {
         tell_calibration_of(path, text);
     } catch (const Error& e) {
@@ -295,13 +360,17 @@ Text information(const fs::path& path, const RasterOptions& options) {
 }  // namespace
 
 void add_info_command(Command& program) {
-    Command command = program.add_command("info", "what a mesh, map, image or calibration file holds");
-    const auto path = std::make_shared<fs::path>();
+    Command command = program.add_command(
+        "info", "what a mesh, map, image or calibration file holds; what a run would do with a pair");
+    const auto path = std::make_shared<fs::path>(), right = std::make_shared<fs::path>();
     const auto options = std::make_shared<RasterOptions>();
     command.add_option("FILE", path.get(),
                        "mesh (" + exporters::export_extensions() +
                            "), image, map of disparity or depth, mask, or calibration",
                        {.required = true});
+    command.add_option("RIGHT", right.get(),
+                       "the right picture of a pair: tells what a run would do with both, or why it would "
+                       "refuse them");
     command.add_option("--key", &options->key, "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.add_option(
         "--max-pixels", &options->max_pixels,
@@ -309,12 +378,14 @@ void add_info_command(Command& program) {
         {.value = "N"});
     command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
-        "--key depth\n  hexrelief info calib.txt");
-    command.set_action([path, options] {
+        "--key depth\n  hexrelief info calib.txt\n  hexrelief info left.jpg right.jpg");
+    command.set_action([path, right, options] {
         if (const long long most = options->limits().max_pixels; most < 1 || most > readers::kMaxPixels)
             throw Error(ErrorKind::usage,
                         "--max-pixels: must be from 1 to " + std::to_string(readers::kMaxPixels));
-        std::fputs(information(*path, *options).c_str(), stdout);
+        const Text text =
+            right->empty() ? information(*path, *options) : information_of_pair(*path, *right, *options);
+        std::fputs(text.c_str(), stdout);
         return 0;
     });
 }

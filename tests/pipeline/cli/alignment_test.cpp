@@ -114,6 +114,51 @@ TEST(Alignment, NegativeDisparitiesAreSearched) {
     EXPECT_GT(report["picture"]["meshed_share"].get<double>(), 0.8);
 }
 
+TEST(Alignment, InfoTellsWhatARunWouldDoWithTwoPictures) {
+    const TemporaryFolder folder;
+    const auto told = [&](const StereoPair& pair) {
+        write_picture(folder / "l.pgm", pair.left);
+        write_picture(folder / "r.pgm", pair.right);
+        const ProcessResult result = run_program({"info", folder / "l.pgm", folder / "r.pgm"});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return result.out;
+    };
+    const auto has = [](const std::string& text, const char* part) {
+        return text.find(part) != std::string::npos;
+    };
+    const std::string turned = told(render_pair(kTurned));
+    EXPECT_TRUE(has(turned, "left          pgm, 640 x 480 px\n")) << turned;
+    EXPECT_TRUE(has(turned, "a run         aligned: rows were off by")) << turned;
+    EXPECT_TRUE(has(turned, "mask: keeps")) << turned;
+    EXPECT_TRUE(has(turned, "it warns      ")) << turned;
+    EXPECT_TRUE(has(told(render_pair({})), "a run         alignment: none, rows are off by"));
+    const std::string refused = told(render_pair({.pitch = 2, .yaw = 3, .baseline = 0}));
+    EXPECT_TRUE(has(refused, "it refuses    ") && has(refused, "the camera was turned, not moved"))
+        << refused;
+    expect_failure({"info", folder / "l.pgm", folder / "none.pgm"}, 3, "none.pgm: no such file");
+    expect_failure({"info", folder / "l.pgm", sample("calib.txt")}, 3, "no picture");
+}
+
+TEST(Alignment, InfoNoticesThatAPictureHoldsBothViews) {
+    const TemporaryFolder folder;
+    const StereoPair pair = render_pair(kTurned);
+    // In colour, because grey files may be maps.
+    const auto write = [&](const std::vector<const Image*>& views, const char* name) {
+        std::string colors;
+        for (int y = 0; y < pair.left.height; ++y)
+            for (const Image* view : views)
+                for (int x = 0; x < view->width; ++x) colors.append(3, static_cast<char>(*view->at(x, y)));
+        write_text(folder / name, "P6\n" + std::to_string(views.size() * pair.left.width) + " " +
+                                      std::to_string(pair.left.height) + "\n255\n" + colors);
+    };
+    write({&pair.left, &pair.right}, "both.ppm");
+    const std::string told = run_program({"info", folder / "both.ppm"}).out;
+    EXPECT_NE(told.find("with --layout sbs: its halves show one scene"), std::string::npos) << told;
+    EXPECT_NE(told.find("aligned: rows were off by"), std::string::npos) << told;
+    write({&pair.left}, "one.ppm");
+    EXPECT_EQ(run_program({"info", folder / "one.ppm"}).out.find("as stereo"), std::string::npos);
+}
+
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {
     const TemporaryFolder folder;
     write_picture(folder / "l.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).left);
