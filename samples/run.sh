@@ -8,29 +8,7 @@ tests/install-packages.sh
 tests/build.sh build hexrelief
 
 aloe=build/aloe
-fetch_aloe() {
-    [[ -f $aloe/aloeGT.png ]] && return 0
-    rm -rf "$aloe.part"
-    mkdir -p "$aloe.part/files"
-    echo "Fetching Middlebury Aloe (Debian package opencv-doc, 96 MB)"
-    # Machines made from images often come without apt's package lists.
-    if ! apt-cache show opencv-doc >/dev/null 2>&1; then
-        if [[ $(id -u) -eq 0 ]]; then apt-get -q update; else sudo apt-get -q update; fi >/dev/null 2>&1 || true
-    fi
-    (
-        cd "$aloe.part"
-        # As root apt-get warns that its own user may not write here, which is of no matter.
-        apt-get -q download opencv-doc 2>apt.log >&2 || { grep -v '^W:' apt.log >&2; exit 1; }
-        dpkg-deb --fsys-tarfile opencv-doc_*.deb | tar -x -C files --wildcards --strip-components=7 \
-            './usr/share/doc/opencv-doc/examples/data/aloe*'
-    ) || return 1
-    [[ -f $aloe.part/files/aloeL.jpg && -f $aloe.part/files/aloeR.jpg && -f $aloe.part/files/aloeGT.png ]] || return 1
-    rm -rf "$aloe"
-    mv "$aloe.part/files" "$aloe"
-    rm -rf "$aloe.part"
-}
-
-if fetch_aloe; then
+if samples/fetch_photos.sh "$aloe"; then
     left=$aloe/aloeL.jpg
     pair=(--left "$left" --right $aloe/aloeR.jpg --config config/aloe.yaml)
     truth=(--disparity $aloe/aloeGT.png --color "$left" --config config/aloe.yaml)

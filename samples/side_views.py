@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws what `hexrelief run -o NAME.obj` wrote, with its texture, from 20 degrees to the left and to the right.
 
-usage: side_views.py OUT.jpg FILES_A_ROW A.obj [B.obj ...]
+usage: side_views.py OUT.jpg FILES_A_ROW [--angle=DEGREES] A.obj [B.obj ...]
 Left view and right view of each file; the camera goes around a point as deep as the nearest quarter of the vertices. A file that
 is no .obj is a picture, which stands there as it is. Needs Debian's python3-numpy and python3-pil (python3-matplotlib brings
 both)."""
@@ -81,7 +81,7 @@ def draw(obj, angle, frame):
     return picture
 
 
-def views(path):
+def views(path, angle_deg):
     if not path.endswith(".obj"):
         picture = Image.open(path).convert("RGB")
         return np.asarray(picture.resize((round(picture.width * HEIGHT_PX / picture.height), HEIGHT_PX), Image.Resampling.LANCZOS))
@@ -89,14 +89,15 @@ def views(path):
     pivot = np.array([0, 0, -np.percentile(-obj[0][:, 2], 25)])
     u, v, _ = project(obj[0], pivot, 0)
     frame = (u.min(), v.min(), u.max(), v.max(), pivot)
-    return np.hstack([draw(obj, math.radians(angle), frame) for angle in (-ANGLE_DEG, ANGLE_DEG)])
+    return np.hstack([draw(obj, math.radians(angle), frame) for angle in (-angle_deg, angle_deg)])
 
 
 def main():
     if len(sys.argv) < 4 or not sys.argv[2].isdigit() or sys.argv[2] == "0":
         sys.exit(__doc__)
     out, in_row, paths = sys.argv[1], int(sys.argv[2]), sys.argv[3:]
-    pictures = [np.pad(views(path), ((0, 6), (0, 6), (0, 0)), constant_values=BACKDROP) for path in paths]
+    angle_deg = float(paths.pop(0).removeprefix("--angle=")) if paths[0].startswith("--angle=") else ANGLE_DEG
+    pictures = [np.pad(views(path, angle_deg), ((0, 6), (0, 6), (0, 0)), constant_values=BACKDROP) for path in paths]
     rows = [np.hstack(pictures[i:i + in_row]) for i in range(0, len(pictures), in_row)]
     wide = max(row.shape[1] for row in rows)
     rows = [np.pad(row, ((0, 0), (0, wide - row.shape[1]), (0, 0)), constant_values=BACKDROP) for row in rows]
