@@ -153,7 +153,8 @@ double baselines_of_turn(const Alignment& found, const Calibration& camera, int 
     constexpr double kTangent = 0.364, kMost = 8;  // of 20 degrees; as many as surface.behind takes
     if (!has_camera_of_points(found)) return 1;
     const double median_px = found.disparities.median_px / reduced_by + camera.doffs_px;
-    return std::clamp(kTangent * camera.focal_px / std::max(median_px, 1e-3), 1.0, kMost);
+    return std::clamp(std::round(10 * kTangent * camera.focal_px / std::max(median_px, 1e-3)) / 10, 1.0,
+                      kMost);
 }
 
 std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {

@@ -12,7 +12,12 @@ namespace hexrelief::matching {
 namespace {
 
 constexpr std::int32_t kNoMatch = -1;
-using Sources = std::array<std::int32_t, step::kDirections>;  // pixels y * width + x
+using Sources = std::array<std::int32_t, step::kDirections>;  // pixels as packed() has them
+
+// A pixel in one number; sides of pairs are below 2^15 px.
+std::int32_t packed(int x, int y) {
+    return y << 16 | x;
+}
 
 // The nearest known pixels of each unknown pixel. Unknown pixels are numbered row by row.
 class NearestKnown {
@@ -51,7 +56,7 @@ class NearestKnown {
             const int x = backward ? map_.width - 1 - i : i;
             std::int32_t& source = here[static_cast<std::size_t>(x) + 1];
             if (row[x] != kUnknown16) {
-                source = y * map_.width + x;
+                source = packed(x, y);
                 continue;
             }
             source = from[static_cast<std::size_t>(x + 1 + dx)];
@@ -68,7 +73,7 @@ class NearestKnown {
 // Returns the disparity at (x, y) of the plane through a known pixel.
 int on_plane_of(DisparityView map, const Slopes& slopes, std::int32_t source, int x, int y) {
     if (source == kNoMatch) return kUnknown16;
-    const int from_x = source % map.width, from_y = source / map.width;
+    const int from_x = source & 0xffff, from_y = source >> 16;
     return step::on_plane(map.at(from_x, from_y), slopes.x.view().at(from_x, from_y),
                           slopes.y.view().at(from_x, from_y), x - from_x, y - from_y);
 }
