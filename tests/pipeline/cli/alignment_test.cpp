@@ -56,6 +56,7 @@ TEST(Alignment, AnUnrectifiedPairIsMeshedInMetres) {
     EXPECT_NEAR(report["depth_range"][0].get<double>(), 2, 0.2);
     EXPECT_NEAR(report["depth_range"][1].get<double>(), 6, 1);
     EXPECT_GT(report["picture"]["meshed_share"].get<double>(), 0.8);
+    EXPECT_GT(report["config"]["surface"]["behind"].get<double>(), 5) << "a turn by 20 degrees looks so far";
     EXPECT_TRUE(std::filesystem::exists(folder / "stages/left_rectified.png"));
     // The report's camera is that of the rectified pictures.
     const std::string camera = read_text(folder / "stages/calib.txt"), key = "doffs_px: ";
@@ -66,10 +67,11 @@ TEST(Alignment, AnUnrectifiedPairIsMeshedInMetres) {
 
 TEST(Alignment, WithoutACameraTheMedianDepthIsOne) {
     const TemporaryFolder folder;
-    const ProcessResult result = run_on(render_pair(kTurned), folder, {});
+    const ProcessResult result = run_on(render_pair(kTurned), folder, {"--set", "surface.behind=2"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const nlohmann::json report = report_in(folder);
     EXPECT_FALSE(report["surface"]["metric"].get<bool>());
+    EXPECT_EQ(report["config"]["surface"]["behind"], 2) << "as it was given";
     EXPECT_GT(report["depth_range"][0].get<double>(), 0.3);
     EXPECT_LT(report["depth_range"][0].get<double>(), 1);
     EXPECT_GT(report["depth_range"][1].get<double>(), 1);
@@ -81,6 +83,7 @@ TEST(Alignment, NeverLeavesThePairAsItIs) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(result.err.find("rows differ"), std::string::npos) << result.err;
     EXPECT_TRUE(report_in(folder)["input"]["alignment"].is_null());
+    EXPECT_EQ(report_in(folder)["config"]["surface"]["behind"], 1);
 }
 
 TEST(Alignment, ARectifiedPairHasTheSameBytesAsWithNever) {
@@ -157,6 +160,17 @@ TEST(Alignment, InfoNoticesThatAPictureHoldsBothViews) {
     EXPECT_NE(told.find("aligned: rows were off by"), std::string::npos) << told;
     write({&pair.left}, "one.ppm");
     EXPECT_EQ(run_program({"info", folder / "one.ppm"}).out.find("as stereo"), std::string::npos);
+}
+
+TEST(Alignment, AMaskForAPairThatHasToBeAlignedIsRefusedInOneLine) {
+    const TemporaryFolder folder;
+    const StereoPair pair = render_pair(kTurned);
+    write_picture(folder / "mask.pgm", {640, 480, 1, std::vector<std::uint8_t>(640 * 480, 255)});
+    const ProcessResult result = run_on(pair, folder, {"--mask", folder / "mask.pgm"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_NE(result.err.find("the mask is for the left picture as it is, but the pair has to be aligned"),
+              std::string::npos)
+        << result.err;
 }
 
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {

@@ -89,6 +89,20 @@ TEST(Reduction, HalvesSoftPicturesAsLongAsTheyKeepTheirSize) {
     EXPECT_EQ(reduction_of_soft(grain(1800, 0), 1000, 2), 2);
 }
 
+TEST(Reduction, HalvesSoftPicturesOnlyIfTheirPointsSayTheCamera) {
+    const Image soft = grain(1800, 8);
+    const auto reduced_by = [&](std::optional<alignment::Verdict> verdict) {
+        RunInput input{InputPair{{soft, soft}}};
+        if (verdict) std::get<InputPair>(input.views).alignment.emplace().verdict = *verdict;
+        input.calibration = {800, 900, 675, 0.1, 3, true, 1800, 1350, 33};
+        reduce_pair(input, {}, 1, {});
+        return input.reduced_by();
+    };
+    EXPECT_EQ(reduced_by(std::nullopt), 1);
+    EXPECT_EQ(reduced_by(alignment::Verdict::rectified), 1);
+    EXPECT_EQ(reduced_by(alignment::Verdict::aligned), 2);
+}
+
 TEST(Reduction, KeepsWhatTheRangeHolds) {
     stages::DisparityConfig config;
     config.min_disparity_px = -5;
