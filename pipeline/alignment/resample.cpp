@@ -118,6 +118,15 @@ void drop_unseen(std::vector<std::uint8_t>& left, const std::vector<std::uint8_t
     }
 }
 
+// Returns the disparity up to which a left pixel has to be seen by the right view: that of the nearest
+// things, or, if the strip that shows only near things is narrow, nearly that of the farthest ones. In that
+// strip bare sky or wall would match as if it were near.
+double reach_of(const DisparityBounds& bounds, int width) {
+    constexpr double kNarrow = 0.05, kFar = 0.25, kBeyond = 0.1;  // of the width; of the spread
+    const double spread = bounds.largest_px - bounds.least_px;
+    return spread < kNarrow * width ? bounds.least_px + kFar * spread : bounds.largest_px + kBeyond * spread;
+}
+
 // Sets to 0 what lies within kBorder of a 0, along both sides.
 void erode(std::vector<std::uint8_t>& seen, int width, int height) {
     cv::Mat mask(height, width, CV_8UC1, seen.data());
@@ -145,9 +154,8 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
         left.image.alpha = resampled(alpha, in_left, canvas, cv::INTER_NEAREST, pool).image.pixels;
     }
     fill_unknown(right);
-    const double spread = alignment.disparities.largest_px - alignment.disparities.least_px;
     drop_unseen(left.known, right.known, canvas.width,
-                static_cast<int>(alignment.disparities.largest_px + 0.1 * spread) + kBorder);
+                static_cast<int>(reach_of(alignment.disparities, canvas.width)) + kBorder);
     erode(left.known, canvas.width, canvas.height);
     erode(right.known, canvas.width, canvas.height);
     return {{std::move(left.image), std::move(right.image)}, std::move(left.known), std::move(right.known)};

@@ -119,6 +119,33 @@ TEST(Alignment, TheAlignedPairIsRectified) {
     EXPECT_NEAR(again.disparities.largest_px, alignment.disparities.largest_px, 1.5);
 }
 
+// Returns how many left pixels are kept though the right view shows nothing at these disparities or less.
+int seen_only_nearer(const AlignedPair& aligned, double disparity_px) {
+    constexpr int kEroded = 5;  // of both views' borders
+    const int width = aligned.pair.left.width, reach = static_cast<int>(disparity_px) + kEroded;
+    int count = 0;
+    for (int y = 0; y < aligned.pair.left.height; ++y) {
+        const auto row = aligned.right_seen.begin() + static_cast<std::ptrdiff_t>(y) * width;
+        for (int x = reach; x < width; ++x)
+            count += aligned.seen[static_cast<std::size_t>(y) * width + x] != 0 &&
+                     std::find(row + x - reach, row + x + 1, 1) == row + x + 1;
+    }
+    return count;
+}
+
+TEST(Alignment, ANarrowStripThatShowsOnlyNearThingsIsDropped) {
+    for (const bool is_narrow : {true, false}) {
+        const TurnedCameras cameras{.pitch = 1, .yaw = -6, .roll = 1, .baseline = is_narrow ? 0.1 : 0.4};
+        const StereoPair pair = render_pair(cameras);
+        const Alignment alignment = find_alignment(pair, {cameras.focal_px}, kThreads);
+        ASSERT_EQ(alignment.verdict, Verdict::aligned) << alignment.reason;
+        const DisparityBounds& bounds = alignment.disparities;
+        const double far_px = bounds.least_px + 0.25 * (bounds.largest_px - bounds.least_px);
+        const int only_near = seen_only_nearer(aligned_pair(pair, alignment, kThreads), far_px);
+        EXPECT_EQ(only_near == 0, is_narrow) << only_near << " px";
+    }
+}
+
 TEST(Alignment, RectifiedPairsStayAsTheyAre) {
     EXPECT_EQ(aligned_by({}, 0).verdict, Verdict::rectified);
     EXPECT_EQ(aligned_by({.pitch = 0.02}, 0).verdict, Verdict::rectified);
