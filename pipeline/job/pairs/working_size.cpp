@@ -15,7 +15,7 @@ constexpr int kLeastSide_px = 16;       // matching needs as many columns
 constexpr int kLeastSoftSide_px = 900;  // the longer side of a picture that was halved because it is soft
 // Of soft pictures: the mean square of their second differences over that of half their size. A smooth
 // signal has 1/16, white noise 4.
-constexpr double kSoftShare = 0.22;
+constexpr double kSoftShare = 0.28;
 
 // Returns the image without the columns and rows that a reduction would leave over.
 Image cut_for(int by, Image image) {
