@@ -165,7 +165,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
         if (config.surface.views == SurfaceViews::both && input.is_whole())
             relief.right = log.stage("right view", [&] {
                 return by_program ? right_view_of_program(*pair, *by_program, range, threads)
-                                  : matched_right_view(*pair, as_matched, range, *relief.backend);
+                                  : unmatched_right_view(*pair, range, threads);
             });
     }
     return relief;

@@ -15,8 +15,11 @@ namespace {
 constexpr double kSetBack_px = 0.3;   // more than the noise of a match
 constexpr double kFarther_px = 1;     // of this view: a guess that is so much farther than all else is wrong
 constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
-constexpr int kSplits = 2;            // of a triangle that is partly in front
-constexpr int kMoves = 8;             // a vertex that moves is before another place of the surface
+constexpr double kMostPush_px = 1;    // what is farther in front lies beside a silhouette
+constexpr int kPushes = 3;
+constexpr double kSamples_per_px = 2;
+constexpr int kSplits = 2;  // of a triangle that is partly in front
+constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
 
 SeenSurface eroded(const SeenSurface& surface, int threads) {
     SeenSurface result = surface;
@@ -49,23 +52,44 @@ std::array<ViewPoint, 3> corners_of(const DisparityMesh& mesh, const Triangle& t
     return corners;
 }
 
-// True if `is_found` is true for one of the points of a triangle about half a pixel apart, of the left view's
-// pixels.
-template <class IsFound>
-bool any_inside(const std::array<ViewPoint, 3>& corners, double scale, const IsFound& is_found) {
+// Returns how far, in px of the left view, a triangle of this view is in front of what cameras see, at points
+// of it about a pixel apart; 0 = not at all. What is farther in front than `most` does not count.
+double in_front_px(const std::array<ViewPoint, 3>& corners, const ViewPlace& place,
+                   const VisibleSurface& surface, double most) {
     const auto& [a, b, c] = corners;
     const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
                                      std::abs(c.y - a.y), std::abs(b.d - a.d), std::abs(c.d - a.d)});
-    const int steps = 1 + static_cast<int>(2 * scale * longest);
+    const int steps = 1 + static_cast<int>(kSamples_per_px * place.scale * longest);
+    double largest = 0;
     for (int i = 0; i <= steps; ++i)
         for (int j = 0; i + j <= steps; ++j) {
             const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
                          w = 1 - u - v;
-            if (is_found(
-                    {u * a.x + v * b.x + w * c.x, u * a.y + v * b.y + w * c.y, u * a.d + v * b.d + w * c.d}))
-                return true;
+            const ViewPoint in_left = place.to_left(
+                {u * a.x + v * b.x + w * c.x, u * a.y + v * b.y + w * c.y, u * a.d + v * b.d + w * c.d});
+            for (const SeenSurface& seen : surface.seen)
+                if (const double d = in_left.d - seen.limit_at(in_left); d > largest && d <= most)
+                    largest = d;
         }
-    return false;
+    return largest;
+}
+
+// Moves the vertices of triangles that are a little in front of the surface away from the camera.
+void push_back(DisparityMesh& mesh, const ViewPlace& place, const VisibleSurface& surface) {
+    const float least = static_cast<float>(surface.least_px / place.scale);
+    std::vector<double> pushes;
+    for (int round = 0; round < kPushes; ++round) {
+        pushes.assign(mesh.points.size(), 0);
+        for (const Triangle& t : mesh.triangles) {
+            if (!is_placed(mesh, t)) continue;
+            const double d = in_front_px(corners_of(mesh, t), place, surface, kMostPush_px);
+            if (d <= kInFront_px) continue;
+            for (const std::uint32_t v : t) pushes[v] = std::max(pushes[v], d / place.scale);
+        }
+        for (std::size_t v = 0; v < pushes.size(); ++v)
+            if (pushes[v] > 0)
+                mesh.disparities[v] = std::max(static_cast<float>(mesh.disparities[v] - pushes[v]), least);
+    }
 }
 
 // The vertices in the middle of edges, by the edges' ends.
@@ -143,6 +167,15 @@ VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPl
     return surface;
 }
 
+void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads) {
+    for (std::size_t i = 0; i < surface.seen.size(); ++i) {
+        std::vector<double>& seen = surface.seen[i].disparities;
+        const SeenSurface nearer = see(added, surface.seen[i].place, threads);
+        for (std::size_t k = 0; k < seen.size(); ++k) seen[k] = std::max(seen[k], nearer.disparities[k]);
+        surface.eroded[i] = eroded(surface.seen[i], threads);
+    }
+}
+
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface) {
     for (int moves = 0; moves < kMoves; ++moves) {
         const ViewPoint in_left = place.to_left(point);
@@ -161,14 +194,11 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
         const Vec2f& p = cut_mesh.points[i];
         cut_mesh.disparities[i] = behind({p.x, p.y, cut_mesh.disparities[i]}, place, surface);
     }
-    const auto is_out = [&](const ViewPoint& point) {
-        const ViewPoint in_left = place.to_left(point);
-        return std::any_of(surface.seen.begin(), surface.seen.end(), [&](const SeenSurface& seen) {
-            return in_left.d > seen.limit_at(in_left) + kInFront_px;
-        });
-    };
+    push_back(cut_mesh, place, surface);
+    constexpr double kAny = std::numeric_limits<double>::infinity();
     const auto is_kept = [&](const Triangle& t) {
-        return is_placed(cut_mesh, t) && !any_inside(corners_of(cut_mesh, t), place.scale, is_out);
+        return is_placed(cut_mesh, t) &&
+               in_front_px(corners_of(cut_mesh, t), place, surface, kAny) <= kInFront_px;
     };
     Middles middles;
     const auto add_middle = [&](std::uint32_t a, std::uint32_t b) {

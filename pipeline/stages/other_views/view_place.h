@@ -51,13 +51,16 @@ struct VisibleSurface {
 };
 VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
                                double least_px, int threads);
+// Adds another part of the surface to what the cameras see. Its least_px stays.
+void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads);
 
 // Returns the disparity, in px of this view, of a point moved away from its camera until it is behind the
 // surface for all cameras. Unknown if it would be farther than anything.
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface);
 
-// Moves the vertices of a cut mesh of this view so, and drops the parts of it that are in front of the
-// surface all the same, or too far.
+// Moves the vertices of a cut mesh of this view so, and those of triangles that are in front of the surface
+// by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, and
+// those that are too far.
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface);
 
 // Returns a surface of this view in the left camera's space. Its image points and disparities are the left
