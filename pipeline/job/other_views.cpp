@@ -19,7 +19,7 @@ using stages::ViewPlace;
 
 constexpr int kReduced = 4;               // what continues behind the left view's silhouettes is smooth
 constexpr double kCoarser = 3;            // spacing of the other views: what has no match has little detail
-constexpr int kHalf = 2;                  // holes of the right view are filled at half its size
+constexpr int kFilled = 3;                // holes of the right view are filled at a third of its size
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kFittingSpacings = 4;    // of solve_mesh() in the shorter side
@@ -62,42 +62,6 @@ void show(OtherView& view, const stages::SeenSurface& here) {
     for (std::size_t i = 0; i < here.disparities.size(); ++i)
         if (here.disparities[i] != stages::kNotCovered)
             view.map.values[i] = static_cast<float>(here.disparities[i]);
-}
-
-// Returns the map of the right view by the surface and the left view's background: what neither of them shows
-// lies on the planes of those around it, on whose side its colours tell. Empty if they show nothing.
-DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
-                            int threads) {
-    const int width = right.place.width, height = right.place.height;
-    DisparityMap map{width, height, std::vector<float>(here.disparities.size(), kUnknownDisparity)};
-    for (std::size_t i = 0; i < map.values.size(); ++i)
-        if (here.disparities[i] != stages::kNotCovered)
-            map.values[i] = static_cast<float>(here.disparities[i]);
-    for (int y = 0; y < height && left.density.background_px > 0; ++y)
-        for (int x = 0; x < width; ++x) {
-            const float d = left.meshed.at(x, y);
-            if (!DisparityMap::known(d) || d >= left.density.background_px) continue;
-            const double there = right.place.from_left({x + 0.5, y + 0.5, d}).x;
-            if (!(there >= 0 && there < width)) continue;
-            const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(there);
-            if (here.disparities[pixel] == stages::kNotCovered)
-                map.values[pixel] = std::max(map.values[pixel], d);
-        }
-    DisparityMap half{std::max(1, width / kHalf), std::max(1, height / kHalf), {}};
-    for (int y = 0; y < half.height; ++y)
-        for (int x = 0; x < half.width; ++x)
-            half.values.push_back(map.at(std::min(width - 1, kHalf * x), std::min(height - 1, kHalf * y)));
-    if (std::none_of(half.values.begin(), half.values.end(), DisparityMap::known)) return map;
-    half = densify::fill_holes(
-        half, right.color.empty() ? Image{} : exporters::resized(right.color, half.width, half.height),
-        threads);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            float& d = map.at(x, y);
-            if (!DisparityMap::known(d))
-                d = half.at(std::min(half.width - 1, x / kHalf), std::min(half.height - 1, y / kHalf));
-        }
-    return map;
 }
 
 void drop_background(OtherView& right, float background_px) {
@@ -153,6 +117,43 @@ void add_texture(SurfaceResult::OtherViews& others, const Image& left, SurfaceMe
 
 }  // namespace
 
+DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
+                            int threads) {
+    const int width = right.place.width, height = right.place.height;
+    DisparityMap map{width, height, std::vector<float>(here.disparities.size(), kUnknownDisparity)};
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        if (here.disparities[i] != stages::kNotCovered)
+            map.values[i] = static_cast<float>(here.disparities[i]);
+    for (int y = 0; y < height && left.density.background_px > 0; ++y)
+        for (int x = 0; x < width; ++x) {
+            const float d = left.meshed.at(x, y);
+            if (!DisparityMap::known(d) || d >= left.density.background_px) continue;
+            const double there = right.place.from_left({x + 0.5, y + 0.5, d}).x;
+            if (!(there >= 0 && there < width)) continue;
+            const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(there);
+            float& nearest = map.values[pixel];
+            if (here.disparities[pixel] == stages::kNotCovered &&
+                (!DisparityMap::known(nearest) || nearest < d))
+                nearest = d;
+        }
+    DisparityMap small{std::max(1, width / kFilled), std::max(1, height / kFilled), {}};
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x)
+            small.values.push_back(
+                map.at(std::min(width - 1, kFilled * x), std::min(height - 1, kFilled * y)));
+    if (std::none_of(small.values.begin(), small.values.end(), DisparityMap::known)) return map;
+    small = densify::fill_holes(
+        small, right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height),
+        threads);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            float& d = map.at(x, y);
+            if (!DisparityMap::known(d))
+                d = small.at(std::min(small.width - 1, x / kFilled), std::min(small.height - 1, y / kFilled));
+        }
+    return map;
+}
+
 OtherView unmatched_right_view(const InputPair& pair, const stages::FoundRange& range, int threads) {
     return right_view({}, pair, range, threads);
 }
@@ -196,7 +197,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
-        stages::cover(visible, sheet, threads);
+        if (other.place.right > 0 && behind > 0) stages::cover(visible, sheet, threads);
         others.views.push_back(std::move(other));
     };
     if (right) {

@@ -18,6 +18,12 @@ stages::OtherView right_view_of_program(const InputPair& pair, const stages::Vie
 void complete_right_view(stages::OtherView& right, const LeftView& left, const DisparityResult& disparity,
                          const readers::PixelMask& mask, int threads);
 
+// Returns the map of the right view, which needs its place, by the surface and the left view's background:
+// what neither of them shows lies on the planes of those around it, on whose side its colours tell. here: the
+// surface as the right view shows it. All is unknown if both show nothing.
+DisparityMap map_by_surface(const stages::OtherView& right, const stages::SeenSurface& here,
+                            const LeftView& left, int threads);
+
 // Adds to the left view's surface what only the right camera sees, and what no camera saw behind silhouettes,
 // with a texture of all of it.
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,

@@ -98,31 +98,42 @@ Continued continued_in(const std::vector<double>& front, const ViewPlace& place,
     return result;
 }
 
+std::vector<std::size_t> pixels_of(const Continued& continued) {
+    std::vector<std::size_t> pixels;
+    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
+        if (continued.disparities[i] != kNotCovered) pixels.push_back(i);
+    return pixels;
+}
+
+// Calls take(i) for the neighbours i of a pixel beside, above and below it.
+template <class Take>
+void for_four_neighbours(std::size_t pixel, const ViewPlace& place, const Take& take) {
+    const auto width = static_cast<std::size_t>(place.width);
+    if (pixel % width > 0) take(pixel - 1);
+    if (pixel % width + 1 < width) take(pixel + 1);
+    if (pixel >= width) take(pixel - width);
+    if (pixel + width < width * place.height) take(pixel + width);
+}
+
 // Makes lines that continue one surface agree.
-void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place, int threads) {
-    const int width = place.width, height = place.height;
+void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place) {
+    const std::vector<std::size_t> pixels = pixels_of(continued);
+    std::vector<double>& disparities = continued.disparities;
+    std::vector<double> smoothed(pixels.size());
     for (int round = 0; round < kSmoothings; ++round) {
-        const std::vector<double> before = continued.disparities;
-        for_row_bands(height, threads, [&](int begin, int end) {
-            for (int y = begin; y < end; ++y)
-                for (int x = 0; x < width; ++x) {
-                    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
-                    if (before[pixel] == kNotCovered) continue;
-                    double sum = before[pixel];
-                    int count = 1;
-                    const auto add = [&](std::size_t other) {
-                        const double d = before[other] == kNotCovered ? front[other] : before[other];
-                        if (std::abs(d - before[pixel]) > kNeighbours_px) return;
-                        sum += d;
-                        ++count;
-                    };
-                    if (x > 0) add(pixel - 1);
-                    if (x + 1 < width) add(pixel + 1);
-                    if (y > 0) add(pixel - width);
-                    if (y + 1 < height) add(pixel + width);
-                    continued.disparities[pixel] = sum / count;
-                }
-        });
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            const double own = disparities[pixels[i]];
+            double sum = own;
+            int count = 1;
+            for_four_neighbours(pixels[i], place, [&](std::size_t other) {
+                const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
+                if (std::abs(d - own) > kNeighbours_px) return;
+                sum += d;
+                ++count;
+            });
+            smoothed[i] = sum / count;
+        }
+        for (std::size_t i = 0; i < pixels.size(); ++i) disparities[pixels[i]] = smoothed[i];
     }
 }
 
@@ -141,23 +152,17 @@ void paint(Image& picture, const ViewPlace& place, std::size_t pixel, const Imag
 
 // Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
 void spread_colours(Continued& continued, const OtherView& view, const std::vector<double>& front) {
-    const auto width = static_cast<std::size_t>(view.place.width);
-    for (int round = 0; round < kSpread; ++round) {
-        const std::vector<double> before = continued.disparities;
-        for (std::size_t i = 0; i < before.size(); ++i) {
-            const auto take = [&](std::size_t from) {
-                if (continued.disparities[i] != kNotCovered || before[from] == kNotCovered ||
-                    DisparityMap::known(view.missing.values[i]) || front[i] - before[from] <= kOneSurface_px)
+    std::vector<std::size_t> pixels = pixels_of(continued);
+    for (int round = 0; round < kSpread; ++round)
+        for (std::size_t from : std::exchange(pixels, {}))
+            for_four_neighbours(from, view.place, [&](std::size_t i) {
+                if (continued.disparities[i] != kNotCovered || DisparityMap::known(view.missing.values[i]) ||
+                    front[i] - continued.disparities[from] <= kOneSurface_px)
                     return;
-                continued.disparities[i] = before[from];
+                continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];
-            };
-            if (i % width > 0) take(i - 1);
-            if (i % width + 1 < width) take(i + 1);
-            if (i >= width) take(i - width);
-            if (i + width < before.size()) take(i + width);
-        }
-    }
+                pixels.push_back(i);
+            });
 }
 
 void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
@@ -240,7 +245,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     Continued continued = continued_in(front, place, beyond);
     for (std::size_t i = 0; i < front.size(); ++i)
         if (DisparityMap::known(view.missing.values[i])) continued.disparities[i] = kNotCovered;
-    smooth(continued, front, place, threads);
+    smooth(continued, front, place);
     for_row_bands(place.height, threads, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < place.width; ++x) {
