@@ -12,6 +12,7 @@ namespace {
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
 constexpr int kMixed = 1;             // pixels at the end of a surface whose colours are mixed
+constexpr int kSoft_px = 2;           // averages of colours
 constexpr int kLongestShare = 8;      // of a view's side
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
@@ -137,19 +138,6 @@ void smooth(Continued& continued, const std::vector<double>& front, const ViewPl
     }
 }
 
-// Paints a pixel of the view into a picture of another size.
-void paint(Image& picture, const ViewPlace& place, std::size_t pixel, const Image& from,
-           std::size_t colour_of) {
-    const auto column = [&](int x) { return x * picture.width / place.width; };
-    const auto row = [&](int y) { return y * picture.height / place.height; };
-    const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
-    const int from_x = static_cast<int>(colour_of % place.width),
-              from_y = static_cast<int>(colour_of / place.width);
-    for (int v = row(y); v < row(y + 1); ++v)
-        for (int u = column(x); u < column(x + 1); ++u)
-            std::copy_n(from.at(column(from_x), row(from_y)), picture.channels, picture.at(u, v));
-}
-
 // Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
 void spread_colours(Continued& continued, const OtherView& view, const std::vector<double>& front) {
     std::vector<std::size_t> pixels = pixels_of(continued);
@@ -165,12 +153,34 @@ void spread_colours(Continued& continued, const OtherView& view, const std::vect
             });
 }
 
+// Paints what continues into a picture of any size, in colours averaged over the pixels of one surface around
+// each: lines that continue beside each other have colours from different distances.
 void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
     if (picture.empty()) return;
     const Image before = picture;
-    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
-        if (continued.disparities[i] != kNotCovered)
-            paint(picture, place, i, before, continued.colours_of[i]);
+    const auto column = [&](int x) { return x * picture.width / place.width; };
+    const auto row = [&](int y) { return y * picture.height / place.height; };
+    const auto width = static_cast<std::size_t>(place.width);
+    for (const std::size_t pixel : pixels_of(continued)) {
+        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        int sums[4] = {}, count = 0;
+        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v)
+            for (int u = std::max(0, x - kSoft_px); u <= std::min(place.width - 1, x + kSoft_px); ++u) {
+                const std::size_t other = v * width + u;
+                if (!(std::abs(continued.disparities[other] - continued.disparities[pixel]) <=
+                      kNeighbours_px))
+                    continue;
+                const std::size_t from = continued.colours_of[other];
+                const std::uint8_t* const color =
+                    before.at(column(static_cast<int>(from % width)), row(static_cast<int>(from / width)));
+                for (int c = 0; c < picture.channels; ++c) sums[c] += color[c];
+                ++count;
+            }
+        for (int v = row(y); v < row(y + 1); ++v)
+            for (int u = column(x); u < column(x + 1); ++u)
+                for (int c = 0; c < picture.channels; ++c)
+                    picture.at(u, v)[c] = static_cast<std::uint8_t>((sums[c] + count / 2) / count);
+    }
 }
 
 // Calls take(i) for the neighbours i of a pixel, in the order of rows.
