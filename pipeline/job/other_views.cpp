@@ -10,6 +10,7 @@
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/noise.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
+#include "pipeline/stages/other_views/provenance.h"
 
 namespace hexrelief::job {
 namespace {
@@ -18,7 +19,7 @@ using stages::OtherView;
 using stages::ViewPlace;
 
 constexpr int kReduced = 4;               // what continues behind the left view's silhouettes is smooth
-constexpr double kCoarser = 3;            // spacing of the other views: what has no match has little detail
+constexpr double kCoarser = 3.5;          // spacing of the other views: what has no match has little detail
 constexpr int kFilled = 3;                // holes of the right view are filled at a third of its size
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
@@ -197,7 +198,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
-        if (other.place.right > 0 && behind > 0) stages::cover(visible, sheet, threads);
+        if (other.place.right > 0) stages::cover(visible, sheet, threads);
         others.views.push_back(std::move(other));
     };
     if (right) {
@@ -221,6 +222,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(left), here);
     }
     if (others.views.empty()) return;
+    mesh.provenance = stages::provenance_of(mesh, visible.seen);
     add_texture(others, view.texture, mesh);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
@@ -233,13 +235,15 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
     if (!finest.others) return;
     const int threads = backend.threads();
     if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
+    stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
-        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
         stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
+        if (other.place.right > 0) stages::cover(visible, sheet, threads);
     }
+    mesh.provenance = stages::provenance_of(mesh, visible.seen);
 }
 
 }  // namespace hexrelief::job
