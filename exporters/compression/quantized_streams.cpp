@@ -244,7 +244,8 @@ void order_for_meshopt(QuantizedMesh& out) {
     const std::size_t used =
         meshopt_optimizeVertexFetchRemap(order.data(), indices.data(), indices.size(), vertices);
     meshopt_remapIndexBuffer(out.indices.data(), indices.data(), indices.size(), order.data());
-    for (VertexStream* stream : {&out.positions, &out.normals, &out.texcoords}) reorder(*stream, order, used);
+    for (VertexStream* stream : {&out.positions, &out.normals, &out.texcoords, &out.provenance})
+        reorder(*stream, order, used);
 }
 
 }  // namespace
@@ -263,6 +264,8 @@ QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* cam
     add_positions(out, textured, camera, config, meshopt);
     if (!mesh.normals.empty()) add_normals(out, mesh, config.tolerance_deg, meshopt);
     if (!mesh.texcoords.empty()) add_texcoords(out, textured, config.tolerance_px);
+    out.provenance = make_stream<std::uint8_t>(
+        mesh.provenance.size(), 1, [&](std::size_t i, int) { return static_cast<int>(mesh.provenance[i]); });
     out.indices.reserve(3 * mesh.triangles.size());
     for (const Triangle& t : mesh.triangles) out.indices.insert(out.indices.end(), t.begin(), t.end());
     if (meshopt) order_for_meshopt(out);

@@ -25,7 +25,7 @@ struct VertexStream {
 };
 
 struct QuantizedMesh {
-    VertexStream positions, normals, texcoords;  // count 0 = attribute is missing
+    VertexStream positions, normals, texcoords, provenance;  // count 0 = attribute is missing
     std::vector<std::uint32_t> indices;
     FileTransform transform;
     std::array<double, 2> texcoord_scale = {1, 1};

@@ -35,10 +35,13 @@ std::string header(const Scene& scene, bool normals, bool colours) {
     std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
     text += std::string("comment ") + (mesh.metric ? "metres" : "relative units") +
             ", +Y up, camera at the origin looking along -Z\n";
+    if (!mesh.provenance.empty())
+        text += "comment provenance: the cameras that saw a vertex, 0 both, 1 left, 2 right, 3 nobody\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
     text += "property float x\nproperty float y\nproperty float z\n";
     if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
     if (colours) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    if (!mesh.provenance.empty()) text += "property uchar provenance\n";
     text += "element face " + std::to_string(mesh.triangles.size()) + "\n";
     return text + "property list uchar int vertex_indices\nend_header\n";
 }
@@ -49,7 +52,8 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
     const bool normals = config.normals != NormalsKind::never && !mesh.normals.empty();
     const bool colours = scene.texture && config.texture != TextureFormat::none;
     std::string bytes = header(scene, normals, colours);
-    const std::size_t vertex_size = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);
+    const std::size_t vertex_size =
+        12 + (normals ? 12 : 0) + (colours ? 3 : 0) + (mesh.provenance.empty() ? 0 : 1);
     const std::size_t start = bytes.size();
     bytes.resize(start + vertex_size * mesh.positions.size() + 13 * mesh.triangles.size());
     char* next = bytes.data() + start;
@@ -61,6 +65,7 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
         put(&mesh.positions[i], 12);
         if (normals) put(&mesh.normals[i], 12);
         if (colours) put(sample(*scene.texture, mesh.texcoords[i]).data(), 3);
+        if (!mesh.provenance.empty()) put(&mesh.provenance[i], 1);
     }
     for (const Triangle& triangle : mesh.triangles) {
         *next++ = 3;

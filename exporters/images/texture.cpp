@@ -87,6 +87,7 @@ SurfaceMesh left_view_of(const SurfaceMesh& mesh, int width, int height) {
     for (std::vector<Vec2f>* values : {&left.texcoords, &left.image_points}) values->resize(count);
     for (std::vector<Vec3f>* values : {&left.positions, &left.normals}) values->resize(count);
     left.disparities.resize(count);
+    left.provenance.clear();
     left.triangles.resize(mesh.left_triangles());
     left.parts.clear();
     const float columns = static_cast<float>(width), rows = static_cast<float>(height);

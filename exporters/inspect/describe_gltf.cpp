@@ -9,6 +9,7 @@
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/inspect/gltf_places.h"
 #include "pipeline/data/nesting.h"
+#include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief::inspect {
 namespace {
@@ -208,8 +209,11 @@ std::optional<Vec3f> corner(const Source& source, const Json& accessor, const ch
     return Vec3f{(*it)[0].get<float>() / scale, (*it)[1].get<float>() / scale, (*it)[2].get<float>() / scale};
 }
 
-// Adds the bytes of an accessor's buffer view in the file.
+// Adds the bytes of an accessor's buffer view in the file, and of those of a sparse one.
 void add_bytes(const Source& source, const std::string& name, const Json& accessor, MeshDescription& out) {
+    if (accessor.contains("sparse"))
+        for (const char* const part : {"indices", "values"})
+            add_bytes(source, name, accessor["sparse"].at(part), out);
     if (!accessor.contains("bufferView")) return;
     const Json& view = item(source, "bufferViews", integer(source, accessor, "bufferView"));
     const Json* compressed = meshopt_extension(view);
@@ -251,6 +255,12 @@ void add_primitive(const Source& source, const Json& primitive, std::size_t leve
     out.normals |= attributes->contains("NORMAL");
     out.texcoords |= attributes->contains("TEXCOORD_0");
     out.colors |= attributes->contains("COLOR_0");
+    if (level == 0 && attributes->contains("_PROVENANCE")) {
+        const Json& provenance = accessor_at(source, integer(source, *attributes, "_PROVENANCE"));
+        const Json extras = provenance.value("extras", Json::object());
+        for (std::size_t k = 0; extras.is_object() && k < out.provenance.size(); ++k)
+            out.provenance[k] += integer(source, extras, kProvenanceNames[k], 0);
+    }
     for (const auto& [name, index] : attributes->items()) {
         if (!index.is_number_integer() || index.get<double>() < 0)
             fail_reading(source.path, "an attribute is no index");

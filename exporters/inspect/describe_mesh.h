@@ -1,6 +1,7 @@
 // Describes the contents of a mesh file.
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,8 @@ struct MeshDescription {
     bool normals = false;
     bool texcoords = false;
     bool colors = false;
+    // Vertices by the cameras that saw them, as Provenance; all 0 = the file does not tell.
+    std::array<long long, 4> provenance = {};
     std::string compression = "none";  // of the geometry, in the terms of export.compression
     // "POSITION" .. "indices", or one entry "Draco"
     std::vector<std::pair<std::string, long long>> geometry_bytes;

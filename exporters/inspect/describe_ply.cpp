@@ -201,6 +201,9 @@ class PlyReader {
                 continue;
             }
             const double value = next_number(property.type);
+            if (is_vertex && property.name == "provenance" && value >= 0 &&
+                value < static_cast<double>(out_.provenance.size()))
+                ++out_.provenance[static_cast<std::size_t>(value)];
             if (!is_vertex || property.name.size() != 1) continue;
             float* const targets[] = {&point.x, &point.y, &point.z};
             const int axis = property.name[0] - 'x';

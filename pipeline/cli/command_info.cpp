@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "exporters/exporter.h"
@@ -71,6 +72,16 @@ void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
     line(text, "attributes",
          std::string("positions") + (mesh.normals ? ", normals" : "") +
              (mesh.texcoords ? ", texture coordinates" : "") + (mesh.colors ? ", colours" : ""));
+    if (const auto seen = std::accumulate(mesh.provenance.begin(), mesh.provenance.end(), 0LL); seen > 0) {
+        std::string shares;
+        for (std::size_t k = 0; k < mesh.provenance.size(); ++k) {
+            const double percent =
+                100.0 * static_cast<double>(mesh.provenance[k]) / static_cast<double>(seen);
+            shares += (k == 0 ? "" : ", ") + std::string(kProvenanceNames[k]) + " " +
+                      number(std::round(10 * percent) / 10) + " %";
+        }
+        line(text, "seen by", shares + " of the vertices");
+    }
     if (!mesh.geometry_bytes.empty()) {
         std::string parts;
         for (const auto& [name, bytes] : mesh.geometry_bytes)

@@ -18,16 +18,21 @@ struct MeshPart {
     std::size_t vertices = 0, triangles = 0;  // how many
 };
 
+// The cameras that saw a vertex. Files hold these numbers.
+enum class Provenance : std::uint8_t { both, left, right, nobody };
+inline constexpr const char* kProvenanceNames[] = {"both", "left", "right", "nobody"};
+
 // Coordinates are glTF's: camera at the origin, +X right, +Y up, looking along -Z; metres, or relative units
 // if the calibration is not metric. Triangles are counter-clockwise seen from the camera. All per-vertex
-// arrays have the same length.
+// arrays have the same length, unless they may be empty.
 struct SurfaceMesh {
     std::vector<Vec3f> positions;
     std::vector<Vec3f> normals;    // unit length, towards the camera
     std::vector<Vec2f> texcoords;  // (0, 0) = top left corner of the texture, (1, 1) = bottom right
     std::vector<Vec2f>
         image_points;  // px in the left image; of the left view alone, texcoords are these / its size
-    std::vector<float> disparities;  // px
+    std::vector<float> disparities;      // px
+    std::vector<Provenance> provenance;  // empty = the left camera saw all of it
     std::vector<Triangle> triangles;
     // In the order of the vertices and of the triangles, the left view's first; empty = all are the left
     // view's.

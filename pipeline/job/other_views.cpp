@@ -6,9 +6,11 @@
 
 #include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
+#include "pipeline/densify/densify.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/noise.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
+#include "pipeline/stages/other_views/provenance.h"
 
 namespace hexrelief::job {
 namespace {
@@ -16,11 +18,12 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
-constexpr double kCoarser = 1.5;          // spacing of the other views: what has no match has little detail
+constexpr int kReduced = 4;               // what continues behind the left view's silhouettes is smooth
+constexpr double kCoarser = 3.5;          // spacing of the other views: what has no match has little detail
+constexpr int kFilled = 3;                // holes of the right view are filled at a third of its size
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
-constexpr double kFittingSpacings = 3;    // of solve_mesh()
+constexpr double kFittingSpacings = 4;    // of solve_mesh() in the shorter side
 
 ViewPlace left_place(const LeftView& view) {
     return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
@@ -62,20 +65,26 @@ void show(OtherView& view, const stages::SeenSurface& here) {
             view.map.values[i] = static_cast<float>(here.disparities[i]);
 }
 
+void drop_background(OtherView& right, float background_px) {
+    for (std::size_t i = 0; i < right.map.values.size(); ++i)
+        if (right.map.values[i] < background_px || (!right.kept.empty() && !right.kept[i]))
+            right.map.values[i] = kUnknownDisparity;
+}
+
 // Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
-SurfaceMesh sheet_of(const OtherView& other, const DensityMap& density, const LeftView& left,
-                     const stages::VisibleSurface& visible, const config::Config& config, Backend& backend,
-                     const RunLog& log) {
+SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages::VisibleSurface& visible,
+                     const config::Config& config, Backend& backend, const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
+    const int width = other.place.width, height = other.place.height;
+    // Without a density the lattice stays regular.
+    const DensityMap even{width, height, std::vector<float>(other.missing.values.size(), 0)};
     const LeftView view{
-        other.missing,   other.missing, density, other.color,
-        other.texture(), camera,        camera,  left.least_px / static_cast<float>(other.place.scale)};
-    if (std::min(other.map.width, other.map.height) < kFittingSpacings * kCoarser * config.mesh.spacing_px)
-        return {};
+        other.missing,   other.missing, even,   other.color,
+        other.texture(), camera,        camera, left.least_px / static_cast<float>(other.place.scale)};
     backend.expect_map(other.missing);
     MeshConfig coarse = config.mesh;
-    coarse.spacing_px *= kCoarser;
-    const HexMesh2D lattice = backend.solve_mesh(density, coarse, {});
+    coarse.spacing_px = std::min(kCoarser * coarse.spacing_px, std::min(width, height) / kFittingSpacings);
+    const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
     stages::keep_behind(cut, other.place, visible);
     if (cut.triangles.empty()) return {};
@@ -85,11 +94,6 @@ SurfaceMesh sheet_of(const OtherView& other, const DensityMap& density, const Le
         if (error.kind() != ErrorKind::input) throw;
         return {};  // all components are too small
     }
-}
-
-DensityMap density_of_view(const DisparityMap& map, stages::DensityConfig config, int threads) {
-    config.background_method = stages::BackgroundMethod::none;
-    return stages::compute_density(map, config, threads);
 }
 
 // Returns the view whose map, seen in a mirror, is given.
@@ -114,11 +118,45 @@ void add_texture(SurfaceResult::OtherViews& others, const Image& left, SurfaceMe
 
 }  // namespace
 
-OtherView matched_right_view(const InputPair& pair, const StereoPair& corrected,
-                             const stages::FoundRange& range, Backend& backend) {
-    const int threads = backend.threads();
-    return right_view(stages::match_range(stages::mirrored(corrected), range.config, backend, threads), pair,
-                      range, threads);
+DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
+                            int threads) {
+    const int width = right.place.width, height = right.place.height;
+    DisparityMap map{width, height, std::vector<float>(here.disparities.size(), kUnknownDisparity)};
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        if (here.disparities[i] != stages::kNotCovered)
+            map.values[i] = static_cast<float>(here.disparities[i]);
+    for (int y = 0; y < height && left.density.background_px > 0; ++y)
+        for (int x = 0; x < width; ++x) {
+            const float d = left.meshed.at(x, y);
+            if (!DisparityMap::known(d) || d >= left.density.background_px) continue;
+            const double there = right.place.from_left({x + 0.5, y + 0.5, d}).x;
+            if (!(there >= 0 && there < width)) continue;
+            const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(there);
+            float& nearest = map.values[pixel];
+            if (here.disparities[pixel] == stages::kNotCovered &&
+                (!DisparityMap::known(nearest) || nearest < d))
+                nearest = d;
+        }
+    DisparityMap small{std::max(1, width / kFilled), std::max(1, height / kFilled), {}};
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x)
+            small.values.push_back(
+                map.at(std::min(width - 1, kFilled * x), std::min(height - 1, kFilled * y)));
+    if (std::none_of(small.values.begin(), small.values.end(), DisparityMap::known)) return map;
+    small = densify::fill_holes(
+        small, right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height),
+        threads);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            float& d = map.at(x, y);
+            if (!DisparityMap::known(d))
+                d = small.at(std::min(small.width - 1, x / kFilled), std::min(small.height - 1, y / kFilled));
+        }
+    return map;
+}
+
+OtherView unmatched_right_view(const InputPair& pair, const stages::FoundRange& range, int threads) {
+    return right_view({}, pair, range, threads);
 }
 
 OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
@@ -134,13 +172,14 @@ void complete_right_view(OtherView& right, const LeftView& left, const Disparity
     right.place = left_place(left);
     right.place.right = 1;
     right.place.shift_px = left.pair_camera.doffs_px - left.calibration.doffs_px;
-    const float background_px = left.density.background_px;
+    right.kept = mask.kept;
+    if (right.map.values.empty()) return;
     for (std::size_t i = 0; i < right.map.values.size(); ++i) {
         float& d = right.map.values[i];
         if (DisparityMap::known(d)) d = std::max(d + static_cast<float>(right.place.shift_px), left.least_px);
-        if (d <= -left.calibration.doffs_px || d < background_px || (!mask.empty() && !mask.kept[i]))
-            d = kUnknownDisparity;
+        if (d <= -left.calibration.doffs_px) d = kUnknownDisparity;
     }
+    drop_background(right, left.density.background_px);
     if (const auto& noise = disparity.noise; noise.noise_px > 0)
         right.map = dequantize::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
 }
@@ -149,37 +188,41 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
                      Backend& backend, const RunLog& log) {
     const OtherView* const right = view.right;
     const double behind = is_without_background(view) ? 0 : config.surface.behind;
+    if (!right && behind == 0) return;
     const int threads = backend.threads();
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
-    const auto add = [&](OtherView other, const stages::SeenSurface& here,
-                         const stages::VisibleSurface& visible) {
+    stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
+    const auto add = [&](OtherView other, const stages::SeenSurface& here) {
         stages::join_to_surface(other, here);
-        const DensityMap density = density_of_view(other.map, config.density, threads);
-        const SurfaceMesh sheet = sheet_of(other, density, view, visible, config, backend, log);
+        const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
+        if (other.place.right > 0) stages::cover(visible, sheet, threads);
         others.views.push_back(std::move(other));
     };
     if (right) {
-        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         OtherView missing = *right;
+        if (missing.map.values.empty()) {
+            missing.map = map_by_surface(missing, visible.seen[1], view, threads);
+            drop_background(missing, view.density.background_px);
+        }
         stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind}, visible, threads);
-        add(std::move(missing), visible.seen[1], visible);
+        add(std::move(missing), visible.seen[1]);
     }
     if (behind > 0) {
-        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
         OtherView left = copy_of_left(view);
         const stages::SeenSurface& here = visible.seen[0];
         show(left, here);
         stages::continue_behind(
             left, here, {.left = behind, .right = right ? 0 : 1 + behind, .up = behind, .down = behind},
             visible, threads);
-        add(std::move(left), here, visible);
+        add(std::move(left), here);
     }
     if (others.views.empty()) return;
+    mesh.provenance = stages::provenance_of(mesh, visible.seen);
     add_texture(others, view.texture, mesh);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
@@ -192,14 +235,15 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
     if (!finest.others) return;
     const int threads = backend.threads();
     if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
+    stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
-        const stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-        SurfaceMesh sheet = sheet_of(other, density_of_view(other.map, config.density, threads), view,
-                                     visible, config, backend, log);
+        SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
         stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
+        if (other.place.right > 0) stages::cover(visible, sheet, threads);
     }
+    mesh.provenance = stages::provenance_of(mesh, visible.seen);
 }
 
 }  // namespace hexrelief::job

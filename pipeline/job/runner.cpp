@@ -162,10 +162,12 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
             return matched;
         });
-        if (config.surface.views == SurfaceViews::both && input.is_whole())
+        // Without filled pixels what only the right camera sees is unknown, as it has no match.
+        if (config.surface.views == SurfaceViews::both && input.is_whole() &&
+            (by_program || config.disparity.fill == stages::DisparityFill::planes))
             relief.right = log.stage("right view", [&] {
                 return by_program ? right_view_of_program(*pair, *by_program, range, threads)
-                                  : matched_right_view(*pair, as_matched, range, *relief.backend);
+                                  : unmatched_right_view(*pair, range, threads);
             });
     }
     return relief;

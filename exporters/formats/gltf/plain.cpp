@@ -35,6 +35,7 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     }
     out.primitive.indices = add_accessor(parts, view, index_type(vertices), TINYGLTF_TYPE_SCALAR,
                                          static_cast<long long>(mesh.triangles.size()) * 3, "indices");
+    add_provenance(parts, mesh.provenance, out.primitive);
     return out;
 }
 

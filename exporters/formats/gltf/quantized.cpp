@@ -98,7 +98,9 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
         if (stream.count == 0) return;
         const int view = add_stream_view(parts, stream, name, meshopt);
         const int index = add_accessor(parts, view, gltf_component(stream.type),
-                                       stream.components == 2 ? TINYGLTF_TYPE_VEC2 : TINYGLTF_TYPE_VEC3,
+                                       stream.components == 1   ? TINYGLTF_TYPE_SCALAR
+                                       : stream.components == 2 ? TINYGLTF_TYPE_VEC2
+                                                                : TINYGLTF_TYPE_VEC3,
                                        static_cast<long long>(stream.count), name);
         parts.model.accessors[index].normalized = stream.normalized;
         parts.model.accessors[index].minValues = stream.low;
@@ -108,6 +110,13 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
     add("POSITION", mesh.positions, "positions");
     add("NORMAL", mesh.normals, "normals");
     add("TEXCOORD_0", mesh.texcoords, "texcoords");
+    const std::vector<Provenance>& provenance = textured.mesh.provenance;
+    if (!meshopt) {
+        add_provenance(parts, provenance, out.primitive);
+    } else if (!provenance.empty()) {
+        add(kProvenance, mesh.provenance, "provenance");
+        describe_provenance(parts.model.accessors.back(), provenance);
+    }
     const std::size_t vertices = mesh.positions.count;
     const bool narrow = short_indices(static_cast<long long>(vertices));
     const int view = narrow ? add_index_view<std::uint16_t>(parts, mesh.indices, vertices, meshopt)

@@ -31,6 +31,13 @@ function readStored(json, binary, index) {
   return { stored, width, count, step: stride / ArrayType.BYTES_PER_ELEMENT };
 }
 
+// The numbers of _PROVENANCE; null where there are none.
+function readProvenance(json, binary, index) {
+  if (index === undefined) return null;
+  const { stored, count, step } = readStored(json, binary, index);
+  return Uint8Array.from({ length: count }, (_, i) => stored[i * step]);
+}
+
 function readIndices(json, binary, index) {
   const { stored, count } = readStored(json, binary, index);
   return stored.subarray(0, count);
@@ -49,7 +56,7 @@ function readScaled(json, binary, index, scale, offset) {
   return values;
 }
 
-// {levels: [{positions, texcoords (null: none), indices}], fine to coarse, image: Blob or null, json: the document,
+// {levels: [{positions, texcoords, provenance (null: none), indices}], fine to coarse, image: Blob or null, json: the document,
 // picture: bytes of the image}
 export function readGlb(bytes) {
   const header = new DataView(bytes.buffer, bytes.byteOffset);
@@ -65,6 +72,7 @@ export function readGlb(bytes) {
       return {
         positions: readScaled(json, binary, attributes.POSITION, scale, translation),
         texcoords: texcoords === undefined ? null : readScaled(json, binary, texcoords, transform?.scale ?? [1, 1], [0, 0]),
+        provenance: readProvenance(json, binary, attributes._PROVENANCE),
         indices: readIndices(json, binary, indices),
       };
     });
@@ -76,7 +84,7 @@ export function readGlb(bytes) {
 // The finest level as a GLB without extensions that a reader must know: floats, 32 bits an index, the same material and
 // picture.
 export function writePlainGlb(bytes) {
-  const { levels: [{ positions, texcoords, indices }], image, json: from, picture } = readGlb(bytes);
+  const { levels: [{ positions, texcoords, provenance, indices }], image, json: from, picture } = readGlb(bytes);
   const parts = [];
   let length = 0;
   const bufferViews = [];
@@ -101,6 +109,13 @@ export function writePlainGlb(bytes) {
   if (texcoords) {
     attributes.TEXCOORD_0 = accessors.length;
     accessors.push({ bufferView: addView(texcoords, { target: 34962 }), componentType: 5126, count, type: 'VEC2' });
+  }
+  if (provenance) {
+    const padded = new Uint8Array(4 * count); // each element begins at a multiple of 4
+    provenance.forEach((value, i) => { padded[4 * i] = value; });
+    attributes._PROVENANCE = accessors.length;
+    const { extras } = from.accessors[from.meshes[0].primitives[0].attributes._PROVENANCE];
+    accessors.push({ bufferView: addView(padded, { target: 34962, byteStride: 4 }), componentType: 5121, count, type: 'SCALAR', extras });
   }
   const extensionsUsed = (from.extensionsUsed ?? []).filter((name) => name === 'KHR_materials_unlit' || name === 'EXT_texture_webp');
   const material = structuredClone(from.materials[0]);

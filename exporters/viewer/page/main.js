@@ -208,6 +208,8 @@ function listenToControls(viewer, glb) {
     if (box.checked) viewer.setWireframe(true);
   });
   onChange('holes', (box) => { viewer.relief.wall.visible = box.checked; redraw(); });
+  byId('guesses-label').hidden = !viewer.relief.hasGuesses;
+  onChange('guesses', (box) => { viewer.relief.setGuesses(box.checked); redraw(); });
   onChange('lift', (slider) => viewer.setLift(slider.value / 100));
   onChange('level', (list) => viewer.setLevel(Number(list.value)));
 

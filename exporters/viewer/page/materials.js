@@ -23,7 +23,10 @@ const kVertex = `${kPlaced}
   varying vec3 at;
   varying vec3 towards;
   varying float inverseDepth;
+  attribute float guess;
+  varying float guessed;
   void main() {
+    guessed = guess;
     vec3 place = placed(position);
     at = vec3(uv, 1.0) * -place.z;
     towards = mix(vec3(0.0, 0.0, 1.0), normal, lift);
@@ -39,6 +42,8 @@ const kFragment = `
   varying vec3 at;
   varying vec3 towards;
   varying float inverseDepth;
+  uniform bool guesses;
+  varying float guessed;
   vec3 heatColour(float share) {
     float place = clamp(share, 0.0, 1.0) * ${kHeat.length - 1}.0;
     vec3 colour = heat[0];
@@ -47,6 +52,7 @@ const kFragment = `
     return colour;
   }
   void main() {
+    if (!guesses && guessed > 0.5) discard;
     vec3 facing = normalize(towards) * (gl_FrontFacing ? 1.0 : -1.0);
     vec3 colour;
     if (look == 0) colour = texture2D(photograph, at.xy / at.z).rgb;
@@ -63,6 +69,7 @@ const kPlacedAlone = `${kPlaced}
 export function makeUniforms({ texture, flatDepth, inverseRange }) {
   return {
     look: { value: 0 },
+    guesses: { value: true },
     lift: { value: 1 },
     flatDepth: { value: flatDepth },
     photograph: { value: texture },

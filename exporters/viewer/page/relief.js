@@ -4,6 +4,7 @@ import { hatchMaterial, kLooks, makeUniforms, surfaceMaterial, wireMaterial } fr
 
 const kWireOpacity = 0.5;
 const kLeastWireOpacity = 0.1;
+const kNobody = 3; // provenance of what no camera saw
 const kFreeSide_px = 10; // triangles of this side and larger ones leave their surface visible
 
 // The photograph on the graphics card; smaller where that takes no such large one.
@@ -65,10 +66,11 @@ export class Relief {
     this.setLook(texture ? 'photograph' : 'grey');
   }
 
-  #addLevel({ positions, texcoords, indices }) {
+  #addLevel({ positions, texcoords, provenance, indices }) {
     const geometry = new BufferGeometry();
     geometry.setAttribute('position', new BufferAttribute(positions, 3));
     if (texcoords) geometry.setAttribute('uv', new BufferAttribute(texcoords, 2));
+    if (provenance) geometry.setAttribute('guess', new BufferAttribute(provenance.map((value) => Number(value === kNobody)), 1));
     geometry.setIndex(new BufferAttribute(indices, 1));
     const mesh = new Mesh(geometry, this.surface);
     // The shader moves the vertices, so three.js cannot tell what is seen.
@@ -108,6 +110,15 @@ export class Relief {
     this.uniforms.look.value = kLooks.indexOf(look);
     const { geometry } = this.mesh;
     if ((look === 'grey' || look === 'normals') && !geometry.attributes.normal) geometry.computeVertexNormals();
+  }
+
+  get hasGuesses() {
+    return this.mesh.geometry.attributes.guess !== undefined;
+  }
+
+  // Shows or leaves open what no camera saw.
+  setGuesses(shown) {
+    this.uniforms.guesses.value = shown;
   }
 
   // Never quite flat: what is nearer still hides what lies behind it.

@@ -12,6 +12,7 @@ namespace {
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
 constexpr int kMixed = 1;             // pixels at the end of a surface whose colours are mixed
+constexpr int kSoft_px = 2;           // averages of colours
 constexpr int kLongestShare = 8;      // of a view's side
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
@@ -98,74 +99,88 @@ Continued continued_in(const std::vector<double>& front, const ViewPlace& place,
     return result;
 }
 
-// Makes lines that continue one surface agree.
-void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place, int threads) {
-    const int width = place.width, height = place.height;
-    for (int round = 0; round < kSmoothings; ++round) {
-        const std::vector<double> before = continued.disparities;
-        for_row_bands(height, threads, [&](int begin, int end) {
-            for (int y = begin; y < end; ++y)
-                for (int x = 0; x < width; ++x) {
-                    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
-                    if (before[pixel] == kNotCovered) continue;
-                    double sum = before[pixel];
-                    int count = 1;
-                    const auto add = [&](std::size_t other) {
-                        const double d = before[other] == kNotCovered ? front[other] : before[other];
-                        if (std::abs(d - before[pixel]) > kNeighbours_px) return;
-                        sum += d;
-                        ++count;
-                    };
-                    if (x > 0) add(pixel - 1);
-                    if (x + 1 < width) add(pixel + 1);
-                    if (y > 0) add(pixel - width);
-                    if (y + 1 < height) add(pixel + width);
-                    continued.disparities[pixel] = sum / count;
-                }
-        });
-    }
+std::vector<std::size_t> pixels_of(const Continued& continued) {
+    std::vector<std::size_t> pixels;
+    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
+        if (continued.disparities[i] != kNotCovered) pixels.push_back(i);
+    return pixels;
 }
 
-// Paints a pixel of the view into a picture of another size.
-void paint(Image& picture, const ViewPlace& place, std::size_t pixel, const Image& from,
-           std::size_t colour_of) {
-    const auto column = [&](int x) { return x * picture.width / place.width; };
-    const auto row = [&](int y) { return y * picture.height / place.height; };
-    const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
-    const int from_x = static_cast<int>(colour_of % place.width),
-              from_y = static_cast<int>(colour_of / place.width);
-    for (int v = row(y); v < row(y + 1); ++v)
-        for (int u = column(x); u < column(x + 1); ++u)
-            std::copy_n(from.at(column(from_x), row(from_y)), picture.channels, picture.at(u, v));
+// Calls take(i) for the neighbours i of a pixel beside, above and below it.
+template <class Take>
+void for_four_neighbours(std::size_t pixel, const ViewPlace& place, const Take& take) {
+    const auto width = static_cast<std::size_t>(place.width);
+    if (pixel % width > 0) take(pixel - 1);
+    if (pixel % width + 1 < width) take(pixel + 1);
+    if (pixel >= width) take(pixel - width);
+    if (pixel + width < width * place.height) take(pixel + width);
+}
+
+// Makes lines that continue one surface agree.
+void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place) {
+    const std::vector<std::size_t> pixels = pixels_of(continued);
+    std::vector<double>& disparities = continued.disparities;
+    std::vector<double> smoothed(pixels.size());
+    for (int round = 0; round < kSmoothings; ++round) {
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            const double own = disparities[pixels[i]];
+            double sum = own;
+            int count = 1;
+            for_four_neighbours(pixels[i], place, [&](std::size_t other) {
+                const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
+                if (std::abs(d - own) > kNeighbours_px) return;
+                sum += d;
+                ++count;
+            });
+            smoothed[i] = sum / count;
+        }
+        for (std::size_t i = 0; i < pixels.size(); ++i) disparities[pixels[i]] = smoothed[i];
+    }
 }
 
 // Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
 void spread_colours(Continued& continued, const OtherView& view, const std::vector<double>& front) {
-    const auto width = static_cast<std::size_t>(view.place.width);
-    for (int round = 0; round < kSpread; ++round) {
-        const std::vector<double> before = continued.disparities;
-        for (std::size_t i = 0; i < before.size(); ++i) {
-            const auto take = [&](std::size_t from) {
-                if (continued.disparities[i] != kNotCovered || before[from] == kNotCovered ||
-                    DisparityMap::known(view.missing.values[i]) || front[i] - before[from] <= kOneSurface_px)
+    std::vector<std::size_t> pixels = pixels_of(continued);
+    for (int round = 0; round < kSpread; ++round)
+        for (std::size_t from : std::exchange(pixels, {}))
+            for_four_neighbours(from, view.place, [&](std::size_t i) {
+                if (continued.disparities[i] != kNotCovered || DisparityMap::known(view.missing.values[i]) ||
+                    front[i] - continued.disparities[from] <= kOneSurface_px)
                     return;
-                continued.disparities[i] = before[from];
+                continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];
-            };
-            if (i % width > 0) take(i - 1);
-            if (i % width + 1 < width) take(i + 1);
-            if (i >= width) take(i - width);
-            if (i + width < before.size()) take(i + width);
-        }
-    }
+                pixels.push_back(i);
+            });
 }
 
+// Paints what continues into a picture of any size, in colours averaged over the pixels of one surface around
+// each: lines that continue beside each other have colours from different distances.
 void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
     if (picture.empty()) return;
     const Image before = picture;
-    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
-        if (continued.disparities[i] != kNotCovered)
-            paint(picture, place, i, before, continued.colours_of[i]);
+    const auto column = [&](int x) { return x * picture.width / place.width; };
+    const auto row = [&](int y) { return y * picture.height / place.height; };
+    const auto width = static_cast<std::size_t>(place.width);
+    for (const std::size_t pixel : pixels_of(continued)) {
+        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        int sums[4] = {}, count = 0;
+        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v)
+            for (int u = std::max(0, x - kSoft_px); u <= std::min(place.width - 1, x + kSoft_px); ++u) {
+                const std::size_t other = v * width + u;
+                if (!(std::abs(continued.disparities[other] - continued.disparities[pixel]) <=
+                      kNeighbours_px))
+                    continue;
+                const std::size_t from = continued.colours_of[other];
+                const std::uint8_t* const color =
+                    before.at(column(static_cast<int>(from % width)), row(static_cast<int>(from / width)));
+                for (int c = 0; c < picture.channels; ++c) sums[c] += color[c];
+                ++count;
+            }
+        for (int v = row(y); v < row(y + 1); ++v)
+            for (int u = column(x); u < column(x + 1); ++u)
+                for (int c = 0; c < picture.channels; ++c)
+                    picture.at(u, v)[c] = static_cast<std::uint8_t>((sums[c] + count / 2) / count);
+    }
 }
 
 // Calls take(i) for the neighbours i of a pixel, in the order of rows.
@@ -240,7 +255,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     Continued continued = continued_in(front, place, beyond);
     for (std::size_t i = 0; i < front.size(); ++i)
         if (DisparityMap::known(view.missing.values[i])) continued.disparities[i] = kNotCovered;
-    smooth(continued, front, place, threads);
+    smooth(continued, front, place);
     for_row_bands(place.height, threads, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
             for (int x = 0; x < place.width; ++x) {

@@ -9,11 +9,12 @@ namespace hexrelief::stages {
 // A view with the part of it that is missing in a surface. All members but the picture have the view's size.
 struct OtherView {
     ViewPlace place;
-    DisparityMap map;           // of the whole view
+    DisparityMap map;           // of the whole view; empty = that of the surface, map_by_surface()
     DisparityMap missing = {};  // the same at the pixels that the surface leaves open or hides; all others
                                 // are unknown
     Image color = {};           // of the whole view; empty = none
     Image picture = {};         // the same at another size; empty = `color` is it
+    std::vector<std::uint8_t> kept = {};  // 1 = the picture shows the pixel; empty = all
     const Image& texture() const { return picture.empty() ? color : picture; }
 };
 

@@ -7,7 +7,7 @@ namespace hexrelief::stages {
 namespace {
 
 constexpr int kBlock_px = 8;      // of a JPEG file
-constexpr double kBeside_px = 3;  // what is so near a used pixel is used, too
+constexpr double kBeside_px = 1;  // what is so near a used pixel is used, too
 constexpr int kWhole_px = 16;     // of a WebP file, whose colours are halved
 
 // The blocks of a picture that are used, row-major.

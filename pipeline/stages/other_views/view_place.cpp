@@ -15,57 +15,76 @@ namespace {
 constexpr double kSetBack_px = 0.3;   // more than the noise of a match
 constexpr double kFarther_px = 1;     // of this view: a guess that is so much farther than all else is wrong
 constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
-constexpr int kSplits = 2;            // of a triangle that is partly in front
-constexpr int kMoves = 8;             // a vertex that moves is before another place of the surface
-
-SeenSurface eroded(const SeenSurface& surface, int threads) {
-    SeenSurface result = surface;
-    const int width = surface.place.width, height = surface.place.height;
-    for_row_bands(height, threads, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < width; ++x) {
-                double least = -kNotCovered;
-                for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
-                    for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
-                        const double d = surface.disparities[static_cast<std::size_t>(v) * width + u];
-                        if (d != kNotCovered) least = std::min(least, d);
-                    }
-                result.disparities[static_cast<std::size_t>(y) * width + x] =
-                    least == -kNotCovered ? kNotCovered : least;
-            }
-    });
-    return result;
-}
+constexpr double kMostPush_px = 1;    // what is farther in front lies beside a silhouette
+constexpr int kPushes = 3;
+constexpr double kSamples_per_px = 1.5;
+constexpr int kSplits = 2;  // of a triangle that is partly in front
+constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
 
 bool is_placed(const DisparityMesh& mesh, const Triangle& t) {
     return std::all_of(t.begin(), t.end(),
                        [&](std::uint32_t v) { return DisparityMap::known(mesh.disparities[v]); });
 }
 
-std::array<ViewPoint, 3> corners_of(const DisparityMesh& mesh, const Triangle& t) {
-    std::array<ViewPoint, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k)
-        corners[k] = {mesh.points[t[k]].x, mesh.points[t[k]].y, mesh.disparities[t[k]]};
-    return corners;
+// How far, in px of the left view, a triangle is in front of what cameras see; 0 = not at all.
+struct InFront {
+    double most_px = 0;
+    double little_px = 0;  // the same where it is in front by at most kMostPush_px
+};
+
+// Looks at points of a triangle of this view less than a pixel apart. Views of a point are linear in (x, y,
+// d).
+InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& place,
+                 const VisibleSurface& surface) {
+    InFront result;
+    for (const SeenSurface& seen : surface.seen) {
+        const auto corner = [&](std::uint32_t v) {
+            return seen.place.from_left(
+                place.to_left({mesh.points[v].x, mesh.points[v].y, mesh.disparities[v]}));
+        };
+        const ViewPoint a = corner(t[0]), b = corner(t[1]), c = corner(t[2]);
+        const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
+                                         std::abs(c.y - a.y), std::abs(c.x - b.x), std::abs(c.y - b.y)});
+        const int steps = 1 + static_cast<int>(kSamples_per_px * longest), width = seen.place.width;
+        for (int i = 0; i <= steps; ++i)
+            for (int j = 0; i + j <= steps; ++j) {
+                const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
+                             w = 1 - u - v;
+                const double x = u * a.x + v * b.x + w * c.x, y = u * a.y + v * b.y + w * c.y;
+                if (!(x >= 0 && x < width && y >= 0 && y < seen.place.height)) continue;
+                const double limit =
+                    seen.disparities[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
+                if (limit == kNotCovered) continue;
+                const double d = seen.place.scale * (u * a.d + v * b.d + w * c.d - limit);
+                result.most_px = std::max(result.most_px, d);
+                if (d <= kMostPush_px) result.little_px = std::max(result.little_px, d);
+            }
+    }
+    return result;
 }
 
-// True if `is_found` is true for one of the points of a triangle about half a pixel apart, of the left view's
-// pixels.
-template <class IsFound>
-bool any_inside(const std::array<ViewPoint, 3>& corners, double scale, const IsFound& is_found) {
-    const auto& [a, b, c] = corners;
-    const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
-                                     std::abs(c.y - a.y), std::abs(b.d - a.d), std::abs(c.d - a.d)});
-    const int steps = 1 + static_cast<int>(2 * scale * longest);
-    for (int i = 0; i <= steps; ++i)
-        for (int j = 0; i + j <= steps; ++j) {
-            const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
-                         w = 1 - u - v;
-            if (is_found(
-                    {u * a.x + v * b.x + w * c.x, u * a.y + v * b.y + w * c.y, u * a.d + v * b.d + w * c.d}))
-                return true;
+// Moves the vertices of triangles that are a little in front of the surface away from the camera. Returns
+// what is in front afterwards.
+std::vector<InFront> push_back(DisparityMesh& mesh, const ViewPlace& place, const VisibleSurface& surface) {
+    const float least = static_cast<float>(surface.least_px / place.scale);
+    std::vector<InFront> front(mesh.triangles.size());
+    std::vector<float> pushes(mesh.points.size(), 1);  // > 0: the vertex was moved
+    for (int round = 0;; ++round) {
+        for (std::size_t i = 0; i < front.size(); ++i) {
+            const Triangle& t = mesh.triangles[i];
+            if (is_placed(mesh, t) &&
+                std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return pushes[v] > 0; }))
+                front[i] = in_front(mesh, t, place, surface);
         }
-    return false;
+        if (round == kPushes) return front;
+        std::fill(pushes.begin(), pushes.end(), 0.0f);
+        for (std::size_t i = 0; i < front.size(); ++i)
+            if (front[i].little_px > kInFront_px)
+                for (const std::uint32_t v : mesh.triangles[i])
+                    pushes[v] = std::max(pushes[v], static_cast<float>(front[i].little_px / place.scale));
+        for (std::size_t v = 0; v < pushes.size(); ++v)
+            if (pushes[v] > 0) mesh.disparities[v] = std::max(mesh.disparities[v] - pushes[v], least);
+    }
 }
 
 // The vertices in the middle of edges, by the edges' ends.
@@ -117,11 +136,20 @@ Calibration camera_at(const ViewPlace& place, const Calibration& left) {
 }
 
 double SeenSurface::limit_at(const ViewPoint& left_point) const {
+    return limit_around(left_point, 0);
+}
+
+double SeenSurface::limit_around(const ViewPoint& left_point, int radius) const {
     constexpr double none = std::numeric_limits<double>::infinity();
     const ViewPoint p = place.from_left(left_point);
     if (!(p.x >= 0 && p.x < place.width && p.y >= 0 && p.y < place.height)) return none;
-    const double d = disparities[static_cast<std::size_t>(p.y) * place.width + static_cast<std::size_t>(p.x)];
-    return d == kNotCovered ? none : d * place.scale;
+    const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+    double least = none;
+    for (int v = std::max(0, y - radius); v <= std::min(place.height - 1, y + radius); ++v)
+        for (int u = std::max(0, x - radius); u <= std::min(place.width - 1, x + radius); ++u)
+            if (const double d = disparities[static_cast<std::size_t>(v) * place.width + u]; d != kNotCovered)
+                least = std::min(least, d * place.scale);
+    return least;
 }
 
 SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads) {
@@ -135,20 +163,25 @@ SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads) {
 
 VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
                                double least_px, int threads) {
-    VisibleSurface surface{{}, {}, least_px};
-    for (const ViewPlace& camera : cameras) {
-        surface.seen.push_back(see(mesh, camera, threads));
-        surface.eroded.push_back(eroded(surface.seen.back(), threads));
-    }
+    VisibleSurface surface{{}, least_px};
+    for (const ViewPlace& camera : cameras) surface.seen.push_back(see(mesh, camera, threads));
     return surface;
+}
+
+void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads) {
+    for (SeenSurface& seen : surface.seen) {
+        const SeenSurface nearer = see(added, seen.place, threads);
+        for (std::size_t i = 0; i < nearer.disparities.size(); ++i)
+            seen.disparities[i] = std::max(seen.disparities[i], nearer.disparities[i]);
+    }
 }
 
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface) {
     for (int moves = 0; moves < kMoves; ++moves) {
         const ViewPoint in_left = place.to_left(point);
         double limit = in_left.d;
-        for (const SeenSurface& seen : surface.eroded)
-            limit = std::min(limit, seen.limit_at(in_left) - kSetBack_px);
+        for (const SeenSurface& seen : surface.seen)
+            limit = std::min(limit, seen.limit_around(in_left, 1) - kSetBack_px);
         if (limit == in_left.d) break;
         point.d = limit / place.scale;
     }
@@ -161,14 +194,9 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
         const Vec2f& p = cut_mesh.points[i];
         cut_mesh.disparities[i] = behind({p.x, p.y, cut_mesh.disparities[i]}, place, surface);
     }
-    const auto is_out = [&](const ViewPoint& point) {
-        const ViewPoint in_left = place.to_left(point);
-        return std::any_of(surface.seen.begin(), surface.seen.end(), [&](const SeenSurface& seen) {
-            return in_left.d > seen.limit_at(in_left) + kInFront_px;
-        });
-    };
+    const std::vector<InFront> front = push_back(cut_mesh, place, surface);
     const auto is_kept = [&](const Triangle& t) {
-        return is_placed(cut_mesh, t) && !any_inside(corners_of(cut_mesh, t), place.scale, is_out);
+        return is_placed(cut_mesh, t) && in_front(cut_mesh, t, place, surface).most_px <= kInFront_px;
     };
     Middles middles;
     const auto add_middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -183,19 +211,29 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
         return found->second;
     };
     cut_mesh.has_one_fan_per_vertex = false;
-    std::vector<Triangle> kept, tested = std::move(cut_mesh.triangles), split;
-    for (int round = 0; round <= kSplits; ++round, tested.swap(split), split.clear())
-        for (const Triangle& t : tested) {
-            if (is_kept(t)) {
+    std::vector<Triangle> kept, parts, split;
+    const auto split_in_four = [&](const Triangle& t) {
+        const std::uint32_t ab = add_middle(t[0], t[1]), bc = add_middle(t[1], t[2]),
+                            ca = add_middle(t[2], t[0]);
+        split.insert(split.end(), {{t[0], ab, ca}, {ab, t[1], bc}, {ca, bc, t[2]}, {ab, bc, ca}});
+    };
+    for (std::size_t i = 0; i < cut_mesh.triangles.size(); ++i) {
+        const Triangle t = cut_mesh.triangles[i];
+        if (!is_placed(cut_mesh, t)) continue;
+        if (front[i].most_px <= kInFront_px)
+            kept.push_back(t);
+        else
+            split_in_four(t);
+    }
+    for (int round = 1; round <= kSplits; ++round) {
+        parts = std::exchange(split, {});
+        for (const Triangle& t : parts) {
+            if (is_kept(t))
                 kept.push_back(t);
-            } else if (round < kSplits && is_placed(cut_mesh, t)) {
-                const std::uint32_t ab = add_middle(t[0], t[1]), bc = add_middle(t[1], t[2]),
-                                    ca = add_middle(t[2], t[0]);
-                for (const Triangle& part : {Triangle{t[0], ab, ca}, Triangle{ab, t[1], bc},
-                                             Triangle{ca, bc, t[2]}, Triangle{ab, bc, ca}})
-                    split.push_back(part);
-            }
+            else if (round < kSplits && is_placed(cut_mesh, t))
+                split_in_four(t);
         }
+    }
     cut_mesh.triangles = with_middles(std::move(kept), middles, is_kept);
 }
 

@@ -37,6 +37,9 @@ struct SeenSurface {
     // Returns the largest disparity, in px of the left view, at which the left view's point is not in front
     // of the surface here; +infinity if the view does not show the surface there.
     double limit_at(const ViewPoint& left_point) const;
+    // Returns the least of these in the pixels around it up to `radius` px away. Gaps of the surface that
+    // are not larger do not count.
+    double limit_around(const ViewPoint& left_point, int radius) const;
 };
 // Of `mesh`, the image points, disparities and triangles are used. The same for any number of threads.
 SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads);
@@ -44,20 +47,20 @@ SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads);
 // A surface as cameras see it. Nothing that is added may be in front of it.
 struct VisibleSurface {
     std::vector<SeenSurface> seen;  // by each camera
-    // The same with the least disparity of 3 x 3 pixels in each pixel: what is behind it is behind all that
-    // the camera sees around. Gaps of one pixel are closed.
-    std::vector<SeenSurface> eroded;
-    double least_px;  // px of the left view: nothing that is added is farther
+    double least_px;                // px of the left view: nothing that is added is farther
 };
 VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
                                double least_px, int threads);
+// Adds another part of the surface to what the cameras see. Its least_px stays.
+void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads);
 
 // Returns the disparity, in px of this view, of a point moved away from its camera until it is behind the
 // surface for all cameras. Unknown if it would be farther than anything.
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface);
 
-// Moves the vertices of a cut mesh of this view so, and drops the parts of it that are in front of the
-// surface all the same, or too far.
+// Moves the vertices of a cut mesh of this view so, and those of triangles that are in front of the surface
+// by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, and
+// those that are too far.
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface);
 
 // Returns a surface of this view in the left camera's space. Its image points and disparities are the left
