@@ -151,9 +151,10 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             "disparity", [&] { return supplied_disparities(*map, input.mask, config, threads, log); });
     } else {
         std::optional<stages::ViewMaps> by_program;
-        if (range.config.method == stages::DisparityMethod::command)
-            by_program = log.stage("command",
-                                   [&] { return backends.programs().match(pair->views, range.config, log); });
+        if (stages::gives_maps(range.config.method))
+            by_program = log.stage("matcher", [&] {
+                return backends.programs().match(pair->views, range.config, threads, log);
+            });
         relief.disparity = log.stage("disparity", [&] {
             DisparityResult matched =
                 by_program ? disparities_of_program(pair->views, *by_program, range.config, threads)
