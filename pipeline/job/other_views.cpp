@@ -123,7 +123,8 @@ OtherView matched_right_view(const InputPair& pair, const StereoPair& corrected,
 
 OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
                                 const stages::FoundRange& range, int threads) {
-    const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left)};
+    const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left),
+                                          maps.is_dense};
     return right_view(
         stages::refine_maps(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair, range,
         threads);

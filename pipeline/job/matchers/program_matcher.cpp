@@ -24,6 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+constexpr double kMostUnknown = 0.01;  // of a dense map
+
 // Returns the words with their placeholders filled in. {out.EXT} is a map of another format than PFM, and so
 // is {confidence.EXT}.
 std::string filled_in(std::string word, const std::map<std::string, std::string>& values,
@@ -108,7 +110,8 @@ std::vector<std::string> ProgramMatcher::ask_worker(const Question& question,
 }
 
 DisparityMap ProgramMatcher::answer(const StereoPair& pair, const std::string& view,
-                                    const stages::DisparityConfig& range, int threads, RunLog& log) {
+                                    const stages::DisparityConfig& range, int threads, bool& is_dense,
+                                    RunLog& log) {
     const files::TemporaryFolder folder;
     Question question{folder.path() / "left.png", folder.path() / "right.png",
                       folder.path() / "disparity.pfm", folder.path() / "confidence.pfm",
@@ -140,6 +143,8 @@ DisparityMap ProgramMatcher::answer(const StereoPair& pair, const std::string& v
     DisparityMap map = readers::read_disparity_map(question.out, as_written);
     const std::string told = fit_answer(map, pair);
     if (!told.empty()) log.decide("disparity: the program's map of the " + view + " view: " + told);
+    const auto unknown = std::ranges::count_if(map.values, [](float d) { return !DisparityMap::known(d); });
+    is_dense &= static_cast<double>(unknown) <= kMostUnknown * static_cast<double>(map.values.size());
     if (fs::exists(question.confidence, ignored)) {
         const readers::PixelMask sure =
             readers::read_confidence(question.confidence, {range.least_confidence});
@@ -153,17 +158,19 @@ DisparityMap ProgramMatcher::answer(const StereoPair& pair, const std::string& v
 stages::ViewMaps ProgramMatcher::match(const StereoPair& pair, const stages::DisparityConfig& range,
                                        int threads, RunLog& log) {
     const int least_px = range.min_disparity_px;
+    stages::ViewMaps maps{{}, {}, true};
     const auto ask = [&](const StereoPair& views, const std::string& view) {
-        if (least_px == 0) return answer(views, view, range, threads, log);
-        DisparityMap map =
-            answer({views.left, moved_left(views.right, -least_px)}, view, range, threads, log);
+        if (least_px == 0) return answer(views, view, range, threads, maps.is_dense, log);
+        DisparityMap map = answer({views.left, moved_left(views.right, -least_px)}, view, range, threads,
+                                  maps.is_dense, log);
         for (float& d : map.values)
             if (DisparityMap::known(d)) d += static_cast<float>(least_px);
         return map;
     };
-    DisparityMap left = ask(pair, "left");
+    maps.left = ask(pair, "left");
     log.progress(0.5);
-    return {std::move(left), stages::mirrored(ask(stages::mirrored(pair), "right"))};
+    maps.right = stages::mirrored(ask(stages::mirrored(pair), "right"));
+    return maps;
 }
 
 }  // namespace hexrelief::job

@@ -25,8 +25,9 @@ class ProgramMatcher {
 
   private:
     struct Question;
+    // is_dense: made false if the map lacks more than some pixels.
     DisparityMap answer(const StereoPair& pair, const std::string& view, const stages::DisparityConfig& range,
-                        int threads, RunLog& log);
+                        int threads, bool& is_dense, RunLog& log);
     // Returns what the worker tells of what it did.
     std::vector<std::string> ask_worker(const Question& question, const stages::DisparityConfig& range,
                                         int threads);
