@@ -8,6 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/noise.h"
+#include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 
 namespace hexrelief::job {
@@ -125,9 +126,8 @@ OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& m
                                 const stages::FoundRange& range, int threads) {
     const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left),
                                           maps.is_dense};
-    return right_view(
-        stages::refine_maps(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair, range,
-        threads);
+    return right_view(refine_given(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair,
+                      range, threads);
 }
 
 void complete_right_view(OtherView& right, const LeftView& left, const DisparityResult& disparity,

@@ -83,6 +83,9 @@ DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& 
     DisparityMap map = std::move(input.disparities);
     if (config.input.densify == config::Densification::automatic)
         map = densify_map(std::move(map), input.color, mask, threads, log);
+    if (input.right.values.empty() && !input.right_color.empty())
+        map = check_map(std::move(map), {input.color, std::move(input.right_color)}, config.disparity,
+                        threads, log);
     DisparityResult result = config.disparity.dequantize == stages::Dequantization::none
                                  ? DisparityResult{std::move(map), {}}
                                  : smooth_map(std::move(map), config.budget.max_error_px, threads, log);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "mesher/common/thread_pool.h"
 #include "pipeline/data/error.h"
@@ -247,16 +246,11 @@ DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const Di
     DisparityConfig ranged = config;
     ranged.min_disparity_px = static_cast<int>(std::floor(least));
     ranged.num_disparities_px = static_cast<int>(std::floor(largest)) - ranged.min_disparity_px + 1;
-    DisparityMap refined =
-        to_pixels(matching::refine_views(pair,
-                                         {above_least(views.left, ranged.min_disparity_px),
-                                          above_least(views.right, ranged.min_disparity_px)},
-                                         matching_config(ranged), threads),
-                  ranged, threads);
-    if (!views.is_dense || config.fill == DisparityFill::none) return refined;
-    const float nearest_to_0 = 1.0F / matching::kOnePixel;
-    return keep_given(pair, views, std::move(refined),
-                      ranged.min_disparity_px < 0 ? -kUnknownDisparity : nearest_to_0);
+    return to_pixels(matching::refine_views(pair,
+                                            {above_least(views.left, ranged.min_disparity_px),
+                                             above_least(views.right, ranged.min_disparity_px)},
+                                            matching_config(ranged), threads),
+                     ranged, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,

@@ -10,7 +10,6 @@
 #include "pipeline/data/value_range.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/stages/disparity_range.h"
-#include "pipeline/stages/given_maps.h"
 
 namespace hexrelief::stages {
 
@@ -148,9 +147,16 @@ StereoPair corrected(StereoPair pair, const PairCorrection& correction, int thre
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
                          int threads);
 
+// The disparities of both views, each at its own columns.
+struct ViewMaps {
+    DisparityMap left, right;
+    // True if a matcher gave a disparity to nearly every pixel, as networks do. Pixels of low confidence are
+    // unknown in the maps nevertheless.
+    bool is_dense = false;
+};
+
 // Returns the left view's disparities as match_range() does, from both views' maps of another matcher, whose
-// range is what they hold. Of dense maps keep_given() keeps what is right. Throws Error(input) if it is wider
-// than kLargestRange_px.
+// range is what they hold. Throws Error(input) if it is wider than kLargestRange_px.
 DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,
                          int threads);
 

@@ -1,4 +1,4 @@
-#include "pipeline/stages/given_maps.h"
+#include "pipeline/job/matchers/given_maps.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "pipeline/stages/disparity.h"
-
-namespace hexrelief::stages {
+namespace hexrelief::job {
 namespace {
 
 constexpr int kWidth = 200, kHeight = 120, kFar = 8, kNear = 24;
@@ -16,7 +14,7 @@ constexpr int kWidth = 200, kHeight = 120, kFar = 8, kNear = 24;
 // A square in front of a wall, both with a texture, and what a perfect matcher knows of it.
 struct Scene {
     StereoPair pair;
-    ViewMaps maps{{}, {}, true};
+    stages::ViewMaps maps{{}, {}, true};
 };
 
 bool is_square(int x, int y) {
@@ -78,7 +76,7 @@ double bad2(const DisparityMap& map) {
 }
 
 DisparityMap refined(const Scene& scene) {
-    return refine_maps(scene.pair, scene.maps, {}, 2);
+    return refine_given(scene.pair, scene.maps, {}, 2);
 }
 
 TEST(GivenMaps, ATrueMapStaysAsItIs) {
@@ -128,5 +126,35 @@ TEST(GivenMaps, MapsWithHolesAreRefinedAsBefore) {
     for (const float d : map.values) EXPECT_EQ(d * 16, std::floor(d * 16));
 }
 
+TEST(GivenMaps, TheRightPictureAloneChecksAMap) {
+    for (const bool to_largest : {false, true}) {
+        const Scene scene = make_scene();
+        const DisparityMap faulty = changed(scene.maps.left, 4, to_largest);
+        const PictureCheck check = check_by_picture(scene.pair, faulty, {}, 2);
+        EXPECT_GT(check.unlike_share, 0.02) << to_largest;
+        EXPECT_LT(bad2(check.map), bad2(faulty) / 2) << to_largest;
+        const PictureCheck of_true = check_by_picture(scene.pair, scene.maps.left, {}, 2);
+        EXPECT_LT(of_true.unlike_share, 0.001);
+        EXPECT_EQ(of_true.map.values, scene.maps.left.values);
+    }
+}
+
+TEST(GivenMaps, APatchOfAnotherColourIsFilled) {
+    const Scene scene = make_scene();
+    DisparityMap map = scene.maps.left;
+    for (int y = 90; y < 115; ++y)
+        for (int x = 150; x < 180; ++x) map.at(x, y) = 40;
+    EXPECT_GT(bad2(map), 3);
+    EXPECT_LT(bad2(check_by_picture(scene.pair, map, {}, 2).map), 0.3);
+}
+
+TEST(GivenMaps, WhatAMapDoesNotKnowStaysUnknown) {
+    const Scene scene = make_scene();
+    DisparityMap map = scene.maps.left;
+    for (int x = 20; x < 60; ++x) map.at(x, 10) = kUnknownDisparity;
+    const PictureCheck check = check_by_picture(scene.pair, map, {}, 2);
+    for (int x = 20; x < 60; ++x) EXPECT_FALSE(DisparityMap::known(check.map.at(x, 10)));
+}
+
 }  // namespace
-}  // namespace hexrelief::stages
+}  // namespace hexrelief::job
