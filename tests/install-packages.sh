@@ -12,6 +12,7 @@ packages=(
     libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev zlib1g-dev
     libopenexr-dev  # optional: EXR maps
     libheif-dev  # optional: HEIC photographs and their depths
+    libopencv-dnn-dev  # optional: networks as matchers (disparity.method=onnx)
     libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
     python3-dev pybind11-dev  # optional: the Python module
@@ -22,7 +23,7 @@ command -v node >/dev/null || packages+=(nodejs)
 command -v npm >/dev/null || packages+=(npm)
 if [[ ${1:-} == tests || ${1:-} == nightly ]]; then
     packages+=(draco ca-certificates clang-format libheif-examples python3-matplotlib python3-numpy python3-opencv)
-    packages+=(python3-pytest)
+    packages+=(python3-onnx python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
     [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
     [[ $1 == tests ]] || packages+=(clang clang-tidy)

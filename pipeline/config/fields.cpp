@@ -9,26 +9,39 @@ namespace {
 
 std::vector<Field> disparity_fields() {
     return {
-        choice("disparity.method", {"sgm", "sgbm", "command"},
-               "sgm: semi-global matching on census and colour, on the CPU and on CUDA; sgbm: OpenCV's "
-               "StereoSGBM; command: a program of your own, by disparity.command or disparity.worker",
-               MEMBER(disparity.method)),
+        choice(
+            "disparity.method", {"sgm", "sgbm", "command", "onnx"},
+            "sgm: semi-global matching on census and colour, on the CPU and on CUDA; sgbm: OpenCV's "
+            "StereoSGBM; command: a program of your own, by disparity.command or disparity.worker; onnx: a "
+            "network, disparity.model",
+            MEMBER(disparity.method)),
         text("disparity.command",
              "command: the words of a program that is run for each view, without a shell: {left} and {right} "
              "are "
              "the rectified pictures as PNG, {out} the map to write, in px of the left view, as PFM; "
              "{out.npy}, "
-             "{out.tiff}, ... = in another format that --disparity reads; {ndisp} = disparities to expect",
+             "{out.tiff}, ... = in another format that --disparity reads; {ndisp} = disparities to expect; "
+             "{confidence} a map of 0 to 1 that may be written as well",
              MEMBER(disparity.command)),
         text("disparity.worker",
              "command: the words of a program that matches pair after pair: it reads lines of JSON, "
              "{\"left\": "
-             "FILE, \"right\": FILE, \"out\": FILE, \"ndisp\": N}, and answers each with the line {\"ok\": "
-             "true} "
-             "or {\"error\": TEXT}",
+             "FILE, \"right\": FILE, \"out\": FILE, \"confidence\": FILE, \"ndisp\": N}, and answers each "
+             "with "
+             "the line {\"ok\": true} or {\"error\": TEXT}",
              MEMBER(disparity.worker)),
         number("disparity.timeout_s", "s", stages::DisparityConfig::kTimeout_s,
-               "command: longest wait for a view's map", MEMBER(disparity.timeout_s)),
+               "command, onnx: longest wait for a view's map", MEMBER(disparity.timeout_s)),
+        file("disparity.model", "onnx: the network's ONNX file; in a file relative to it; empty = none",
+             MEMBER(disparity.model)),
+        text("disparity.model_kind",
+             "onnx: the row of config/models.yaml that says how the network takes its pictures; empty = by "
+             "the "
+             "file's SHA-256 or name",
+             MEMBER(disparity.model_kind)),
+        number("disparity.least_confidence", "", stages::DisparityConfig::kConfidence,
+               "command, onnx: pixels of lower confidence are unknown, if confidences are given",
+               MEMBER(disparity.least_confidence)),
         number(
             "disparity.working_px", "px", stages::DisparityConfig::kWorkingSize_px,
             "longest side at which a pair is matched and meshed; a larger pair is reduced by the least "

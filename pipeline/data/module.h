@@ -1,5 +1,5 @@
-// Loads the program's own optional libraries, which are opened only when needed because they
-// depend on many others.
+// Finds the program's own optional libraries and programs, which are opened or started only when needed
+// because they depend on many libraries.
 #pragma once
 
 #include <dlfcn.h>
@@ -52,24 +52,38 @@ inline bool is_trusted(const std::filesystem::path& file, const std::filesystem:
            (of_file.st_uid == 0 || of_file.st_uid == of_object.st_uid) && (of_file.st_mode & S_IWOTH) == 0;
 }
 
+struct ModulePlace {
+    std::filesystem::path path;
+    std::string failure = {};  // why `path` is empty
+};
+
+// Looks for the file in module_folder(). It must belong to the superuser or to the program's owner, and not
+// be writable for all.
+inline ModulePlace find_module(const std::string& file) {
+    const std::filesystem::path object = own_object(), folder = module_folder(object.parent_path());
+    std::error_code failure;
+    if (folder.empty())
+        return {{},
+                file + " is looked for in an installation's lib/hexrelief only, and " + object.string() +
+                    " is in none"};
+    const std::filesystem::path path = folder / file;
+    if (!std::filesystem::exists(path, failure)) return {{}, file + " is not in " + folder.string()};
+    if (!is_trusted(path, object))
+        return {
+            {},
+            path.string() + " has another owner than " + object.string() + ", or anybody may write to it"};
+    return {path};
+}
+
 struct ModuleFunction {
     void* function = nullptr;
     std::string failure;  // why `function` is null
 };
 
-// Opens the library `file` of module_folder() and looks up `function` in it. The library must belong to the
-// superuser or to the program's owner, and not be writable for all. It is never closed.
+// Opens the library `file` that find_module() finds, and looks up `function` in it. It is never closed.
 inline ModuleFunction open_module(const std::string& file, const char* function) {
-    const std::filesystem::path object = own_object(), folder = module_folder(object.parent_path());
-    std::error_code failure;
-    if (folder.empty())
-        return {nullptr, file + " is looked for in an installation's lib/hexrelief only, and " +
-                             object.string() + " is in none"};
-    const std::filesystem::path path = folder / file;
-    if (!std::filesystem::exists(path, failure)) return {nullptr, file + " is not in " + folder.string()};
-    if (!is_trusted(path, object))
-        return {nullptr, path.string() + " has another owner than " + object.string() +
-                             ", or anybody may write to it"};
+    const auto [path, failure] = find_module(file);
+    if (path.empty()) return {nullptr, failure};
     void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr) return {nullptr, dlerror()};
     if (void* const symbol = dlsym(library, function)) return {symbol, {}};

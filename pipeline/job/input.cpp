@@ -44,15 +44,6 @@ InputFile hashed(const std::string& role, const fs::path& path) {
     return {role, path.string(), files::sha256_of_file(path)};
 }
 
-// A mask or confidences, from a file or from an array; empty = none.
-struct MaskSource {
-    fs::path file;
-    readers::PixelMask array = {};
-
-    // Returns the name for messages.
-    fs::path name(const char* in_memory) const { return file.empty() ? fs::path(in_memory) : file; }
-};
-
 class InputReader {
   public:
     InputReader(const config::InputConfig& config, const readers::ReaderLimits& limits, int threads,
@@ -158,8 +149,17 @@ class InputReader {
     }
 
     void read_right(const DisparityFiles& source, RunInput& input) {
-        if (source.right.empty()) return;
         InputMap& map = std::get<InputMap>(input.views);
+        if (source.right.empty()) {
+            if (source.color_right.empty()) return;
+            HashedImage picture = read_hashed("color right", source.color_right);
+            tell(turn_to_fit(picture, map.disparities.width, map.disparities.height));
+            map.right_color = picture_of_view(std::move(picture.image), source.color_right,
+                                              size_of(map.disparities), source.map)
+                                  .color;
+            input.files.push_back(std::move(picture.file));
+            return;
+        }
         RunInput right{InputMap{}};
         map.right = read_view(DisparityFiles{source.right, source.color_right},
                               {"disparity right", "color right"}, right)

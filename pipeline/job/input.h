@@ -37,7 +37,8 @@ struct InputMap {
     Image picture = {};
     std::string read_as = {};  // how its samples were read: "16-bit integers, mm"; empty = it was in memory
     bool is_depth = false;     // true if it was a depth map
-    // The right view, of the same sizes; without a map it was not supplied.
+    // The right view, of the same sizes; without a map it was not supplied, and its picture alone checks the
+    // left view's map.
     DisparityMap right = {};
     Image right_color = {}, right_picture = {};
 };

@@ -9,6 +9,7 @@
 #include "pipeline/densify/densify.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/noise.h"
+#include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/provenance.h"
 
@@ -161,10 +162,10 @@ OtherView unmatched_right_view(const InputPair& pair, const stages::FoundRange& 
 
 OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
                                 const stages::FoundRange& range, int threads) {
-    const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left)};
-    return right_view(
-        stages::refine_maps(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair, range,
-        threads);
+    const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left),
+                                          maps.is_dense};
+    return right_view(refine_given(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair,
+                      range, threads);
 }
 
 void complete_right_view(OtherView& right, const LeftView& left, const DisparityResult& disparity,

@@ -298,7 +298,8 @@ std::vector<InputFile> input_files(const RunRequest& request) {
         if (field.type != config::FieldType::file) continue;
         const std::string path = std::get<std::string>(field.get(request.config)),
                           section = config::section_of(field.path);
-        if (!path.empty()) files.push_back({section.substr(section.rfind('.') + 1), path});
+        const std::string& named = field.path.ends_with("file") ? section : field.path;
+        if (!path.empty()) files.push_back({named.substr(named.rfind('.') + 1), path});
     }
     // The file beside a calibration is read if it is needed.
     const config::CalibrationConfig& calibration = request.config.input.calibration;

@@ -83,6 +83,9 @@ DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& 
     DisparityMap map = std::move(input.disparities);
     if (config.input.densify == config::Densification::automatic)
         map = densify_map(std::move(map), input.color, mask, threads, log);
+    if (input.right.values.empty() && !input.right_color.empty())
+        map = check_map(std::move(map), {input.color, std::move(input.right_color)}, config.disparity,
+                        threads, log);
     DisparityResult result = config.disparity.dequantize == stages::Dequantization::none
                                  ? DisparityResult{std::move(map), {}}
                                  : smooth_map(std::move(map), config.budget.max_error_px, threads, log);
@@ -151,9 +154,10 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
             "disparity", [&] { return supplied_disparities(*map, input.mask, config, threads, log); });
     } else {
         std::optional<stages::ViewMaps> by_program;
-        if (range.config.method == stages::DisparityMethod::command)
-            by_program = log.stage("command",
-                                   [&] { return backends.programs().match(pair->views, range.config, log); });
+        if (stages::gives_maps(range.config.method))
+            by_program = log.stage("matcher", [&] {
+                return backends.programs().match(pair->views, range.config, threads, log);
+            });
         relief.disparity = log.stage("disparity", [&] {
             DisparityResult matched =
                 by_program ? disparities_of_program(pair->views, *by_program, range.config, threads)

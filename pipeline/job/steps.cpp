@@ -15,6 +15,7 @@
 #include "pipeline/dequantize/noise.h"
 #include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/maps/mask_input.h"
+#include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/other_views.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/sgbm.h"
@@ -129,9 +130,28 @@ DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& co
 DisparityResult disparities_of_program(const StereoPair& pair, const stages::ViewMaps& maps,
                                        const stages::DisparityConfig& config, int threads) {
     check_detail(checks::is_blank(pair.left), checks::is_blank(pair.right));
-    DisparityResult result{stages::refine_maps(pair, maps, config, threads), config};
+    DisparityResult result{refine_given(pair, maps, config, threads), config};
     check_any_match(result.map);
     return result;
+}
+
+DisparityMap check_map(DisparityMap map, StereoPair pair, const stages::DisparityConfig& config, int threads,
+                       RunLog& log) {
+    constexpr double another_scene = 0.5;
+    PictureCheck check =
+        log.stage("check", [&] { return check_by_picture(std::move(pair), map, config, threads); });
+    const std::string share = fixed(100 * check.unlike_share, 1) + " %";
+    if (check.unlike_share > another_scene) {
+        log.warn(
+            share +
+            " of the map's pixels have another colour in the right picture, so that is not looked at; check "
+            "that --color-right is the right camera's picture, rectified with the left one");
+        return map;
+    }
+    log.decide("disparity: " + share +
+               " of the pixels have another colour in the right picture, and lie on the planes "
+               "around them");
+    return std::move(check.map);
 }
 
 void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,

@@ -104,6 +104,11 @@ DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& co
 DisparityResult disparities_of_program(const StereoPair& pair, const stages::ViewMaps& maps,
                                        const stages::DisparityConfig& config, int threads);
 
+// Returns a supplied map of the pair's left view, checked by the right picture (check_by_picture()); as it is
+// if that picture shows something else, with a warning.
+DisparityMap check_map(DisparityMap map, StereoPair pair, const stages::DisparityConfig& config, int threads,
+                       RunLog& log);
+
 // Returns a supplied map. A sparse map is filled between its measurements in a stage of its own, except at
 // the pixels that the mask hides; only then the result has origins. left, mask: empty = none.
 DisparityMap densify_map(DisparityMap map, const Image& left, const readers::PixelMask& mask, int threads,

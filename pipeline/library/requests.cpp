@@ -31,8 +31,10 @@ job::Source source_of(const FileRequest& files) {
     if ((pair || stereo) && !files.confidence.empty())
         refuse(
             "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
-    if (files.disparity_right.empty() != files.color_right.empty() && !files.color.empty())
-        refuse("--disparity-right and --color-right go together, as --disparity and --color do");
+    if (!files.disparity_right.empty() && files.color_right.empty() && !files.color.empty())
+        refuse("--disparity-right needs --color-right, as --disparity has --color");
+    if (!files.color_right.empty() && files.color.empty() && files.disparity_right.empty())
+        refuse("--color-right needs --color, the picture of the map's own view");
     if (files.disparity.empty() && !(files.disparity_right + files.color_right).empty())
         refuse("--disparity-right and --color-right go with --disparity, which is the left view's map");
     if (stereo) return job::StereoFile{files.stereo, files.mask};

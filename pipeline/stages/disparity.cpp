@@ -27,6 +27,7 @@ std::string wrong_disparity_config(const DisparityConfig& config) {
         {"disparity.min_disparity_px", config.min_disparity_px, Config::kMinDisparity_px},
         {"disparity.num_disparities_px", config.num_disparities_px, Config::kNumDisparities_px},
         {"disparity.timeout_s", config.timeout_s, Config::kTimeout_s},
+        {"disparity.least_confidence", config.least_confidence, Config::kConfidence},
         {"disparity.p1", config.p1, Config::kPenalty},
         {"disparity.p2", config.p2, Config::kPenalty},
         {"disparity.speckle_window_px", config.speckle_window_px, Config::kSpeckleWindow_px},
@@ -49,6 +50,8 @@ std::string wrong_disparity_config(const DisparityConfig& config) {
             return "disparity.command must name {left}, {right} and {out}, the files of the pair and of the "
                    "map";
     }
+    if (config.method == DisparityMethod::onnx && config.model.empty())
+        return "disparity.method=onnx needs disparity.model, the network's ONNX file";
     if (config.p2 > 0 && config.p2 <= config.p1) return "disparity.p2 must be above disparity.p1";
     return {};
 }
@@ -219,9 +222,10 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
     check(pair, config);
     DisparityConfig ranged = config;
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
-    if (config.method == DisparityMethod::command)
-        throw Error(ErrorKind::usage,
-                    "disparity.method=command is for whole pairs of `run` and `batch`; take sgm here");
+    if (gives_maps(config.method))
+        throw Error(
+            ErrorKind::usage,
+            "disparity.method=command and onnx are for whole pairs of `run` and `batch`; take sgm here");
     if (config.method == DisparityMethod::sgm)
         return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
     return to_pixels(refine_sgbm(pair, ranged, threads), config, threads);

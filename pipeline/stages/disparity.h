@@ -13,8 +13,12 @@
 
 namespace hexrelief::stages {
 
-// sgm is the matcher in pipeline/matching, sgbm is OpenCV's StereoSGBM, command a program of the user's.
-enum class DisparityMethod { sgm, sgbm, command };
+// sgm is the matcher in pipeline/matching, sgbm is OpenCV's StereoSGBM, command a program of the user's, onnx
+// a network. The last two give whole maps (refine_maps()).
+enum class DisparityMethod { sgm, sgbm, command, onnx };
+inline bool gives_maps(DisparityMethod method) {
+    return method == DisparityMethod::command || method == DisparityMethod::onnx;
+}
 enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
 enum class DisparityFill { none, planes };
 enum class Dequantization { automatic, none };
@@ -59,8 +63,13 @@ struct DisparityConfig {
     // {out} and {ndisp} in it are replaced. worker is run once for all pairs of a process, and asked by lines
     // of JSON.
     std::string command = {}, worker = {};
+    // Of onnx only: the network's file, and its row of config/models.yaml; empty = by the file.
+    std::string model = {}, model_kind = {};
+    // Of command and onnx.
     static constexpr ValueRange kTimeout_s{1, 86400};
     double timeout_s = 600;  // for a view
+    static constexpr ValueRange kConfidence{0, 1};
+    double least_confidence = 0.1;  // pixels of lower confidence are unknown, if there are confidences
 
     // Parameters of StereoSGBM only.
     bool color = false;  // match all channels; grey is faster and was measured to be better
@@ -141,6 +150,9 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
 // The disparities of both views, each at its own columns.
 struct ViewMaps {
     DisparityMap left, right;
+    // True if a matcher gave a disparity to nearly every pixel, as networks do. Pixels of low confidence are
+    // unknown in the maps nevertheless.
+    bool is_dense = false;
 };
 
 // Returns the left view's disparities as match_range() does, from both views' maps of another matcher, whose

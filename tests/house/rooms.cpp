@@ -99,6 +99,8 @@ const std::vector<Room>& rooms() {
         {"pipeline/job/matchers",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/config", "pipeline/files",
           "pipeline/job/log", "pipeline/job/maps", "exporters/images"}},
+        {"pipeline/job/matchers/network",
+         {data, "pipeline/readers", "pipeline/files/sha256.h", "exporters/images"}},
         {"pipeline/job/pairs",
          {data, "pipeline/readers", "pipeline/alignment", "pipeline/stages", "pipeline/checks",
           "pipeline/config"}},

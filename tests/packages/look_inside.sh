@@ -15,6 +15,7 @@ cpack --config "$build/CPackConfig.cmake" -G 'DEB;TGZ' -B "$work" -D CPACK_DEBIA
 expected="hexrelief libhexrelief-dev libhexrelief0.1"
 ! ls "$build"/python/hexrelief/_core*.so >/dev/null 2>&1 || expected+=" python3-hexrelief"
 ! ls "$build"/hexrelief-heif.so >/dev/null 2>&1 || expected+=" hexrelief-heif"
+! ls "$build"/hexrelief-onnx >/dev/null 2>&1 || expected+=" hexrelief-onnx"
 for name in $expected; do
     deb=$(echo "$work/$name"_*.deb)
     [[ -f $deb ]] || fail "no package $name: $(ls "$work")"
@@ -39,6 +40,7 @@ for name in $expected; do
         [[ $(field Depends) == *python3-numpy* ]] || fail "depends: $(field Depends)"
         ;;
     hexrelief-heif) holds lib/hexrelief/hexrelief-heif.so ;;
+    hexrelief-onnx) holds lib/hexrelief/hexrelief-onnx ;;
     esac
     if grep -vE '^\./(usr/((bin|lib|include|share)/.*)?)?$' <<<"$files"; then fail "$name holds files elsewhere"; fi
 done

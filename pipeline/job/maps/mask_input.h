@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,17 @@
 #include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief::job {
+
+// A mask or confidences, from a file or from an array; empty = none.
+struct MaskSource {
+    std::filesystem::path file;
+    readers::PixelMask array = {};
+
+    // Returns the name for messages.
+    std::filesystem::path name(const char* in_memory) const {
+        return file.empty() ? std::filesystem::path(in_memory) : file;
+    }
+};
 
 // Sets values that the mask does not keep to unknown (+infinity). The values are those of a map of the mask's
 // size; an empty mask keeps all.

@@ -63,7 +63,8 @@ void close_end(int& end) {
 
 }  // namespace
 
-ChildProgram::ChildProgram(std::vector<std::string> words) : words_(std::move(words)) {
+ChildProgram::ChildProgram(std::vector<std::string> words, std::string name)
+    : words_(std::move(words)), name_(std::move(name)) {
     std::vector<char*> arguments;
     for (std::string& word : words_) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -103,8 +104,7 @@ std::string ChildProgram::last_words() const {
 void ChildProgram::fail(const std::string& what) {
     const std::string told = last_words();
     end();
-    throw Error(ErrorKind::input,
-                "disparity.method=command: " + readers::codec::excerpt(words_[0]) + " " + what + told);
+    throw Error(ErrorKind::input, name_ + " " + what + told);
 }
 
 void ChildProgram::fail_by_status() {

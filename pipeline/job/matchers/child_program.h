@@ -12,8 +12,9 @@ namespace hexrelief::job {
 // that.
 class ChildProgram {
   public:
-    // Starts words[0], looked up in PATH, without a shell. Throws Error(input) if it cannot be started.
-    explicit ChildProgram(std::vector<std::string> words);
+    // Starts words[0], looked up in PATH, without a shell. name: how messages begin. Throws Error(input) if
+    // it cannot be started.
+    ChildProgram(std::vector<std::string> words, std::string name);
     ChildProgram(const ChildProgram&) = delete;
     ChildProgram& operator=(const ChildProgram&) = delete;
     ~ChildProgram();  // kills the program and all that it started
@@ -40,6 +41,7 @@ class ChildProgram {
     void end();
 
     std::vector<std::string> words_;
+    std::string name_;
     int process_ = -1, input_ = -1, output_ = -1, errors_ = -1;
     int status_ = 0;
     std::string printed_, complaints_;

@@ -9,8 +9,11 @@
 #include "exporters/images/image_writer.h"
 #include "pipeline/config/shell_words.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/module.h"
 #include "pipeline/files/temporary_folder.h"
+#include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/matchers/fit_answer.h"
+#include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/parse_text.h"
 #include "pipeline/stages/other_views/other_view.h"
@@ -21,45 +24,50 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// What a program is told of a pair; the names are those of its placeholders and of its requests.
-struct Question {
-    fs::path left, right, out;
-    int ndisp;
-};
+constexpr double kMostUnknown = 0.01;  // of a dense map
 
-// Returns the words with their placeholders filled in. {out.EXT} is a map of another format than PFM.
-std::vector<std::string> filled_in(std::vector<std::string> words, Question& question) {
-    const std::map<std::string, std::string> values{{"{left}", question.left.string()},
-                                                    {"{right}", question.right.string()},
-                                                    {"{ndisp}", std::to_string(question.ndisp)}};
-    for (std::string& word : words) {
-        for (const auto& [name, value] : values)
-            for (std::size_t at = 0; (at = word.find(name, at)) != std::string::npos; at += value.size())
-                word.replace(at, name.size(), value);
-        const std::size_t at = word.find("{out");
+// Returns the words with their placeholders filled in. {out.EXT} is a map of another format than PFM, and so
+// is {confidence.EXT}.
+std::string filled_in(std::string word, const std::map<std::string, std::string>& values,
+                      const std::map<std::string, fs::path*>& written) {
+    for (const auto& [name, value] : values)
+        for (std::size_t at = 0; (at = word.find(name, at)) != std::string::npos; at += value.size())
+            word.replace(at, name.size(), value);
+    for (const auto& [name, path] : written) {
+        const std::size_t at = word.find(name);
         const std::size_t end = at == std::string::npos ? at : word.find('}', at);
         if (end == std::string::npos) continue;
-        const std::string extension = word.substr(at + 4, end - at - 4);
-        if (!extension.empty()) question.out.replace_extension(extension);
-        word.replace(at, end + 1 - at, question.out.string());
+        const std::string extension = word.substr(at + name.size(), end - at - name.size());
+        if (!extension.empty()) path->replace_extension(extension);
+        word.replace(at, end + 1 - at, path->string());
     }
-    return words;
+    return word;
 }
 
-// Checks a worker's answer: {"ok": true}, or {"error": "..."}.
-void check_answer(const std::string& line) {
-    const Json json = Json::parse(line, nullptr, false);
-    const std::string name = "disparity.worker: ";
+// Checks a worker's answer: {"ok": true}, or {"error": "..."}. Returns it. name: what messages begin with.
+Json checked_answer(const std::string& line, const std::string& name, bool is_own) {
+    Json json = Json::parse(line, nullptr, false);
     if (!json.is_object() || (!json.contains("ok") && !json.contains("error")))
         throw Error(ErrorKind::input,
-                    name + "the answer " + readers::codec::excerpt(line) +
+                    name + ": the answer " + readers::codec::excerpt(line) +
                         R"( is not {"ok": true} or {"error": "..."}; what is printed for people )"
                         "belongs to the error stream");
-    if (!json.contains("error")) return;
+    if (!json.contains("error")) return json;
     const Json& error = json.at("error");
-    throw Error(ErrorKind::input,
-                name + "the pair was not matched: " +
-                    readers::codec::excerpt(error.is_string() ? error.get<std::string>() : error.dump()));
+    const std::string text = error.is_string() ? error.get<std::string>() : error.dump();
+    if (is_own) throw Error(json.value("usage", false) ? ErrorKind::usage : ErrorKind::input, text);
+    throw Error(ErrorKind::input, name + ": the pair was not matched: " + readers::codec::excerpt(text));
+}
+
+// Returns the words of the project's own worker for networks.
+std::vector<std::string> words_for_network(const stages::DisparityConfig& config, int threads) {
+    const ModulePlace own = find_module("hexrelief-onnx");
+    if (own.path.empty())
+        throw Error(ErrorKind::input,
+                    "disparity.method=onnx: " + own.failure +
+                        "; build hexrelief with libopencv-dnn-dev or ONNX Runtime installed, or match by "
+                        "disparity.worker");
+    return {own.path.string(), config.model, config.model_kind, std::to_string(threads)};
 }
 
 // Returns the picture moved to the left by `by` px, its border repeated: disparities grow by as much.
@@ -73,28 +81,57 @@ Image moved_left(const Image& image, int by) {
 
 }  // namespace
 
+// What a program is told of a pair; the names are those of its placeholders and of its requests.
+struct ProgramMatcher::Question {
+    fs::path left, right, out, confidence;
+    int ndisp;
+};
+
+std::vector<std::string> ProgramMatcher::ask_worker(const Question& question,
+                                                    const stages::DisparityConfig& range, int threads) {
+    const bool is_network = range.method == stages::DisparityMethod::onnx;
+    const std::vector<std::string> words =
+        is_network ? words_for_network(range, threads) : config::words_of_line(range.worker);
+    const std::string name = is_network ? "disparity.model: " + range.model + ": hexrelief-onnx"
+                                        : "disparity.worker: " + readers::codec::excerpt(words.at(0));
+    if (!worker_ || words != words_) worker_ = std::make_unique<ChildProgram>(words_ = words, name);
+    // Whatever fails, the next pair gets a new worker.
+    std::unique_ptr<ChildProgram> asked = std::move(worker_);
+    asked->write_line(Json{
+        {"left", question.left.string()},
+        {"right", question.right.string()},
+        {"out", question.out.string()},
+        {"confidence", question.confidence.string()},
+        {"ndisp",
+         question.ndisp}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+    const Json json = checked_answer(asked->read_line(range.timeout_s), name, is_network);
+    worker_ = std::move(asked);
+    return json.value("told", std::vector<std::string>());
+}
+
 DisparityMap ProgramMatcher::answer(const StereoPair& pair, const std::string& view,
-                                    const stages::DisparityConfig& range, RunLog& log) {
+                                    const stages::DisparityConfig& range, int threads, bool& is_dense,
+                                    RunLog& log) {
     const files::TemporaryFolder folder;
     Question question{folder.path() / "left.png", folder.path() / "right.png",
-                      folder.path() / "disparity.pfm", range.num_disparities_px};
+                      folder.path() / "disparity.pfm", folder.path() / "confidence.pfm",
+                      range.num_disparities_px};
     exporters::write_png(question.left, pair.left);
     exporters::write_png(question.right, pair.right);
-    if (!range.command.empty()) {
-        ChildProgram(filled_in(config::words_of_line(range.command), question)).finish(range.timeout_s);
+    if (range.method == stages::DisparityMethod::onnx || range.command.empty()) {
+        const std::vector<std::string> told = ask_worker(question, range, threads);
+        if (view == "left")
+            for (const std::string& done : told) log.decide("disparity: " + done);
     } else {
-        const std::vector<std::string> words = config::words_of_line(range.worker);
-        if (!worker_ || words != words_) worker_ = std::make_unique<ChildProgram>(words_ = words);
-        // Whatever fails, the next pair gets a new worker.
-        std::unique_ptr<ChildProgram> asked = std::move(worker_);
-        asked->write_line(Json{
-            {"left", question.left.string()},
-            {"right", question.right.string()},
-            {"out", question.out.string()},
-            {"ndisp",
-             question.ndisp}}.dump(-1, ' ', false, Json::error_handler_t::replace));
-        check_answer(asked->read_line(range.timeout_s));
-        worker_ = std::move(asked);
+        std::vector<std::string> words = config::words_of_line(range.command);
+        for (std::string& word : words)
+            word = filled_in(word,
+                             {{"{left}", question.left.string()},
+                              {"{right}", question.right.string()},
+                              {"{ndisp}", std::to_string(question.ndisp)}},
+                             {{"{out", &question.out}, {"{confidence", &question.confidence}});
+        ChildProgram(words, "disparity.command: " + readers::codec::excerpt(words.at(0)))
+            .finish(range.timeout_s);
     }
     std::error_code ignored;
     if (!fs::exists(question.out, ignored))
@@ -106,22 +143,34 @@ DisparityMap ProgramMatcher::answer(const StereoPair& pair, const std::string& v
     DisparityMap map = readers::read_disparity_map(question.out, as_written);
     const std::string told = fit_answer(map, pair);
     if (!told.empty()) log.decide("disparity: the program's map of the " + view + " view: " + told);
+    const auto unknown = std::ranges::count_if(map.values, [](float d) { return !DisparityMap::known(d); });
+    is_dense &= static_cast<double>(unknown) <= kMostUnknown * static_cast<double>(map.values.size());
+    if (fs::exists(question.confidence, ignored)) {
+        const readers::PixelMask sure =
+            readers::read_confidence(question.confidence, {range.least_confidence});
+        hide(map.values, readers::resampled(sure, map.width, map.height));
+        log.decide("disparity: the program is sure of " + percent_text(sure, 1) + " % of the " + view +
+                   " view");
+    }
     return map;
 }
 
 stages::ViewMaps ProgramMatcher::match(const StereoPair& pair, const stages::DisparityConfig& range,
-                                       RunLog& log) {
+                                       int threads, RunLog& log) {
     const int least_px = range.min_disparity_px;
+    stages::ViewMaps maps{{}, {}, true};
     const auto ask = [&](const StereoPair& views, const std::string& view) {
-        if (least_px == 0) return answer(views, view, range, log);
-        DisparityMap map = answer({views.left, moved_left(views.right, -least_px)}, view, range, log);
+        if (least_px == 0) return answer(views, view, range, threads, maps.is_dense, log);
+        DisparityMap map = answer({views.left, moved_left(views.right, -least_px)}, view, range, threads,
+                                  maps.is_dense, log);
         for (float& d : map.values)
             if (DisparityMap::known(d)) d += static_cast<float>(least_px);
         return map;
     };
-    DisparityMap left = ask(pair, "left");
+    maps.left = ask(pair, "left");
     log.progress(0.5);
-    return {std::move(left), stages::mirrored(ask(stages::mirrored(pair), "right"))};
+    maps.right = stages::mirrored(ask(stages::mirrored(pair), "right"));
+    return maps;
 }
 
 }  // namespace hexrelief::job

@@ -1,35 +1,142 @@
-// Pairs matched by the program in samples/matchers.
+// Pairs matched by the programs in samples/matchers, and by networks.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/readers/disparity_reader.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::cli {
 namespace {
 
 using namespace test;
+namespace fs = std::filesystem;
 
-TEST(Matchers, TheSamplesProgramIsCalledInBothForms) {
-    if (std::system("/usr/bin/python3 -c 'import cv2' 2>/dev/null") != 0)
-        GTEST_SKIP() << "Debian's python3-opencv is not installed";
+bool python_has(const std::string& module) {
+    return std::system(("/usr/bin/python3 -c 'import " + module + "' 2>/dev/null").c_str()) == 0;
+}
+
+std::string program(const std::string& name) {
+    return std::string("/usr/bin/python3 ") + HEXRELIEF_SOURCE_DIR + "/samples/matchers/" + name;
+}
+
+// Meshes the sample pair with these settings, and returns the report.
+nlohmann::json mesh_by(const TemporaryFolder& folder, const std::vector<std::string>& settings,
+                       const std::string& output) {
+    std::vector<std::string> words{
+        "-o", folder / output, "--report", folder / "r.json", "--save-stages", folder / "stages"};
+    for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
+    const ProcessResult result = run_program(pair_arguments(words));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.exit_code == 0 ? nlohmann::json::parse(read_text(folder / "r.json")) : nlohmann::json();
+}
+
+// Returns the share of the true map's pixels at which the latest run's is more than 2 px off, in percent.
+double bad2(const TemporaryFolder& folder) {
+    const DisparityMap map = readers::read_disparity_map(fs::path(folder / "stages") / "disparity.pfm", {}),
+                       truth = readers::read_disparity_map(sample("disparity.pfm"), {});
+    int known = 0, bad = 0;
+    for (std::size_t i = 0; i < truth.values.size(); ++i)
+        if (DisparityMap::known(truth.values[i])) {
+            ++known;
+            bad += !(std::abs(map.values.at(i) - truth.values[i]) <= 2);
+        }
+    return 100.0 * bad / known;
+}
+
+class SampleMatchers : public testing::TestWithParam<std::string> {};
+
+TEST_P(SampleMatchers, AreCalledInBothForms) {
+    if (!python_has("cv2.stereo")) GTEST_SKIP() << "Debian's python3-opencv is not installed";
     const TemporaryFolder folder;
-    const std::string words =
-        std::string("/usr/bin/python3 ") + HEXRELIEF_SOURCE_DIR + "/samples/matchers/sgbm.py";
-    const auto mesh_by = [&](const std::string& setting, const std::string& name) {
-        const ProcessResult result =
-            run_program(pair_arguments({"-o", folder / name, "--report", folder / "r.json", "--set",
-                                        "disparity.method=command", "--set", setting}));
-        EXPECT_EQ(result.exit_code, 0) << result.err;
-        return read_text(folder / name);
-    };
-    const std::string by_command =
-        mesh_by("disparity.command=" + words + " {left} {right} {out} {ndisp}", "command.ply");
-    const nlohmann::json report = nlohmann::json::parse(read_text(folder / "r.json"));
-    EXPECT_GT(report.at("disparity").at("support").get<double>(), 0.8);
-    EXPECT_EQ(mesh_by("disparity.worker=" + words, "worker.ply"), by_command);
-    EXPECT_EQ(folder.entries(), 3u);
+    const std::string command = "disparity.method=command", words = program(GetParam());
+    const nlohmann::json report = mesh_by(
+        folder, {command, "disparity.command=" + words + " {left} {right} {out} {ndisp}"}, "command.ply");
+    EXPECT_GT(report.at("disparity").at("support").get<double>(), 0.6);
+    EXPECT_LT(bad2(folder), 10);
+    mesh_by(folder, {command, "disparity.worker=" + words}, "worker.ply");
+    EXPECT_TRUE(read_text(folder / "worker.ply") == read_text(folder / "command.ply"));
+}
+INSTANTIATE_TEST_SUITE_P(All, SampleMatchers, testing::Values("sgbm.py", "quasi_dense.py"),
+                         [](const auto& named) { return named.param.substr(0, named.param.find('.')); });
+
+TEST(Matchers, AdaptersOfNetworksAreWholePython) {
+    for (const auto& entry : fs::directory_iterator(fs::path(HEXRELIEF_SOURCE_DIR) / "samples/matchers"))
+        if (entry.path().extension() == ".py") {
+            const std::string compiled =
+                "/usr/bin/python3 -c 'import sys; compile(open(sys.argv[1]).read(), sys.argv[1], \"exec\")' ";
+            EXPECT_EQ(std::system((compiled + entry.path().string()).c_str()), 0) << entry.path();
+        }
+}
+
+// Small graphs that match pairs, by make_models.py.
+class Networks : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!fs::exists(fs::path(HEXRELIEF_PROGRAM).parent_path() / "hexrelief-onnx"))
+            GTEST_SKIP() << "this build has neither OpenCV's dnn nor ONNX Runtime";
+        if (!python_has("onnx")) GTEST_SKIP() << "Debian's python3-onnx is not installed";
+        fs::create_directory(models());
+        ASSERT_EQ(std::system(("/usr/bin/python3 " + std::string(HEXRELIEF_SOURCE_DIR) +
+                               "/tests/pipeline/job/make_models.py " + models())
+                                  .c_str()),
+                  0);
+    }
+    std::string models() const { return folder_ / "models"; }
+    std::vector<std::string> by(const std::string& name) const {
+        return {"disparity.method=onnx", "disparity.model=" + models() + "/" + name + ".onnx"};
+    }
+    std::vector<std::string> arguments(const std::string& name) const {
+        return pair_arguments({"-o", folder_ / "x.glb", "--set", by(name)[0], "--set", by(name)[1]});
+    }
+
+    const TemporaryFolder folder_;
+};
+
+TEST_F(Networks, MatchAPairInAnySizeSignAndTiles) {
+    for (const std::string name : {"block", "fixed", "unit-tiles"}) {
+        const nlohmann::json report = mesh_by(folder_, by(name), name + ".ply");
+        EXPECT_GT(report.at("disparity").at("support").get<double>(), 0.7) << name;
+        EXPECT_LT(bad2(folder_), 8) << name;
+    }
+    std::vector<std::string> threads = by("block");
+    threads.push_back("run.threads=3");
+    mesh_by(folder_, threads, "threads.ply");
+    EXPECT_TRUE(read_text(folder_ / "threads.ply") == read_text(folder_ / "block.ply"));
+}
+
+TEST_F(Networks, WhatCannotBeRunIsALineAndNothingIsWritten) {
+    expect_failure(arguments("grid-sample"), 3, "cannot run the network's operator 'GridSample'");
+    expect_failure(arguments("rubbish"), 3, "rubbish.onnx: it is no ONNX file");
+    expect_failure(arguments("huge"), 3, "too large to be run");
+    expect_failure(arguments("missing"), 3, "missing.onnx");
+    std::vector<std::string> other = arguments("block");
+    other.insert(other.end(), {"--set", "disparity.model_kind=other"});
+    expect_failure(other, 2, "disparity.model_kind must be one of levels");
+    expect_failure(pair_arguments({"-o", folder_ / "x.glb", "--set", "disparity.method=onnx"}), 2,
+                   "disparity.method=onnx needs disparity.model");
+    EXPECT_FALSE(fs::exists(folder_ / "x.glb"));
+}
+
+TEST_F(Networks, DamagedGraphsNeverCrashOrHangTheRun) {
+    const std::string whole = read_text(models() + "/small.onnx");
+    unsigned random = 7;
+    for (int i = 0; i < 6; ++i) {
+        std::string bytes = whole;
+        for (int k = 0; k < 4; ++k) {
+            random = random * 1664525 + 1013904223;
+            bytes[(random >> 8) % bytes.size()] = static_cast<char>(random >> 3);
+        }
+        write_text(models() + "/damaged.onnx", bytes);
+        std::vector<std::string> words = arguments("damaged");
+        words.insert(words.end(), {"--set", "disparity.timeout_s=20"});
+        const ProcessResult result = run_program(words);
+        EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 2 || result.exit_code == 3)
+            << i << ": " << result.exit_code << " " << result.err;
+    }
 }
 
 TEST(Matchers, AWrongCommandIsRefusedBeforeTheWork) {

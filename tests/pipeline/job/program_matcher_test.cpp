@@ -84,7 +84,7 @@ class ProgramMatcherTest : public testing::Test {
 
 TEST_F(ProgramMatcherTest, ACommandGivesBothViewsMaps) {
     config_.command = copying();
-    expect_maps(matcher_.match(pair_, config_, log_));
+    expect_maps(matcher_.match(pair_, config_, 1, log_));
 }
 
 TEST_F(ProgramMatcherTest, DisparitiesOfTheOtherSignAreTurnedAndTold) {
@@ -96,7 +96,7 @@ TEST_F(ProgramMatcherTest, DisparitiesOfTheOtherSignAreTurnedAndTold) {
             if (DisparityMap::known(d)) d = -d;
     write(left, right);
     config_.command = copying();
-    expect_maps(matcher_.match(pair_, config_, log_));
+    expect_maps(matcher_.match(pair_, config_, 1, log_));
     EXPECT_NE(told.find("have the other sign"), std::string::npos) << told;
 }
 
@@ -109,7 +109,7 @@ TEST_F(ProgramMatcherTest, AMapOfHalfTheSizeIsBroughtToThePairs) {
     };
     write(halved(left_), halved(mirrored_right()));
     config_.command = copying();
-    const stages::ViewMaps maps = matcher_.match(pair_, config_, log_);
+    const stages::ViewMaps maps = matcher_.match(pair_, config_, 1, log_);
     ASSERT_EQ(maps.left.values.size(), left_.values.size());
     for (int y = 0; y < left_.height; y += 2)
         for (int x = 0; x < left_.width; x += 2) ASSERT_EQ(maps.left.at(x + 1, y + 1), left_.at(x, y));
@@ -121,13 +121,13 @@ TEST_F(ProgramMatcherTest, DisparitiesBelowZeroAreCountedFromTheLeast) {
     for (float& d : expected.values) d -= 10;
     config_.min_disparity_px = -10;
     config_.command = copying();
-    EXPECT_EQ(matcher_.match(pair_, config_, log_).left.values, expected.values);
+    EXPECT_EQ(matcher_.match(pair_, config_, 1, log_).left.values, expected.values);
 }
 
 TEST_F(ProgramMatcherTest, FailuresAreOneLine) {
     const auto expect = [&](const std::string& command, const std::string& part) {
         config_.command = command;
-        expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, log_); });
+        expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, 1, log_); });
     };
     expect(sh("echo first >&2; echo 'no model' >&2; exit 3\n", "{out}"),
            "ended with exit code 3: 'no model'");
@@ -151,7 +151,7 @@ const char* const kWorker =
 
 TEST_F(ProgramMatcherTest, AWorkerServesManyPairs) {
     config_.worker = sh(kWorker, "");
-    for (int pair = 0; pair < 3; ++pair) expect_maps(matcher_.match(pair_, config_, log_));
+    for (int pair = 0; pair < 3; ++pair) expect_maps(matcher_.match(pair_, config_, 1, log_));
     std::ifstream pids(folder_ / "pids");
     std::string first, next;
     int requests = 0;
@@ -162,7 +162,7 @@ TEST_F(ProgramMatcherTest, AWorkerServesManyPairs) {
 TEST_F(ProgramMatcherTest, AWorkerThatFailsIsReplaced) {
     const auto expect = [&](const std::string& text, const std::string& part) {
         config_.worker = sh(text, "");
-        expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, log_); });
+        expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, 1, log_); });
     };
     expect("read line; echo loading the model\n", "loading the model");
     expect("read line; echo 'out of memory' >&2; exit 4\n", "ended with exit code 4: 'out of memory'");
@@ -173,7 +173,7 @@ TEST_F(ProgramMatcherTest, AWorkerThatFailsIsReplaced) {
     expect("read line; sleep 600\n", "gave no answer within disparity.timeout_s, 1 s");
     config_.timeout_s = 60;
     config_.worker = sh(kWorker, "");
-    expect_maps(matcher_.match(pair_, config_, log_));
+    expect_maps(matcher_.match(pair_, config_, 1, log_));
 }
 
 }  // namespace

@@ -1,0 +1,252 @@
+#include "pipeline/job/matchers/given_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <utility>
+#include <vector>
+
+#include "pipeline/matching/matcher.h"
+#include "pipeline/stages/other_views/other_view.h"
+
+namespace hexrelief::job {
+namespace {
+
+constexpr float kAgree_px = 1;         // largest difference of disparities that are the same
+constexpr float kGivenStep_px = 1.5F;  // range of 3x3 given disparities beside a discontinuity, maybe blurred
+constexpr float kRefinedStep_px = 2;   // the same of refined ones
+constexpr int kNear_px = 3;            // of a discontinuity
+constexpr double kMisplaced = 0.04;    // of the pixels near refined discontinuities; see the header
+constexpr int kLevelParts = 16;        // of a px and of a level: the unit of costs
+constexpr int kMostDifferent = 40;     // levels; beyond them the pixels are just different
+constexpr int kUnlike = 8, kUnlikeTimes = 3;  // levels, and times the median: a pixel of another colour
+constexpr int kClearlyMoreAlike = 3;          // levels
+
+using Flags = std::vector<std::uint8_t>;
+
+// What the right view says of a pixel's disparity.
+enum class Verdict : std::uint8_t { agrees, hidden, contradicts };
+
+// A pixel beside the match counts as well: matches lie between pixels, and at a silhouette the next one is
+// another surface's.
+Verdict verdict_on(float d, const DisparityMap& right, int x, int y) {
+    const long column = std::lround(x - static_cast<double>(d));
+    if (column < 0 || column >= right.width) return Verdict::hidden;
+    float nearest = -kUnknownDisparity;
+    for (long beside = std::max(0L, column - 1); beside <= std::min<long>(right.width - 1, column + 1);
+         ++beside) {
+        const float seen = right.at(static_cast<int>(beside), y);
+        if (!DisparityMap::known(seen)) continue;
+        if (std::abs(seen - d) <= kAgree_px) return Verdict::agrees;
+        nearest = std::max(nearest, seen);
+    }
+    return DisparityMap::known(nearest) && nearest < d ? Verdict::contradicts : Verdict::hidden;
+}
+
+// Returns how much a pixel's colour differs from that of its match, in 1/16 of a level.
+int difference(const StereoPair& pair, int x, int y, float d) {
+    const Image &left = pair.left, &right = pair.right;
+    const double match = std::clamp(static_cast<double>(x) - d, 0.0, right.width - 1.0);
+    const int column = static_cast<int>(match), next = std::min(column + 1, right.width - 1);
+    const int share = static_cast<int>(std::floor((match - column) * kLevelParts + 0.5));
+    const int channels = std::min(left.channels, right.channels);
+    int sum = 0;
+    for (int c = 0; c < channels; ++c)
+        sum += std::abs(kLevelParts * left.at(x, y)[c] -
+                        ((kLevelParts - share) * right.at(column, y)[c] + share * right.at(next, y)[c]));
+    return std::min(sum / channels, kLevelParts * kMostDifferent);
+}
+
+std::vector<int> differences(const StereoPair& pair, const DisparityMap& map) {
+    std::vector<int> all;
+    all.reserve(map.values.size());
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const float d = map.at(x, y);
+            all.push_back(DisparityMap::known(d) ? difference(pair, x, y, d) : kLevelParts * kMostDifferent);
+        }
+    return all;
+}
+
+// Returns the sum over 3x3 values, and of how many there are in the picture.
+std::pair<int, int> sum_around(const std::vector<int>& values, int width, int height, int x, int y) {
+    int sum = 0, count = 0;
+    for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u, ++count)
+            sum += values[static_cast<std::size_t>(v) * width + u];
+    return {sum, count};
+}
+
+// Returns 1 for each pixel within kNear_px, along x and y, of 3x3 pixels whose disparities differ so much.
+Flags near_steps(const DisparityMap& map, float step_px) {
+    Flags near(map.values.size(), 0);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            float least = kUnknownDisparity, largest = -kUnknownDisparity;
+            for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
+                    if (const float d = map.at(u, v); DisparityMap::known(d))
+                        least = std::min(least, d), largest = std::max(largest, d);
+            if (!(largest - least >= step_px)) continue;
+            for (int v = std::max(0, y - kNear_px); v <= std::min(map.height - 1, y + kNear_px); ++v) {
+                const std::size_t row = static_cast<std::size_t>(v) * map.width;
+                std::fill(near.begin() + static_cast<std::ptrdiff_t>(row + std::max(0, x - kNear_px)),
+                          near.begin() +
+                              static_cast<std::ptrdiff_t>(row + std::min(map.width - 1, x + kNear_px) + 1),
+                          std::uint8_t{1});
+            }
+        }
+    return near;
+}
+
+// True if most of the pixels around one have a flag: a few are set at silhouettes and in noise.
+bool is_amid(const Flags& flags, int width, int height, int x, int y) {
+    constexpr int reach = 3, most = (2 * reach + 1) * (2 * reach + 1) / 2;
+    int set = 0;
+    for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
+        for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u)
+            set += flags[static_cast<std::size_t>(v) * width + u];
+    return set > most;
+}
+
+// See refine_given(). Known disparities are at least `least_px`.
+DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, const Flags& unlike,
+                        DisparityMap refined, float least_px) {
+    const int width = refined.width, height = refined.height;
+    const std::vector<int> as_given = differences(pair, given.left), as_refined = differences(pair, refined);
+    const Flags beside = near_steps(refined, kRefinedStep_px);
+    Flags is_refined_alike(refined.values.size(), 0);
+    std::size_t all = 0, misplaced = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::size_t i = static_cast<std::size_t>(y) * width + x;
+            const float own = given.left.values[i], other = refined.values[i];
+            all += beside[i];
+            if (!DisparityMap::known(own) || !DisparityMap::known(other) ||
+                std::abs(own - other) <= kAgree_px || x < own || x < other)
+                continue;
+            const auto [own_sum, count] = sum_around(as_given, width, height, x, y);
+            const int other_sum = sum_around(as_refined, width, height, x, y).first;
+            is_refined_alike[i] = other_sum + count * kLevelParts * kClearlyMoreAlike < own_sum;
+            misplaced += is_refined_alike[i] && beside[i];
+        }
+    const bool are_misplaced = static_cast<double>(misplaced) > kMisplaced * static_cast<double>(all);
+    const Flags near =
+        are_misplaced ? near_steps(given.left, kGivenStep_px) : Flags(refined.values.size(), 0);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::size_t i = static_cast<std::size_t>(y) * width + x;
+            const float own = given.left.values[i];
+            if (!DisparityMap::known(own) || near[i]) continue;
+            const Verdict verdict = verdict_on(own, given.right, x, y);
+            const bool is_at_fault = verdict == Verdict::contradicts || unlike[i];
+            const bool is_surely =
+                verdict == Verdict::contradicts || (unlike[i] && is_amid(unlike, width, height, x, y));
+            if (are_misplaced ? is_at_fault : is_surely && is_refined_alike[i]) continue;
+            refined.values[i] = std::max(own, least_px);
+            refined.origins[i] = verdict == Verdict::agrees ? PixelOrigin::matched : PixelOrigin::filled;
+        }
+    return refined;
+}
+
+// Returns the right view's map that the left view's implies: of the pixels that match there the nearest.
+DisparityMap seen_from_right(const DisparityMap& left) {
+    DisparityMap right{
+        left.width, left.height, std::vector<float>(left.values.size(), kUnknownDisparity), {}};
+    for (int y = 0; y < left.height; ++y)
+        for (int x = 0; x < left.width; ++x) {
+            const float d = left.at(x, y);
+            if (!DisparityMap::known(d)) continue;
+            const long column = std::lround(x - static_cast<double>(d));
+            if (column < 0 || column >= left.width) continue;
+            float& seen = right.at(static_cast<int>(column), y);
+            seen = DisparityMap::known(seen) ? std::max(seen, d) : d;
+        }
+    return right;
+}
+
+// Returns the curves that bring the right picture to the left one's light, by the map's matches.
+matching::LightCurves light_by(const StereoPair& pair, const DisparityMap& map) {
+    matching::MatchedMap matches{map.width, map.height, {}, {}};
+    for (const float d : map.values) {
+        const bool is_known = DisparityMap::known(d) && d >= 0 && d < stages::kLargestRange_px;
+        matches.disparities.push_back(is_known ? static_cast<std::int16_t>(d * matching::kOnePixel)
+                                               : matching::kUnknown16);
+        matches.is_matched.push_back(is_known);
+    }
+    return matching::find_light(pair, matches, 0);
+}
+
+// Returns 1 for the pixels of the left view that the right camera sees by the maps, but in another colour,
+// and their share of all that it sees.
+std::pair<Flags, double> find_unlike(const StereoPair& pair, const DisparityMap& left,
+                                     const DisparityMap& right) {
+    const std::vector<int> all = differences(pair, left);
+    std::vector<std::pair<std::size_t, int>> seen;  // pixels with the mean over 3x3
+    for (int y = 0; y < left.height; ++y)
+        for (int x = 0; x < left.width; ++x) {
+            const float d = left.at(x, y);
+            if (!DisparityMap::known(d) || verdict_on(d, right, x, y) == Verdict::hidden) continue;
+            const auto [sum, count] = sum_around(all, left.width, left.height, x, y);
+            seen.emplace_back(static_cast<std::size_t>(y) * left.width + x, sum / count);
+        }
+    Flags unlike(left.values.size(), 0);
+    if (seen.empty()) return {unlike, 0};
+    std::vector<int> sorted;
+    for (const auto& [pixel, mean] : seen) sorted.push_back(mean);
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const int most = kUnlikeTimes * *middle + kLevelParts * kUnlike;
+    std::size_t count = 0;
+    for (const auto& [pixel, mean] : seen)
+        if (mean > most) unlike[pixel] = 1, ++count;
+    return {unlike, static_cast<double>(count) / static_cast<double>(seen.size())};
+}
+
+DisparityMap without(DisparityMap map, const Flags& hidden) {
+    for (std::size_t i = 0; i < hidden.size(); ++i)
+        if (hidden[i]) map.values[i] = kUnknownDisparity;
+    return map;
+}
+
+// As check_by_picture(), for both views' maps.
+PictureCheck refine_dense(StereoPair pair, const stages::ViewMaps& given,
+                          const stages::DisparityConfig& config, int threads) {
+    matching::relight(pair.right, light_by(pair, given.left), threads);
+    const auto [unlike, share] = find_unlike(pair, given.left, given.right);
+    const DisparityMap right_in_mirror = stages::mirrored(given.right);
+    const Flags right_unlike =
+        find_unlike(stages::mirrored(pair), right_in_mirror, stages::mirrored(given.left)).first;
+    const stages::ViewMaps sure{without(given.left, unlike),
+                                stages::mirrored(without(right_in_mirror, right_unlike)), true};
+    DisparityMap refined = stages::refine_maps(pair, sure, config, threads);
+    if (refined.origins.empty()) return {std::move(refined), share};
+    const bool has_negative =
+        std::ranges::any_of(given.left.values, [](float d) { return DisparityMap::known(d) && d < 0; });
+    return {keep_given(pair, given, unlike, std::move(refined),
+                       has_negative ? -kUnknownDisparity : 1.0F / matching::kOnePixel),
+            share};
+}
+
+}  // namespace
+
+DisparityMap refine_given(const StereoPair& pair, const stages::ViewMaps& given,
+                          const stages::DisparityConfig& config, int threads) {
+    if (!given.is_dense || config.fill == stages::DisparityFill::none)
+        return stages::refine_maps(pair, given, config, threads);
+    return refine_dense(pair, given, config, threads).map;
+}
+
+PictureCheck check_by_picture(StereoPair pair, const DisparityMap& left,
+                              const stages::DisparityConfig& config, int threads) {
+    PictureCheck check = refine_dense(std::move(pair), {left, seen_from_right(left), true}, config, threads);
+    for (std::size_t i = 0; i < left.values.size(); ++i) {
+        if (DisparityMap::known(left.values[i])) continue;
+        check.map.values[i] = kUnknownDisparity;
+        if (!check.map.origins.empty()) check.map.origins[i] = PixelOrigin::unknown;
+    }
+    return check;
+}
+
+}  // namespace hexrelief::job
