@@ -34,7 +34,7 @@ std::string header(const Scene& scene, bool normals, bool colours) {
     const SurfaceMesh& mesh = *scene.mesh;
     std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
     text += std::string("comment ") + (mesh.metric ? "metres" : "relative units") +
-            ", +Y up, camera at the origin looking along -Z\n";
+            ", +Y up, camera looking along -Z\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
     text += "property float x\nproperty float y\nproperty float z\n";
     if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
@@ -77,6 +77,7 @@ extern const MeshFormat ply_format = {
     .write = write_ply,
     .describe = inspect::describe_ply,
     .colours = ColourStorage::vertices,
+    .origin = OriginSupport::positions,
 };
 
 }  // namespace hexrelief::exporters

@@ -3,11 +3,13 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "exporters/exporter.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/piped_inputs.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
@@ -32,24 +34,57 @@ namespace fs = std::filesystem;
 struct RasterOptions {
     std::string key;
     std::optional<long long> max_pixels;
+    bool json = false;
 
     readers::ReaderLimits limits() const {
         return {max_pixels.value_or(readers::kMaxPixels), "--max-pixels"};
     }
 };
 
-// The printed lines.
-using Text = std::string;
+using Json = nlohmann::ordered_json;
 
-void line(Text& text, const char* name, const std::string& value) {
-    std::string label = name;
-    label.resize(std::max<std::size_t>(label.size(), 14), ' ');
-    text += label + printable(value) + "\n";
+// One thing that is told of a file: in words, and as JSON has it.
+struct Line {
+    std::string name, words;
+    Json value;
+    bool is_of_list = false;
+};
+using Text = std::vector<Line>;
+
+void line(Text& text, const std::string& name, const std::string& words) {
+    text.push_back({name, words, words});
+}
+void line(Text& text, const std::string& name, const std::string& words, Json value) {
+    text.push_back({name, words, std::move(value)});
+}
+void count(Text& text, const std::string& name, std::size_t number) {
+    line(text, name, std::to_string(number), number);
 }
 
-// Prints the name before the first value only.
-void lines(Text& text, const char* name, const std::vector<std::string>& values) {
-    for (const std::string& value : values) line(text, &value == values.data() ? name : "", value);
+void lines(Text& text, const std::string& name, const std::vector<std::string>& values) {
+    for (const std::string& value : values) text.push_back({name, value, value, true});
+}
+
+// Returns the lines in words, a list's name before its first value only, or as an object of JSON.
+std::string told(const Text& text, bool json) {
+    std::string words, above;
+    Json object = Json::object();
+    for (const auto& [name, value_words, value, is_of_list] : text) {
+        std::string label = is_of_list && name == above ? "" : name, key = name;
+        label.resize(std::max<std::size_t>(label.size(), 14), ' ');
+        words += label + printable(value_words) + "\n";
+        std::replace(key.begin(), key.end(), ' ', '_');
+        if (is_of_list)
+            object[key].push_back(value);
+        else
+            object[key] = value;
+        above = name;
+    }
+    return json ? object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : words;
+}
+
+Json size_json(int width, int height) {
+    return {{"width", width}, {"height", height}};
 }
 
 std::string number(double value) {
@@ -60,35 +95,44 @@ std::string number(double value) {
 
 void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
     line(text, "format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
-    line(text, "vertices", std::to_string(mesh.vertices));
-    line(text, "triangles", std::to_string(mesh.triangles));
+    count(text, "vertices", mesh.vertices);
+    count(text, "triangles", mesh.triangles);
     std::string levels;
-    for (const inspect::LevelDescription& level : mesh.coarser)
+    Json coarser = Json::array();
+    for (const inspect::LevelDescription& level : mesh.coarser) {
         levels += (levels.empty() ? "" : "; ") + std::to_string(level.vertices) + " vertices, " +
                   std::to_string(level.triangles) + " triangles";
-    if (!levels.empty()) line(text, "coarser", levels);
+        coarser.push_back({{"vertices", level.vertices}, {"triangles", level.triangles}});
+    }
+    if (!levels.empty()) line(text, "coarser", levels, coarser);
     line(text, "attributes",
          std::string("positions") + (mesh.normals ? ", normals" : "") +
              (mesh.texcoords ? ", texture coordinates" : "") + (mesh.colors ? ", colours" : ""));
     if (!mesh.geometry_bytes.empty()) {
         std::string parts;
-        for (const auto& [name, bytes] : mesh.geometry_bytes)
+        Json by_name;
+        for (const auto& [name, bytes] : mesh.geometry_bytes) {
             parts += (parts.empty() ? "" : ", ") + name + " " + std::to_string(bytes);
-        line(text, "bytes", parts);
+            by_name[name] = bytes;
+        }
+        line(text, "bytes", parts, by_name);
     }
-    if (mesh.texture_bytes > 0) line(text, "texture", std::to_string(mesh.texture_bytes) + " bytes");
+    if (mesh.texture_bytes > 0)
+        line(text, "texture", std::to_string(mesh.texture_bytes) + " bytes", mesh.texture_bytes);
     if (mesh.has_bounds)
         line(text, "bounds",
              "[" + number(mesh.min.x) + ", " + number(mesh.min.y) + ", " + number(mesh.min.z) + "] .. [" +
-                 number(mesh.max.x) + ", " + number(mesh.max.y) + ", " + number(mesh.max.z) + "]");
+                 number(mesh.max.x) + ", " + number(mesh.max.y) + ", " + number(mesh.max.z) + "]",
+             {{mesh.min.x, mesh.min.y, mesh.min.z}, {mesh.max.x, mesh.max.y, mesh.max.z}});
     if (!mesh.generator.empty()) line(text, "generator", mesh.generator);
 }
 
 // Adds the stored samples of a map, and how a run would read them by default.
 void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     const readers::MapDescription map = readers::describe_map(path, options.key, options.limits());
-    if (map.known_share > 0) line(text, "values", number(map.least) + " .. " + number(map.largest));
-    line(text, "known", number(100 * map.known_share) + " %");
+    if (map.known_share > 0)
+        line(text, "values", number(map.least) + " .. " + number(map.largest), {map.least, map.largest});
+    line(text, "known", number(100 * map.known_share) + " %", map.known_share);
     lines(text, "as depth", map.as_depth);
     lines(text, "as disparity", map.as_disparity);
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
@@ -163,15 +207,20 @@ void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& te
 void tell_calibration(const readers::CalibrationFile& file, Text& text) {
     const Calibration& camera = file.calibration;
     line(text, "format", "calibration, " + file.format);
-    line(text, "focal", number(camera.focal_px) + " px");
-    line(text, "baseline", camera.baseline_m > 0 ? number(camera.baseline_m) + " m" : "not known");
+    line(text, "focal", number(camera.focal_px) + " px", camera.focal_px);
+    if (camera.baseline_m > 0)
+        line(text, "baseline", number(camera.baseline_m) + " m", camera.baseline_m);
+    else
+        line(text, "baseline", "not known", nullptr);
     line(text, "centre",
          std::isnan(camera.cx) ? "not said: the middle"
                                : "(" + number(camera.cx) + ", " + number(camera.cy) +
-                                     ") px, the first pixel's centre is (0.5, 0.5)");
-    line(text, "doffs", number(camera.doffs_px) + " px");
+                                     ") px, the first pixel's centre is (0.5, 0.5)",
+         std::isnan(camera.cx) ? Json() : Json({camera.cx, camera.cy}));
+    line(text, "doffs", number(camera.doffs_px) + " px", camera.doffs_px);
     if (camera.width > 0)
-        line(text, "size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
+        line(text, "size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px",
+             size_json(camera.width, camera.height));
     if (file.depth_per_m > 0) line(text, "depths", number(file.depth_per_m) + " integers in a metre");
     if (!file.other.empty()) line(text, "also", file.other.string());
     for (const std::string& told : file.told) line(text, "note", told);
@@ -187,9 +236,11 @@ void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& t
              "focal " + number(camera.matrix[0]) + " and " + number(camera.matrix[4]) + " px, " +
                  std::to_string(camera.distortion.size()) + " numbers of distortion");
     const auto& t = cameras.translation;
-    line(text, "baseline", number(std::hypot(t[0], t[1], t[2])) + " m");
+    const double baseline_m = std::hypot(t[0], t[1], t[2]);
+    line(text, "baseline", number(baseline_m) + " m", baseline_m);
     if (cameras.width > 0)
-        line(text, "size", std::to_string(cameras.width) + " x " + std::to_string(cameras.height) + " px");
+        line(text, "size", std::to_string(cameras.width) + " x " + std::to_string(cameras.height) + " px",
+             size_json(cameras.width, cameras.height));
     if (!file.other.empty()) line(text, "also", file.other.string());
     for (const std::string& told : file.told) line(text, "note", told);
 }
@@ -224,9 +275,10 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
     const unsigned gives = readers::codec::find_codec(path)->gives;
     if (is_matrix(raster, gives) && tell_if_calibration(path, text)) return;
     line(text, "format", raster.format);
-    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
-    line(text, "channels", std::to_string(raster.channels));
-    line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
+    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px",
+         size_json(raster.width, raster.height));
+    line(text, "channels", std::to_string(raster.channels), raster.channels);
+    line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""), raster.bits);
     if (raster.format == "heic") {
         tell_picture(path, raster, options, text);
         tell_auxiliary(path, options, text);
@@ -258,19 +310,19 @@ Text described(const fs::path& path, const RasterOptions& options) {
 // pictures and maps decode at more than 256 KiB per second. A map takes 8 bytes per pixel here: 1 GiB is
 // enough for 134 megapixels at any packing, and 64 bytes per byte of the file for maps that are packed
 // less than 8 times.
-Text raster_text(const fs::path& path, const RasterOptions& options) {
+std::string raster_text(const fs::path& path, const RasterOptions& options) {
     const std::uintmax_t bytes = fs::file_size(path);
     const inspect::WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18),
                                      (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
-    const inspect::WorkBytes told =
+    const inspect::WorkBytes bytes =
         inspect::run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
-            const Text text = described(path, options);
+            const std::string text = told(described(path, options), options.json);
             return inspect::WorkBytes(text.begin(), text.end());
         });
-    return {told.begin(), told.end()};
+    return {bytes.begin(), bytes.end()};
 }
 
-Text information(const fs::path& path, const RasterOptions& options) {
+std::string information(const fs::path& path, const RasterOptions& options) {
     std::error_code code;
     if (!fs::exists(path, code)) throw Error(ErrorKind::input, path.string() + ": no such file");
     if (fs::is_directory(path, code))
@@ -278,7 +330,7 @@ Text information(const fs::path& path, const RasterOptions& options) {
     Text text;
     if (exporters::find_mesh_format(path)) {
         tell_mesh(exporters::describe_mesh(path), text);
-        return text;
+        return told(text, options.json);
     }
     if (readers::codec::find_codec(path)) return raster_text(path, options);
     try {
@@ -289,7 +341,7 @@ Text information(const fs::path& path, const RasterOptions& options) {
             std::string(e.what()) +
                 " (neither a mesh's extension nor an image's first bytes, so taken for a calibration)");
     }
-    return text;
+    return told(text, options.json);
 }
 
 }  // namespace
@@ -298,15 +350,17 @@ void add_info_command(Command& program) {
     Command command = program.add_command("info", "what a mesh, map, image or calibration file holds");
     const auto path = std::make_shared<fs::path>();
     const auto options = std::make_shared<RasterOptions>();
-    command.add_option("FILE", path.get(),
-                       "mesh (" + exporters::export_extensions() +
-                           "), image, map of disparity or depth, mask, or calibration",
-                       {.required = true});
+    command.add_option(
+        "FILE", path.get(),
+        "mesh (" + exporters::export_extensions() +
+            "), image, map of disparity or depth, mask, or calibration; - = the standard input",
+        {.required = true});
     command.add_option("--key", &options->key, "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.add_option(
         "--max-pixels", &options->max_pixels,
         "refuse images and maps of more, by their header; default " + std::to_string(readers::kMaxPixels),
         {.value = "N"});
+    command.add_flag("--json", options->json, "as JSON");
     command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
         "--key depth\n  hexrelief info calib.txt");
@@ -314,7 +368,12 @@ void add_info_command(Command& program) {
         if (const long long most = options->limits().max_pixels; most < 1 || most > readers::kMaxPixels)
             throw Error(ErrorKind::usage,
                         "--max-pixels: must be from 1 to " + std::to_string(readers::kMaxPixels));
-        std::fputs(information(*path, *options).c_str(), stdout);
+        PipedInputs pipes;
+        try {
+            std::fputs(information(pipes.file_of(path->string()), *options).c_str(), stdout);
+        } catch (const Error& error) {
+            throw Error(error.kind(), pipes.named(error.what()));
+        }
         return 0;
     });
 }
