@@ -314,12 +314,12 @@ std::string raster_text(const fs::path& path, const RasterOptions& options) {
     const std::uintmax_t bytes = fs::file_size(path);
     const inspect::WorkLimits limits{2 + static_cast<unsigned>(bytes >> 18),
                                      (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
-    const inspect::WorkBytes bytes =
+    const inspect::WorkBytes printed =
         inspect::run_limited(limits, "cannot read '" + path.string() + "': ", [&] {
             const std::string text = told(described(path, options), options.json);
             return inspect::WorkBytes(text.begin(), text.end());
         });
-    return {bytes.begin(), bytes.end()};
+    return {printed.begin(), printed.end()};
 }
 
 std::string information(const fs::path& path, const RasterOptions& options) {
