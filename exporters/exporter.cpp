@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "exporters/core/file_names.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
@@ -92,6 +93,27 @@ struct UprightScene {
     Calibration camera;
 };
 
+// A scene whose file has its origin at the mesh's base; it owns the meshes.
+struct SceneAtBase {
+    SceneAtBase(const Scene& given, OriginSupport support) : scene(given) {
+        const Bounds bounds = bounds_of(given.mesh->positions);
+        const Vec3f base{(bounds.low.x + bounds.high.x) / 2, bounds.low.y,
+                         (bounds.low.z + bounds.high.z) / 2};
+        if (support == OriginSupport::node) {
+            scene.shift_m = {-base.x, -base.y, -base.z};
+            return;
+        }
+        meshes.push_back(*given.mesh);
+        for (const SurfaceMesh* mesh : given.coarser) meshes.push_back(*mesh);
+        for (SurfaceMesh& mesh : meshes)
+            for (Vec3f& p : mesh.positions) p = {p.x - base.x, p.y - base.y, p.z - base.z};
+        scene.mesh = &meshes[0];
+        for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
+    }
+    Scene scene;
+    std::vector<SurfaceMesh> meshes;
+};
+
 }  // namespace
 
 ExportConfig config_of_file(const Scene& scene, const ExportConfig& asked,
@@ -115,6 +137,12 @@ void export_scene(const Scene& scene, const ExportConfig& asked, const std::file
     }
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
+    const FileOrigin origin = asked.origin == FileOrigin::automatic ? format.usual_origin : asked.origin;
+    if (origin == FileOrigin::base && format.origin != OriginSupport::none) {
+        ExportConfig moved = asked;
+        moved.origin = FileOrigin::camera;
+        return export_scene(SceneAtBase(scene, format.origin).scene, moved, path, files);
+    }
     if (!format.has_separate_levels(config)) {
         format.write(scene, config, path, files);
         return;

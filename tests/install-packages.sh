@@ -9,7 +9,7 @@ packages=(
     libopencv-calib3d-dev  # SGBM
     libopenmesh-dev libdraco-dev libtinygltf-dev nlohmann-json3-dev
     libyaml-cpp-dev libcli11-dev nettle-dev
-    libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev zlib1g-dev
+    libpng-dev libjpeg-dev libtiff-dev libwebp-dev liblcms2-dev libexif-dev zlib1g-dev
     libopenexr-dev  # optional: EXR maps
     libheif-dev  # optional: HEIC photographs and their depths
     libopencv-dnn-dev  # optional: networks as matchers (disparity.method=onnx)

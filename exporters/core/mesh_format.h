@@ -23,6 +23,9 @@ using FormatWriter = void (*)(const Scene&, const ExportConfig&, const std::file
 // The part of a file that holds the picture's colours.
 enum class ColourStorage { none, vertices, texture };
 
+// How a file's origin is moved: by other positions, or by a node above all. none: it is not.
+enum class OriginSupport { none, positions, node };
+
 // The place of coarser levels of detail; by_config: as export.lod_storage says.
 enum class LevelSupport { files, by_config, inside };
 
@@ -40,6 +43,8 @@ struct MeshFormat {
     // Returns the tolerance of positions, px; null: export.tolerance_px.
     double (*tolerance_px)(const Scene&, const ExportConfig&, const std::filesystem::path&) = nullptr;
     LevelSupport levels = LevelSupport::files;
+    OriginSupport origin = OriginSupport::none;
+    FileOrigin usual_origin = FileOrigin::camera;  // of export.origin: auto
     // Extension of a companion file, which comes with a texture file; null: the format has neither.
     const char* companion = nullptr;
     // True if the file names its companions in lines of text, which a line break in a name would cut.

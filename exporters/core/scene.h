@@ -33,6 +33,10 @@ enum class LevelStorage { files, inside };
 // The unit of one number in an .stl file, which cannot state it.
 enum class StlUnit { metre, millimetre };
 
+// The place of a file's origin: the left camera, or below the middle of the mesh, as low as its lowest point,
+// where programs that put models onto floors want it. automatic: base in .usdz.
+enum class FileOrigin { automatic, camera, base };
+
 // The contents of .stl and .3mf: the surface, or a body that stands on a flat base.
 enum class SolidKind { none, base };
 
@@ -65,6 +69,8 @@ struct ExportConfig {
     int texture_max_px = 0;    // longest side of the texture; 0 = unlimited
     bool texture_crop = true;  // crops the texture to the part that the mesh shows
     bool camera = true;        // writes the left camera to glTF if the image's size is known
+    FileOrigin origin = FileOrigin::automatic;
+    std::string copyright;  // for glTF's asset.copyright; may be empty
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;
     SolidKind solid = SolidKind::none;
@@ -111,6 +117,8 @@ struct Scene {
     // Position of the mesh's own origin in space, a multiple of grid_step_m: the node's translation in .glb
     // and .gltf. Other formats ignore it.
     std::array<double, 3> origin_m = {};
+    // Where all that a .glb or .gltf holds is moved to, by a node above it.
+    std::array<double, 3> shift_m = {};
     // The JPEG file that the top left of the texture was read from; null = none. A texture in JPEG is made of
     // its blocks if that takes fewer bytes than encoding them anew.
     const std::vector<std::uint8_t>* texture_file = nullptr;

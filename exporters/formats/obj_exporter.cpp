@@ -1,7 +1,11 @@
 // Wavefront OBJ with a material library and a texture file beside it.
+#include <algorithm>
 #include <charconv>
 #include <initializer_list>
+#include <numeric>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/images/texture.h"
@@ -34,14 +38,41 @@ std::string material_text(const Scene& scene, const std::string& texture_name) {
     return text + "Ka 0 0 0\nKd 1 1 1\nKs 0 0 0\nd 1\nillum 0\nmap_Kd " + texture_name + "\n";
 }
 
+// Numbers the positions that differ: vertices that differ in their texture's place alone share one.
+struct Places {
+    std::vector<std::uint32_t> of;      // each vertex's position, counted from 1
+    std::vector<std::uint32_t> vertex;  // one of each position
+};
+Places places_of(const std::vector<Vec3f>& positions) {
+    const auto key = [&](std::uint32_t i) {
+        return std::tuple(positions[i].x, positions[i].y, positions[i].z, i);
+    };
+    std::vector<std::uint32_t> order(positions.size()), first(positions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) < key(b); });
+    for (std::size_t i = 0; i < order.size(); ++i)
+        first[order[i]] =
+            i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];
+    Places places{std::vector<std::uint32_t>(positions.size()), {}};
+    for (std::uint32_t i = 0; i < positions.size(); ++i) {  // a position's first vertex comes first
+        if (first[i] == i) places.vertex.push_back(i);
+        places.of[i] = first[i] == i ? static_cast<std::uint32_t>(places.vertex.size()) : places.of[first[i]];
+    }
+    return places;
+}
+
 std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
                       const std::string& material_name) {
     const bool normals = !mesh.normals.empty(), texcoords = !mesh.texcoords.empty();
     std::string text;
     text.reserve(mesh.positions.size() * 90 + mesh.triangles.size() * 48 + 256);
     text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
-            ", +Y up, camera at the origin looking along -Z\nmtllib " + material_name + "\no relief\n";
-    for (const Vec3f& p : mesh.positions) append_line(text, "v", {p.x, p.y, p.z});
+            ", +Y up, camera looking along -Z\nmtllib " + material_name + "\no relief\n";
+    const Places places = places_of(mesh.positions);
+    for (const std::uint32_t i : places.vertex) {
+        const Vec3f& p = mesh.positions[i];
+        append_line(text, "v", {p.x, p.y, p.z});
+    }
     // OBJ has v = 0 at the bottom.
     for (const Vec2f& t : mesh.texcoords) append_line(text, "vt", {t.x, 1 - t.y});
     for (const Vec3f& n : mesh.normals) append_line(text, "vn", {n.x, n.y, n.z});
@@ -50,7 +81,7 @@ std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
         text += 'f';
         for (const std::uint32_t vertex : triangle) {
             text += ' ';
-            append(text, vertex + 1);
+            append(text, places.of[vertex]);
             if (texcoords || normals) text += '/';
             if (texcoords) append(text, vertex + 1);
             if (normals) {
@@ -83,6 +114,7 @@ extern const MeshFormat obj_format = {
     .write = write_obj,
     .describe = inspect::describe_obj,
     .colours = ColourStorage::texture,
+    .origin = OriginSupport::positions,
     .companion = ".mtl",
     .names_companions_in_lines = true,
 };

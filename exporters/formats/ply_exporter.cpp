@@ -34,7 +34,7 @@ std::string header(const Scene& scene, bool normals, bool colours) {
     const SurfaceMesh& mesh = *scene.mesh;
     std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
     text += std::string("comment ") + (mesh.metric ? "metres" : "relative units") +
-            ", +Y up, camera at the origin looking along -Z\n";
+            ", +Y up, camera looking along -Z\n";
     if (!mesh.provenance.empty())
         text += "comment provenance: the cameras that saw a vertex, 0 both, 1 left, 2 right, 3 nobody\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
@@ -82,6 +82,7 @@ extern const MeshFormat ply_format = {
     .write = write_ply,
     .describe = inspect::describe_ply,
     .colours = ColourStorage::vertices,
+    .origin = OriginSupport::positions,
 };
 
 }  // namespace hexrelief::exporters

@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+#include <numeric>
+#include <tuple>
+
+#include "exporters/formats/bridge_holes.h"
+#include "pipeline/data/union_find.h"
 
 namespace hexrelief::exporters {
 namespace {
+
+using Index = std::uint32_t;
 
 constexpr double kFarthestShare = 0.001;  // of the vertices, which noise may have put anywhere
 constexpr double kMostOfDepth = 0.5;      // that the base may be thick
@@ -36,50 +42,196 @@ double extent(const std::vector<Vec3f>& positions) {
     return std::max(high[0] - low[0], high[1] - low[1]);
 }
 
-// Returns the sides of triangles that no neighbour shares, as (from, to) of their triangle, in order.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> border_of(const std::vector<Triangle>& triangles) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> sides, border;
-    for (const Triangle& t : triangles)
-        for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(t[k], t[(k + 1) % 3]);
-    std::sort(sides.begin(), sides.end());
-    for (const auto& [from, to] : sides)
-        if (!std::binary_search(sides.begin(), sides.end(), std::pair(to, from)))
-            border.emplace_back(from, to);
-    return border;
+// A vertex lies on the ray of a point of the image; several do where a cut has parted them. Rays and the
+// vertices of each are numbered by position.
+struct Front {
+    std::vector<Vec3f> positions;        // depths are those of the body
+    std::vector<Index> rays;             // of each vertex
+    std::vector<Vec2f> points;           // of each ray
+    std::vector<std::vector<Index>> on;  // a ray's vertices, nearest first
+    std::vector<Triangle> triangles;
+};
+
+Front front_of(const SurfaceMesh& surface) {
+    const auto count = static_cast<std::ptrdiff_t>(surface.left_vertices());
+    std::vector<Vec3f> positions(surface.positions.begin(), surface.positions.begin() + count);
+    const double far = farthest(positions);
+    for (Vec3f& p : positions)
+        if (const double shrink = far / depth_of(p); shrink < 1)
+            p = {static_cast<float>(p.x * shrink), static_cast<float>(p.y * shrink),
+                 static_cast<float>(-far)};
+    std::vector<Index> order(positions.size()), names(positions.size());
+    std::iota(order.begin(), order.end(), Index{0});
+    const auto key = [&](Index i) {
+        const Vec2f& point = surface.image_points[i];
+        return std::tuple(point.y, point.x, depth_of(positions[i]), i);
+    };
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return key(a) < key(b); });
+    Front front;
+    for (const Index i : order) {
+        const Vec2f& point = surface.image_points[i];
+        if (front.points.empty() || !(front.points.back() == point)) {
+            front.points.push_back(point);
+            front.on.emplace_back();
+        }
+        // Vertices at one place are one.
+        if (front.on.back().empty() || front.positions.back().z != positions[i].z) {
+            front.on.back().push_back(static_cast<Index>(front.positions.size()));
+            front.positions.push_back(positions[i]);
+            front.rays.push_back(static_cast<Index>(front.points.size() - 1));
+        }
+        names[i] = static_cast<Index>(front.positions.size() - 1);
+    }
+    for (std::size_t i = 0; i < surface.left_triangles(); ++i) {
+        const Triangle& t = surface.triangles[i];
+        const Triangle named{names[t[0]], names[t[1]], names[t[2]]};
+        const auto ray = [&](std::size_t k) { return front.rays[named[k]]; };
+        if (ray(0) != ray(1) && ray(1) != ray(2) && ray(2) != ray(0)) front.triangles.push_back(named);
+    }
+    return front;
+}
+
+// Twice the area in the image, px^2.
+double area_of(const Front& front, const Triangle& t) {
+    const Vec2f &a = front.points[front.rays[t[0]]], &b = front.points[front.rays[t[1]]],
+                &c = front.points[front.rays[t[2]]];
+    return std::abs(double(b.x - a.x) * (c.y - a.y) - double(c.x - a.x) * (b.y - a.y));
+}
+
+// Removes pieces of the image that are smaller than `least`.
+void drop_crumbs(Front& front, double least) {
+    UnionFind pieces(front.points.size());
+    for (const Triangle& t : front.triangles)
+        for (const Index other : {t[1], t[2]}) pieces.join(front.rays[t[0]], front.rays[other]);
+    std::vector<double> areas(front.points.size());
+    const auto piece = [&](const Triangle& t) { return pieces.find(front.rays[t[0]]); };
+    for (const Triangle& t : front.triangles) areas[piece(t)] += area_of(front, t);
+    std::erase_if(front.triangles, [&](const Triangle& t) { return areas[piece(t)] < least; });
+}
+
+// A side of a triangle, or of the base, in the direction that a wall's triangle has it.
+struct Side {
+    Index first, second;  // rays, first < second
+    bool is_forwards;     // from first to second
+    Index at_first, at_second;
+
+    auto key() const { return std::tuple(first, second, is_forwards, at_first, at_second); }
+};
+
+// Adds walls between the sides of the front that lie over each other in the image, and to the base.
+class Walls {
+  public:
+    // base: the base's vertex on each ray.
+    Walls(const Front& front, const std::vector<Index>& base, std::vector<Triangle>& triangles)
+        : front_(front), base_(base), triangles_(triangles) {}
+
+    void add_all() {
+        std::vector<Side> sides;
+        for (const Triangle& t : front_.triangles)
+            for (std::size_t k = 0; k < 3; ++k) sides.push_back(side_between(t[(k + 1) % 3], t[k]));
+        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.key() < b.key(); });
+        for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+            while (end < sides.size() && sides[end].first == sides[begin].first &&
+                   sides[end].second == sides[begin].second)
+                ++end;
+            add_between(&sides[begin], end - begin);
+        }
+    }
+
+  private:
+    Side side_between(Index from, Index to) const {
+        const Index a = front_.rays[from], b = front_.rays[to];
+        return a < b ? Side{a, b, true, from, to} : Side{b, a, false, to, from};
+    }
+
+    // Joins the sides over one line of the image, those of one direction to those of the other.
+    void add_between(const Side* sides, std::size_t count) {
+        const Side* const forwards =
+            std::partition_point(sides, sides + count, [](const Side& side) { return !side.is_forwards; });
+        const std::size_t back = static_cast<std::size_t>(forwards - sides), forth = count - back;
+        const Side base{sides->first, sides->second, true, base_[sides->first], base_[sides->second]};
+        for (std::size_t i = 0; i < std::max(back, forth); ++i)
+            add_wall(i < forth ? forwards[i] : base, i < back ? sides[i] : base);
+    }
+
+    // Fills what lies between two sides of one line, seen from where `forwards` goes from left to right.
+    void add_wall(const Side& forwards, const Side& backwards) {
+        const std::vector<Index> left = along(forwards.first, forwards.at_first, backwards.at_first),
+                                 right = along(forwards.second, forwards.at_second, backwards.at_second);
+        for (std::size_t i = 0; i + 1 < left.size(); ++i)
+            triangles_.push_back({right[0], left[i + 1], left[i]});
+        for (std::size_t i = 0; i + 1 < right.size(); ++i)
+            triangles_.push_back({right[i], right[i + 1], left.back()});
+    }
+
+    // Returns the vertices of a ray from one to the other.
+    std::vector<Index> along(Index ray, Index from, Index to) const {
+        std::vector<Index> all = front_.on[ray];
+        all.push_back(base_[ray]);
+        auto a = std::find(all.begin(), all.end(), from), b = std::find(all.begin(), all.end(), to);
+        if (a <= b) return {a, b + 1};
+        std::vector<Index> back(b, a + 1);
+        std::reverse(back.begin(), back.end());
+        return back;
+    }
+
+    const Front& front_;
+    const std::vector<Index>& base_;
+    std::vector<Triangle>& triangles_;
+};
+
+// Places the front and the base, whose rays it has from the nearest vertex of each, in mm above the base.
+std::vector<Vec3f> placed(const Front& front, double size_mm) {
+    const double far = farthest(front.positions), wide = extent(front.positions);
+    const double thickness_mm = std::min(kLeastThickness_mm, size_mm / 20);
+    // At the base one metre of depth is `scale` mm; the base is as far behind `far` as is thick enough.
+    const double base = far / (1 - std::min(kMostOfDepth, thickness_mm * wide / size_mm));
+    const double scale = size_mm / (wide * base);
+    std::vector<Vec3f> positions;
+    const auto add = [&](const Vec3f& p, double depth) {
+        positions.push_back({static_cast<float>(p.x / depth_of(p) * depth * scale),
+                             static_cast<float>(p.y / depth_of(p) * depth * scale),
+                             static_cast<float>((base - depth) * scale)});
+    };
+    for (const Vec3f& p : front.positions) add(p, depth_of(p));
+    for (const std::vector<Index>& vertices : front.on) add(front.positions[vertices[0]], base);
+    return positions;
+}
+
+// Removes the vertices that no triangle has.
+void drop_unused(SurfaceMesh& body) {
+    constexpr Index kUnused = ~Index{0};
+    std::vector<Index> names(body.positions.size(), kUnused);
+    for (const Triangle& t : body.triangles)
+        for (const Index i : t) names[i] = 0;
+    std::vector<Vec3f> used;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (names[i] == kUnused) continue;
+        names[i] = static_cast<Index>(used.size());
+        used.push_back(body.positions[i]);
+    }
+    body.positions = std::move(used);
+    for (Triangle& t : body.triangles)
+        for (Index& i : t) i = names[i];
 }
 
 }  // namespace
 
 SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
+    Front front = front_of(surface);
+    double area = 0;
+    for (const Triangle& t : front.triangles) area += area_of(front, t);
+    drop_crumbs(front, kCrumbShare * area);
+    bridge_holes(front.triangles, front.rays, front.points, kBridgedShare * area);
     SurfaceMesh body;
-    body.triangles.assign(surface.triangles.begin(),
-                          surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.left_triangles()));
-    body.positions.assign(surface.positions.begin(),
-                          surface.positions.begin() + static_cast<std::ptrdiff_t>(surface.left_vertices()));
-    const std::size_t count = body.positions.size();
-    const double far = farthest(body.positions), wide = extent(body.positions);
-    const double thickness_mm = std::min(kLeastThickness_mm, size_mm / 20);
-    // At the base one metre of depth is `scale` mm; the base is as far behind `far` as is thick enough.
-    const double base = far / (1 - std::min(kMostOfDepth, thickness_mm * wide / size_mm));
-    const double scale = size_mm / (wide * base);
-    body.positions.resize(2 * count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Vec3f p = body.positions[i];
-        const auto at_depth = [&](double depth) {
-            return Vec3f{static_cast<float>(p.x / depth_of(p) * depth * scale),
-                         static_cast<float>(p.y / depth_of(p) * depth * scale),
-                         static_cast<float>((base - depth) * scale)};
-        };
-        body.positions[i] = at_depth(std::min(depth_of(p), far));
-        body.positions[count + i] = at_depth(base);
-    }
-    const auto below = [&](std::uint32_t vertex) { return vertex + static_cast<std::uint32_t>(count); };
-    const std::vector<Triangle> front = body.triangles;
-    for (const Triangle& t : front) body.triangles.push_back({below(t[0]), below(t[2]), below(t[1])});
-    for (const auto& [from, to] : border_of(front)) {
-        body.triangles.push_back({to, from, below(from)});
-        body.triangles.push_back({to, below(from), below(to)});
-    }
+    body.positions = placed(front, size_mm);
+    body.triangles = front.triangles;
+    std::vector<Index> base(front.points.size());
+    std::iota(base.begin(), base.end(), static_cast<Index>(front.positions.size()));
+    for (const Triangle& t : front.triangles)
+        body.triangles.push_back({base[front.rays[t[0]]], base[front.rays[t[2]]], base[front.rays[t[1]]]});
+    Walls(front, base, body.triangles).add_all();
+    drop_unused(body);
     return body;
 }
 

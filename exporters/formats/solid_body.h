@@ -5,15 +5,20 @@
 
 namespace hexrelief::exporters {
 
-// Closes the left view of a surface: each of its points casts a body away from the camera, along its ray, to
-// a flat base behind the farthest of them. So no wall overhangs when the base lies down, and from the camera
-// the body looks like the surface. The base is size_mm wide or high, whichever is more, and lies on z = 0, +Z
-// up, mm; the body is at least kLeastThickness_mm thick. The farthest thousandth of the vertices moves to the
-// depth of the others. Every edge belongs to two triangles if the surface has no edge of more than two; the
-// pieces of a surface in pieces are closed each by itself. Positions only. Precondition: all depths are above
-// 0.
-SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm);
-
 inline constexpr double kLeastThickness_mm = 2;  // of a base of 40 mm and more, a twentieth of smaller ones
+inline constexpr double kCrumbShare = 1e-3;      // of the surface's area in the image: smaller pieces go
+inline constexpr double kBridgedShare = 0.01;    // of that area: smaller holes are closed
+
+// Closes the left view of a surface: it becomes the lid of a body whose walls run along the camera's rays, to
+// a flat base behind the farthest point. So no wall overhangs when the base lies down, and from the camera
+// the body looks like the surface. At a silhouette a wall joins the nearer surface to the farther one, if
+// both have the same points of the image there, else both to the base; the surface's border has walls to the
+// base. Crumbs go, and small holes are bridged, as seen in the image. Every side of a triangle is that of
+// another one in the other direction.
+//
+// The base is size_mm wide or high, whichever is more, and lies on z = 0, +Z up, mm; the body is at least
+// kLeastThickness_mm thick. The farthest thousandth of the vertices moves to the depth of the others. The
+// front's vertices come before those of the base. Positions only. Precondition: all depths are above 0.
+SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm);
 
 }  // namespace hexrelief::exporters

@@ -153,6 +153,8 @@ extern const MeshFormat usdz_format = {
     .describe = inspect::describe_usdz,
     .colours = ColourStorage::texture,
     .has_material = true,
+    .origin = OriginSupport::positions,
+    .usual_origin = FileOrigin::base,
 };
 
 }  // namespace hexrelief::exporters

@@ -122,8 +122,9 @@ struct RowReader {
         for (const std::string& flag : options.file_options)
             if (const auto file = given.find(flag.substr(2)); file != given.end() && unit.name.empty())
                 unit.name = name_of_file(file->second);
-        if (!options.config.empty() && !given.contains("config"))
-            unit.words.insert(unit.words.end(), {"--config", options.config});
+        if (!given.contains("config"))
+            for (const std::string& name : options.config)
+                unit.words.insert(unit.words.end(), {"--config", name});
         if (unit.wrong.empty()) unit.wrong = check_name(unit.name);
         append_outputs(unit, formats);
         return unit;
@@ -165,8 +166,8 @@ std::vector<BatchUnit> option_lines(const std::string& text, const std::string& 
         std::vector<std::string> words = config::words_of_line(line);
         if (words.empty() || words.front().starts_with('#')) continue;
         words.insert(words.begin(), options.words.begin(), options.words.end());
-        if (!options.config.empty() && !holds(words, "--config"))
-            words.insert(words.begin(), {"--config", options.config});
+        if (!holds(words, "--config"))
+            for (const std::string& name : options.config) words.insert(words.end(), {"--config", name});
         units.push_back({place, place, std::move(words), "", ErrorKind::usage});
     }
     return units;

@@ -22,7 +22,7 @@ struct BatchUnit {
 struct ManifestOptions {
     std::filesystem::path output;                // may be empty for lines of options
     std::vector<std::string> formats = {"glb"};  // for rows that name none
-    std::string config = {};                     // preset or file, for rows that name none; may be empty
+    std::vector<std::string> config = {};        // presets and files, for rows that name none
     std::vector<std::string> words = {};         // further options of every row, before its own
     bool depfiles = false;                       // write a make rule beside each row's outputs
     // The options of `hexrelief run` whose value is an input file: "--left". The first of them that a row

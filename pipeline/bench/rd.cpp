@@ -113,7 +113,7 @@ struct MapBench {
     std::string name;
     DisparityMap map;
     float background_px =
-        stages::compute_density(map, config::read_config("", options.settings).density).background_px;
+        stages::compute_density(map, config::read_config({}, options.settings).density).background_px;
     std::vector<rd::Point> points{};
 
     void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,
@@ -148,7 +148,7 @@ struct MapBench {
     }
 
     void add_preset(const std::string& preset) {
-        config::Config config = config::read_config(preset, options.settings);
+        config::Config config = config::read_config({preset}, options.settings);
         const double quantum_px = config.disparity.dequantize == stages::Dequantization::none
                                       ? 0
                                       : dequantize::find_quantum_px(map);
@@ -233,7 +233,7 @@ void check_spacings(const std::vector<double>& spacings) {
 }
 
 void check_settings(const RdOptions& options) {
-    const config::Config config = config::read_config("", options.settings);
+    const config::Config config = config::read_config({}, options.settings);
     config::finish_config(config);
 }
 

@@ -159,7 +159,7 @@ MeshConfig method_config(const std::string& method, int ssr) {
 void run_bench_table2(const Table2Options& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
     check_names(options.methods, kMethods, "--methods");
-    const config::Config own = config::read_config("", options.settings);
+    const config::Config own = config::read_config({}, options.settings);
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
     if (!options.json.empty()) files::check_writable_file(options.json);

@@ -23,9 +23,7 @@ const std::string kOutOfMemory =
 
 int complain(const std::string& message, int code) {
     files::wait_if_interrupted();  // an interrupt makes writes fail, which is no error to report
-    std::string text = message;
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
+    print_error(message);
     return code;
 }
 

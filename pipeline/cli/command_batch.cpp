@@ -245,7 +245,9 @@ int run_batch(const BatchCommand& command) {
     const TableFiles table = table_files(command.output, shard);
     if (writes_table) {
         files::check_writable_folder(command.output);
-        files::check_overwrites({table.csv, table.json}, {command.what, command.rows.config});
+        std::vector<fs::path> read(command.rows.config.begin(), command.rows.config.end());
+        read.emplace_back(command.what);
+        files::check_overwrites({table.csv, table.json}, read);
     }
 
     BatchTeller teller(command, units);

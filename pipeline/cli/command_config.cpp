@@ -7,6 +7,7 @@
 #include "pipeline/config/document.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
+#include "pipeline/data/error.h"
 #include "pipeline/library/conversions.h"
 
 namespace hexrelief::cli {
@@ -26,8 +27,9 @@ int show(const ConfigCommandOptions& options) {
 }
 
 int check(const ConfigCommandOptions& options) {
-    config::Config config;
-    config::apply_config_file(config, options.checked);
+    const std::vector<std::string> mistakes = config::mistakes_in(options.checked);
+    for (std::size_t i = 0; i + 1 < mistakes.size(); ++i) print_error(mistakes[i]);
+    if (!mistakes.empty()) throw Error(ErrorKind::usage, mistakes.back());
     std::printf("%s: valid\n", printable(options.checked).c_str());
     return 0;
 }

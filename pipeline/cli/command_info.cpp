@@ -4,20 +4,21 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 
 #include "exporters/exporter.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/info/tell_calibration.h"
+#include "pipeline/cli/info/told_lines.h"
+#include "pipeline/cli/piped_inputs.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/pairs/align_pair.h"
-#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/describe_map.h"
 #include "pipeline/readers/describe_raster.h"
@@ -30,77 +31,70 @@ namespace hexrelief::cli {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace info;
 
 struct RasterOptions {
     std::string key;
     std::optional<long long> max_pixels;
+    bool json = false;
 
     readers::ReaderLimits limits() const {
         return {max_pixels.value_or(readers::kMaxPixels), "--max-pixels"};
     }
 };
 
-// The printed lines.
-using Text = std::string;
-
-void line(Text& text, const char* name, const std::string& value) {
-    std::string label = name;
-    label.resize(std::max<std::size_t>(label.size(), 14), ' ');
-    text += label + printable(value) + "\n";
-}
-
-// Prints the name before the first value only.
-void lines(Text& text, const char* name, const std::vector<std::string>& values) {
-    for (const std::string& value : values) line(text, &value == values.data() ? name : "", value);
-}
-
-std::string number(double value) {
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%.6g", value);
-    return digits;
-}
-
 void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
     line(text, "format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
-    line(text, "vertices", std::to_string(mesh.vertices));
-    line(text, "triangles", std::to_string(mesh.triangles));
+    count(text, "vertices", mesh.vertices);
+    count(text, "triangles", mesh.triangles);
     std::string levels;
-    for (const inspect::LevelDescription& level : mesh.coarser)
+    Json coarser = Json::array();
+    for (const inspect::LevelDescription& level : mesh.coarser) {
         levels += (levels.empty() ? "" : "; ") + std::to_string(level.vertices) + " vertices, " +
                   std::to_string(level.triangles) + " triangles";
-    if (!levels.empty()) line(text, "coarser", levels);
+        coarser.push_back({{"vertices", level.vertices}, {"triangles", level.triangles}});
+    }
+    if (!levels.empty()) line(text, "coarser", levels, coarser);
     line(text, "attributes",
          std::string("positions") + (mesh.normals ? ", normals" : "") +
              (mesh.texcoords ? ", texture coordinates" : "") + (mesh.colors ? ", colours" : ""));
     if (const auto seen = std::accumulate(mesh.provenance.begin(), mesh.provenance.end(), 0LL); seen > 0) {
         std::string shares;
+        Json by_name;
         for (std::size_t k = 0; k < mesh.provenance.size(); ++k) {
             const double percent =
                 100.0 * static_cast<double>(mesh.provenance[k]) / static_cast<double>(seen);
             shares += (k == 0 ? "" : ", ") + std::string(kProvenanceNames[k]) + " " +
                       number(std::round(10 * percent) / 10) + " %";
+            by_name[kProvenanceNames[k]] = mesh.provenance[k];
         }
-        line(text, "seen by", shares + " of the vertices");
+        line(text, "seen by", shares + " of the vertices", by_name);
     }
     if (!mesh.geometry_bytes.empty()) {
         std::string parts;
-        for (const auto& [name, bytes] : mesh.geometry_bytes)
+        Json by_name;
+        for (const auto& [name, bytes] : mesh.geometry_bytes) {
             parts += (parts.empty() ? "" : ", ") + name + " " + std::to_string(bytes);
-        line(text, "bytes", parts);
+            by_name[name] = bytes;
+        }
+        line(text, "bytes", parts, by_name);
     }
-    if (mesh.texture_bytes > 0) line(text, "texture", std::to_string(mesh.texture_bytes) + " bytes");
+    if (mesh.texture_bytes > 0)
+        line(text, "texture", std::to_string(mesh.texture_bytes) + " bytes", mesh.texture_bytes);
     if (mesh.has_bounds)
         line(text, "bounds",
              "[" + number(mesh.min.x) + ", " + number(mesh.min.y) + ", " + number(mesh.min.z) + "] .. [" +
-                 number(mesh.max.x) + ", " + number(mesh.max.y) + ", " + number(mesh.max.z) + "]");
+                 number(mesh.max.x) + ", " + number(mesh.max.y) + ", " + number(mesh.max.z) + "]",
+             {{mesh.min.x, mesh.min.y, mesh.min.z}, {mesh.max.x, mesh.max.y, mesh.max.z}});
     if (!mesh.generator.empty()) line(text, "generator", mesh.generator);
 }
 
 // Adds the stored samples of a map, and how a run would read them by default.
 void tell_map(const fs::path& path, const RasterOptions& options, Text& text) {
     const readers::MapDescription map = readers::describe_map(path, options.key, options.limits());
-    if (map.known_share > 0) line(text, "values", number(map.least) + " .. " + number(map.largest));
-    line(text, "known", number(100 * map.known_share) + " %");
+    if (map.known_share > 0)
+        line(text, "values", number(map.least) + " .. " + number(map.largest), {map.least, map.largest});
+    line(text, "known", number(100 * map.known_share) + " %", map.known_share);
     lines(text, "as depth", map.as_depth);
     lines(text, "as disparity", map.as_disparity);
     if (map.may_be_mask && map.known_share > 0) line(text, "as mask", "keeps the known");
@@ -209,58 +203,6 @@ void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& te
     }
 }
 
-void tell_calibration(const readers::CalibrationFile& file, Text& text) {
-    const Calibration& camera = file.calibration;
-    line(text, "format", "calibration, " + file.format);
-    line(text, "focal", number(camera.focal_px) + " px");
-    line(text, "baseline", camera.baseline_m > 0 ? number(camera.baseline_m) + " m" : "not known");
-    line(text, "centre",
-         std::isnan(camera.cx) ? "not said: the middle"
-                               : "(" + number(camera.cx) + ", " + number(camera.cy) +
-                                     ") px, the first pixel's centre is (0.5, 0.5)");
-    line(text, "doffs", number(camera.doffs_px) + " px");
-    if (camera.width > 0)
-        line(text, "size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
-    if (file.depth_per_m > 0) line(text, "depths", number(file.depth_per_m) + " integers in a metre");
-    if (!file.other.empty()) line(text, "also", file.other.string());
-    for (const std::string& told : file.told) line(text, "note", told);
-}
-
-// Adds the calibration of two unrectified cameras.
-void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& text) {
-    const StereoCalibration& cameras = file.calibration;
-    line(text, "format",
-         "calibration, " + file.format + ", of a pair to rectify" + (cameras.is_fisheye ? ", fisheye" : ""));
-    for (const auto& [name, camera] : {std::pair{"left", cameras.left}, {"right", cameras.right}})
-        line(text, name,
-             "focal " + number(camera.matrix[0]) + " and " + number(camera.matrix[4]) + " px, " +
-                 std::to_string(camera.distortion.size()) + " numbers of distortion");
-    const auto& t = cameras.translation;
-    line(text, "baseline", number(std::hypot(t[0], t[1], t[2])) + " m");
-    if (cameras.width > 0)
-        line(text, "size", std::to_string(cameras.width) + " x " + std::to_string(cameras.height) + " px");
-    if (!file.other.empty()) line(text, "also", file.other.string());
-    for (const std::string& told : file.told) line(text, "note", told);
-}
-
-void tell_calibration_of(const fs::path& path, Text& text) {
-    const auto stereo = readers::read_stereo_calibration(path, readers::Rectify::automatic);
-    if (stereo && !stereo->is_rectified)
-        tell_stereo_calibration(*stereo, text);
-    else
-        tell_calibration(readers::read_calibration_file(path), text);
-}
-
-// Adds the calibration in a file of arrays; false if the file is no camera, but perhaps a map.
-bool tell_if_calibration(const fs::path& path, Text& text) {
-    try {
-        tell_calibration_of(path, text);
-    } catch (const Error&) {
-        return false;
-    }
-    return true;
-}
-
 // True for a camera's matrix, of up to 4 x 4 numbers: no map is as small.
 bool is_matrix(const readers::FileDescription& raster, unsigned gives) {
     constexpr int most = 4;
@@ -273,9 +215,10 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
     const unsigned gives = readers::codec::find_codec(path)->gives;
     if (is_matrix(raster, gives) && tell_if_calibration(path, text)) return;
     line(text, "format", raster.format);
-    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
-    line(text, "channels", std::to_string(raster.channels));
-    line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
+    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px",
+         size_json(raster.width, raster.height));
+    line(text, "channels", std::to_string(raster.channels), raster.channels);
+    line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""), raster.bits);
     if (raster.format == "heic") {
         tell_picture(path, raster, options, text);
         tell_auxiliary(path, options, text);
@@ -305,20 +248,20 @@ Text described(const fs::path& path, const RasterOptions& options) {
 
 // Returns the text that `tell` makes of files of pictures or maps in a process of its own, because other
 // libraries decode them. Such files decode at more than 256 KiB per second; four seconds are for a pair's
-// points. A map takes 8 bytes per pixel
-// here: 1 GiB is enough for 134 megapixels at any packing, and 64 bytes per byte of the files for maps that
-// are packed less than 8 times.
-Text told_apart(const std::vector<fs::path>& paths, const std::function<Text()>& tell) {
+// points. A map takes 8 bytes per pixel here: 1 GiB is enough for 134 megapixels at any packing, and 64 bytes
+// per byte of the files for maps that are packed less than 8 times.
+std::string told_apart(const std::vector<fs::path>& paths, const RasterOptions& options,
+                       const std::function<Text()>& tell) {
     std::uintmax_t bytes = 0;
     for (const fs::path& path : paths) bytes += fs::file_size(path);
     const inspect::WorkLimits limits{4 + static_cast<unsigned>(bytes >> 18),
                                      (std::uint64_t{1} << 30) + 64 * bytes, 1 << 20};
-    const inspect::WorkBytes told =
+    const inspect::WorkBytes printed =
         inspect::run_limited(limits, "cannot read '" + paths[0].string() + "': ", [&] {
-            const Text text = tell();
+            const std::string text = told(tell(), options.json);
             return inspect::WorkBytes(text.begin(), text.end());
         });
-    return {told.begin(), told.end()};
+    return {printed.begin(), printed.end()};
 }
 
 void check_file(const fs::path& path) {
@@ -329,7 +272,7 @@ void check_file(const fs::path& path) {
 }
 
 // Tells of two pictures what a run would do with them as a pair.
-Text information_of_pair(const fs::path& left, const fs::path& right, const RasterOptions& options) {
+std::string information_of_pair(const fs::path& left, const fs::path& right, const RasterOptions& options) {
     for (const fs::path& path : {left, right}) {
         check_file(path);
         if (!readers::codec::find_codec(path))
@@ -337,7 +280,7 @@ Text information_of_pair(const fs::path& left, const fs::path& right, const Rast
                                               ": no picture; two files are taken for the left "
                                               "and the right picture of a pair");
     }
-    return told_apart({left, right}, [&] {
+    return told_apart({left, right}, options, [&] {
         Text text;
         for (const auto& [name, path] : {std::pair{"left", left}, {"right", right}})
             if (const auto raster = readers::describe_raster(path, {}, options.limits()))
@@ -349,14 +292,15 @@ Text information_of_pair(const fs::path& left, const fs::path& right, const Rast
     });
 }
 
-Text information(const fs::path& path, const RasterOptions& options) {
+std::string information(const fs::path& path, const RasterOptions& options) {
     check_file(path);
     Text text;
     if (exporters::find_mesh_format(path)) {
         tell_mesh(exporters::describe_mesh(path), text);
-        return text;
+        return told(text, options.json);
     }
-    if (readers::codec::find_codec(path)) return told_apart({path}, [&] { return described(path, options); });
+    if (readers::codec::find_codec(path))
+        return told_apart({path}, options, [&] { return described(path, options); });
     try {
         tell_calibration_of(path, text);
     } catch (const Error& e) {
@@ -365,7 +309,7 @@ Text information(const fs::path& path, const RasterOptions& options) {
             std::string(e.what()) +
                 " (neither a mesh's extension nor an image's first bytes, so taken for a calibration)");
     }
-    return text;
+    return told(text, options.json);
 }
 
 }  // namespace
@@ -375,10 +319,11 @@ void add_info_command(Command& program) {
         "info", "what a mesh, map, image or calibration file holds; what a run would do with a pair");
     const auto path = std::make_shared<fs::path>(), right = std::make_shared<fs::path>();
     const auto options = std::make_shared<RasterOptions>();
-    command.add_option("FILE", path.get(),
-                       "mesh (" + exporters::export_extensions() +
-                           "), image, map of disparity or depth, mask, or calibration",
-                       {.required = true});
+    command.add_option(
+        "FILE", path.get(),
+        "mesh (" + exporters::export_extensions() +
+            "), image, map of disparity or depth, mask, or calibration; - = the standard input",
+        {.required = true});
     command.add_option("RIGHT", right.get(),
                        "the right picture of a pair: tells what a run would do with both, or why it would "
                        "refuse them");
@@ -387,6 +332,7 @@ void add_info_command(Command& program) {
         "--max-pixels", &options->max_pixels,
         "refuse images and maps of more, by their header; default " + std::to_string(readers::kMaxPixels),
         {.value = "N"});
+    command.add_flag("--json", options->json, "as JSON");
     command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
         "--key depth\n  hexrelief info calib.txt\n  hexrelief info left.jpg right.jpg");
@@ -394,9 +340,15 @@ void add_info_command(Command& program) {
         if (const long long most = options->limits().max_pixels; most < 1 || most > readers::kMaxPixels)
             throw Error(ErrorKind::usage,
                         "--max-pixels: must be from 1 to " + std::to_string(readers::kMaxPixels));
-        const Text text =
-            right->empty() ? information(*path, *options) : information_of_pair(*path, *right, *options);
-        std::fputs(text.c_str(), stdout);
+        PipedInputs pipes;
+        try {
+            const fs::path file = pipes.file_of(path->string());
+            const std::string text =
+                right->empty() ? information(file, *options) : information_of_pair(file, *right, *options);
+            std::fputs(text.c_str(), stdout);
+        } catch (const Error& error) {
+            throw Error(error.kind(), pipes.named(error.what()));
+        }
         return 0;
     });
 }

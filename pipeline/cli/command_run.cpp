@@ -3,11 +3,13 @@
 #include <memory>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/piped_inputs.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/standard_output.h"
 #include "pipeline/cli/summary.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/terminal/progress_line.h"
+#include "pipeline/data/error.h"
 
 namespace hexrelief::cli {
 namespace {
@@ -92,8 +94,9 @@ void add_run_options(Command& command, FileRequest& files, Options& options, Ver
     add_job_options(command, options);
 }
 
-void run_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
-    refuse_terminal(files.outputs);
+namespace {
+
+void run_files_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
     const auto begun = std::chrono::steady_clock::now();
     const bool quiet = verbosity == Verbosity::quiet, verbose = verbosity == Verbosity::verbose;
     Options said = options;
@@ -137,6 +140,20 @@ void run_and_tell(const FileRequest& files, const Options& options, Verbosity ve
     std::fputs(summary_text(summary, files, taken.count()).c_str(),
                uses_standard_output(files) ? stderr : stdout);
     if (!uses_standard_output(files)) end_telling();
+}
+
+}  // namespace
+
+void run_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
+    refuse_terminal(files.outputs);
+    PipedInputs pipes;
+    FileRequest read = files;
+    for (const FileOption& option : file_options()) read.*option.file = pipes.file_of(read.*option.file);
+    try {
+        run_files_and_tell(read, options, verbosity);
+    } catch (const Error& error) {
+        throw Error(error.kind(), pipes.named(error.what()));
+    }
 }
 
 void add_run_command(Command& program) {

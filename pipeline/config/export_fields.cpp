@@ -47,6 +47,14 @@ std::vector<Field> export_fields() {
         flag("export.camera",
              "the left camera in .glb and .gltf, so that viewers can start at the photograph",
              MEMBER(exporting.camera)),
+        choice("export.origin", {"auto", "camera", "base"},
+               "where files have their origin: camera = the left camera; base = below the middle of the "
+               "mesh, as "
+               "low as its lowest point; auto = base in .usdz, which phones put onto the floor; .drc, .stl, "
+               ".3mf and .html always have the camera's",
+               MEMBER(exporting.origin)),
+        text("export.copyright", "of the photograph or the mesh, for .glb and .gltf",
+             MEMBER(exporting.copyright)),
         choice("export.stl_unit", {"m", "mm"},
                "what 1 means in an .stl, which cannot say it; slicers take it for mm",
                MEMBER(exporting.stl_unit)),

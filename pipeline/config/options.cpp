@@ -24,19 +24,21 @@ void refuse(const std::string& option, const std::string& wrong) {
 
 }  // namespace
 
-Config read_config(const std::string& file, const std::vector<std::string>& settings, const Config& base) {
+Config read_config(const std::vector<std::string>& files, const std::vector<std::string>& settings,
+                   const Config& base) {
     Config config = base;
-    if (const Preset* preset = find_preset(file))
-        apply_yaml(config, preset->yaml, "preset " + preset->name, {});
-    else if (!file.empty())
-        apply_config_file(config, file);
+    for (const std::string& file : files)
+        if (const Preset* preset = find_preset(file))
+            apply_yaml(config, preset->yaml, "preset " + preset->name, {});
+        else
+            apply_config_file(config, file);
     for (const std::string& setting : settings) apply_setting(config, setting);
     return config;
 }
 
 Config budget_base(const BudgetConfig& budget) {
     if (budget.vertices == 0 && budget.max_bytes == 0) return {};
-    Config config = read_config("compact", {});
+    Config config = read_config({"compact"}, {});
     config.given.clear();
     if (budget.max_bytes == 0) config.exporting = {};  // compression does not change the vertices
     config.decisions = {std::string("budget: the preset compact, because none is named") +

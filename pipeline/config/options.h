@@ -9,9 +9,9 @@
 
 namespace hexrelief::config {
 
-// Returns `base` with the values of the file, or of the preset of that name, and then of the settings
+// Returns `base` with the values of each file, or of the preset of that name, and then of the settings
 // ("key.path=value"), in their order. Call finish_config() afterwards. Throws Error(usage).
-Config read_config(const std::string& file, const std::vector<std::string>& settings,
+Config read_config(const std::vector<std::string>& files, const std::vector<std::string>& settings,
                    const Config& base = {});
 // Returns the configuration to start from if neither preset nor file is named: the defaults; for a limit on
 // bytes the preset compact; for a limit on vertices compact with the default export settings.

@@ -35,6 +35,7 @@ struct Reader {
     Config& config;
     std::string origin;
     std::filesystem::path folder;
+    std::vector<std::string>* mistakes = nullptr;  // all are collected here; null = the first is thrown
 
     std::string where(const YAML::Mark& mark) const {
         return origin + ":" + (mark.is_null() ? "1" : std::to_string(mark.line + 1)) + ": ";
@@ -65,19 +66,26 @@ struct Reader {
             fail(where(node.Mark()), name + " must be a section of 'key: value' lines");
         }
         std::set<std::string> seen;
-        for (const auto& entry : node) {
-            const YAML::Mark mark = entry.first.Mark();
-            if (!entry.first.IsScalar()) fail(where(mark), "a key must be a plain name");
-            const std::string key = entry.first.Scalar();
-            const std::string path = section.empty() ? key : section + "." + key;
-            if (!seen.insert(path).second) fail(where(mark), "duplicate key '" + path + "'; keep one");
-            if (const Field* field = find_field(path))
-                read_field(*field, entry.second);
-            else if (find_section(path))
-                read_section(path, entry.second);
-            else
-                fail(where(mark), "unknown key '" + path + "'" + suggest_key(path));
-        }
+        for (const auto& entry : node) try {
+                read_entry(section, entry.first, entry.second, seen);
+            } catch (const Error& error) {
+                if (mistakes == nullptr) throw;
+                mistakes->push_back(error.what());
+            }
+    }
+
+    void read_entry(const std::string& section, const YAML::Node& name, const YAML::Node& value,
+                    std::set<std::string>& seen) const {
+        const YAML::Mark mark = name.Mark();
+        if (!name.IsScalar()) fail(where(mark), "a key must be a plain name");
+        const std::string path = section.empty() ? name.Scalar() : section + "." + name.Scalar();
+        if (!seen.insert(path).second) fail(where(mark), "duplicate key '" + path + "'; keep one");
+        if (const Field* field = find_field(path))
+            read_field(*field, value);
+        else if (find_section(path))
+            read_section(path, value);
+        else
+            fail(where(mark), "unknown key '" + path + "'" + suggest_key(path));
     }
 };
 
@@ -113,20 +121,16 @@ YAML::Node load_document(const Reader& reader, const std::string& text) {
     return YAML::Load(text);
 }
 
-}  // namespace
-
-void apply_yaml(Config& config, const std::string& text, const std::string& origin,
-                const std::filesystem::path& folder) {
-    const Reader reader{config, origin, folder};
+void read_document(const Reader& reader, const std::string& text) {
     try {
         reader.read_section("", load_document(reader, text));
     } catch (const YAML::Exception& e) {
         fail(reader.where(e.mark), "not valid YAML: " + readers::codec::printable(e.msg, 200));
     }
-    check_rules(config, origin + ": ");
+    check_rules(reader.config, reader.origin + ": ");
 }
 
-void apply_config_file(Config& config, const std::filesystem::path& path) {
+std::string text_of(const std::filesystem::path& path) {
     std::error_code ignored;
     const bool regular = std::filesystem::is_regular_file(path, ignored);  // opening a pipe would wait
     std::ifstream file(regular ? path : std::filesystem::path(), std::ios::binary);
@@ -138,7 +142,29 @@ void apply_config_file(Config& config, const std::filesystem::path& path) {
         fail(path.string(), ": larger than 1 MiB; this is not a configuration file");
     if (text.find('\0') != std::string::npos)
         fail(path.string(), ": holds binary data; a configuration is YAML text");
-    apply_yaml(config, text, path.string(), path.parent_path());
+    return text;
+}
+
+}  // namespace
+
+void apply_yaml(Config& config, const std::string& text, const std::string& origin,
+                const std::filesystem::path& folder) {
+    read_document({config, origin, folder}, text);
+}
+
+void apply_config_file(Config& config, const std::filesystem::path& path) {
+    apply_yaml(config, text_of(path), path.string(), path.parent_path());
+}
+
+std::vector<std::string> mistakes_in(const std::filesystem::path& path) {
+    Config config;
+    std::vector<std::string> mistakes;
+    try {
+        read_document({config, path.string(), path.parent_path(), &mistakes}, text_of(path));
+    } catch (const Error& error) {
+        mistakes.push_back(error.what());
+    }
+    return mistakes;
 }
 
 void apply_setting(Config& config, const std::string& setting) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "pipeline/config/config.h"
 
@@ -16,6 +17,10 @@ void apply_yaml(Config& config, const std::string& text, const std::string& orig
 
 // Applies a YAML file. Throws as apply_yaml(), and Error(usage) if the file cannot be read.
 void apply_config_file(Config& config, const std::filesystem::path& path);
+
+// Returns all mistakes in a YAML file, in the order of its lines, in the words of apply_config_file(). What
+// hides all else is alone: a file that cannot be read or is no YAML.
+std::vector<std::string> mistakes_in(const std::filesystem::path& path);
 
 // Applies "mesh.spacing_px=4". Older names are read with a warning, too. Throws Error(usage).
 void apply_setting(Config& config, const std::string& setting);

@@ -65,8 +65,8 @@ struct RunRequest {
     Source source;
     std::vector<std::filesystem::path> outputs;  // the extension gives the format
     config::Config config;
-    std::filesystem::path config_file;    // the file that config was read from; empty = none
-    std::filesystem::path report;         // empty = none
+    std::vector<std::filesystem::path> config_files;  // that config was read from
+    std::filesystem::path report;                     // empty = none
     std::filesystem::path stages_folder;  // empty = none
     std::filesystem::path depfile;        // rule for make that lists the files read; empty = none
     std::string stamp;                    // hash of what the outputs depend on (stamp.h); empty = none

@@ -312,7 +312,7 @@ std::vector<InputFile> input_files(const RunRequest& request) {
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
     for (const InputFile& file : input_files(request)) files.emplace_back(file.path);
-    if (!request.config_file.empty()) files.push_back(request.config_file);
+    std::ranges::copy(request.config_files, std::back_inserter(files));
     return files;
 }
 

@@ -80,7 +80,8 @@ struct Camera {
 };
 
 struct Options {
-    std::string config = {};  // as --config: a preset's name or a YAML file; empty = the defaults
+    // As --config: names of presets and YAML files, of which later ones win; empty = the defaults.
+    std::vector<std::string> config = {};
     // As --set, in this order: {"density.background.fraction", "0.1"}. `hexrelief config
     // show` lists the keys.
     std::vector<std::pair<std::string, std::string>> settings = {};

@@ -96,7 +96,8 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
         refuse("--update goes with --report FILE, which says what was done");
     job::RunRequest request = request_to(files);
     request.config = config_of(options, {}, given_files(files));
-    if (!config::find_preset(options.config)) request.config_file = options.config;
+    for (const std::string& name : options.config)
+        if (!config::find_preset(name)) request.config_files.emplace_back(name);
     request.source = source_of(files);
     return request;
 }

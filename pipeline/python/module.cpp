@@ -21,7 +21,8 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 // Python's own thread checks for Ctrl-C whenever the work reports its progress. Called
 // without the interpreter's lock.
-Options options_of(const std::string& config, const Settings& settings, const py::function& warn) {
+Options options_of(const std::vector<std::string>& config, const Settings& settings,
+                   const py::function& warn) {
     Options options{.config = config, .settings = settings};
     options.progress = [](const std::string&, double) {
         const py::gil_scoped_acquire lock;
@@ -69,7 +70,7 @@ py::array owned(std::unique_ptr<Holder> holder, std::vector<Value> Holder::*memb
 }
 
 py::array compute_disparity_of(const py::array& left, const py::array& right, const Camera& camera,
-                               const std::string& config, const Settings& settings,
+                               const std::vector<std::string>& config, const Settings& settings,
                                const py::function& warn) {
     const ImageView left_view = image_view(left), right_view = image_view(right);
     const Options options = options_of(config, settings, warn);
@@ -84,7 +85,7 @@ py::array compute_disparity_of(const py::array& left, const py::array& right, co
 
 // Makes a mesh from the arrays of a map, each None or an array, by their names in MapInput.
 Mesh mesh_of(const std::map<std::string, std::optional<py::array>>& arrays, const Camera& camera,
-             const std::string& config, const Settings& settings, const py::function& warn) {
+             const std::vector<std::string>& config, const Settings& settings, const py::function& warn) {
     const MapInput input{map_view(arrays.at("disparity")), map_view(arrays.at("depth")),
                          image_view(arrays.at("color")), image_view(arrays.at("mask")),
                          map_view(arrays.at("confidence"))};

@@ -47,6 +47,7 @@ struct Raster {
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
     std::vector<std::uint8_t> alpha = {};  // 0..255 per pixel; empty = all are opaque
     StatedDepth stated = {};
+    std::vector<std::uint8_t> profile = {};  // of its colours (ICC); empty = they are sRGB's
     // Width of integers that are held as floats, because they are negative or above 65535; 0 = there are
     // none.
     int integer_bits = 0;

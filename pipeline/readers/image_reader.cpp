@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/color_profile.h"
 #include "pipeline/readers/float_colors.h"
 
 namespace hexrelief::readers {
@@ -58,6 +59,7 @@ Image image_of(codec::Raster raster, const std::filesystem::path& path) {
         codec::refuse(path,
                       "it holds float samples, so it is a map, not an image; save it with 8 or 16 bits");
     }
+    to_srgb(image, raster.profile);
     return image;
 }
 

@@ -14,7 +14,8 @@ namespace hexrelief::readers {
 // its name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded,
 // CMYK converted. Float colours are converted as float_colors.h says: TIFF's are sRGB, OpenEXR's linear
 // light. Grey gives 1 channel, colour 3. Alpha is kept if it is below half at some pixel. Pixels are as
-// stored: upright() (exif.h) turns them. Colour profiles and gamma are ignored: samples are taken as sRGB.
+// stored: upright() (exif.h) turns them. Colours are converted to sRGB by the file's ICC profile
+// (color_profile.h); without one, and whatever a PNG says of gamma, samples are sRGB. EXR and BMP have none.
 // The first of several pages is read. Throws Error(input) if the file is missing, malformed or truncated, has
 // a zero side or more pixels than the limits allow; never allocates more than a valid header within the
 // limits requires.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <csetjmp>
+#include <cstdlib>
 
 #include "pipeline/readers/codecs.h"
 
@@ -21,7 +22,10 @@ struct JpegReader {
     explicit JpegReader(const SourceFile& file) : source(file) {}
     JpegReader(const JpegReader&) = delete;
     JpegReader& operator=(const JpegReader&) = delete;
-    ~JpegReader() { jpeg_destroy_decompress(&jpeg); }
+    ~JpegReader() {
+        std::free(profile);
+        jpeg_destroy_decompress(&jpeg);
+    }
 
     const SourceFile& source;
     jpeg_decompress_struct jpeg{};
@@ -31,6 +35,8 @@ struct JpegReader {
     char message[JMSG_LENGTH_MAX] = "";
     std::uint8_t* samples = nullptr;  // of the rows decoded so far, and of those up to end_row
     unsigned end_row = 0;
+    JOCTET* profile = nullptr;
+    unsigned profile_bytes = 0;
 };
 
 JpegReader& owner(j_common_ptr jpeg) {
@@ -70,10 +76,13 @@ void header_step(JpegReader& reader) {
     reader.jpeg.progress = &reader.progress;
     jpeg_mem_src(&reader.jpeg, reader.source.bytes.data(),
                  static_cast<unsigned long>(reader.source.bytes.size()));
+    jpeg_save_markers(&reader.jpeg, JPEG_APP0 + 2, 0xffff);  // the colour profile's
     jpeg_read_header(&reader.jpeg, TRUE);
 }
 
 void start_step(JpegReader& reader) {
+    if (!jpeg_read_icc_profile(&reader.jpeg, &reader.profile, &reader.profile_bytes))
+        reader.profile = nullptr;
     jpeg_start_decompress(&reader.jpeg);
 }
 
@@ -157,12 +166,15 @@ Raster decode_jpeg(const SourceFile& source) {
     }
     run(reader, finish_step);
     if (inks) cmyk_to_rgb(samples, jpeg.saw_Adobe_marker);
-    return {static_cast<int>(jpeg.image_width),
-            static_cast<int>(jpeg.image_height),
-            grey ? 1 : 3,
-            255,
-            kNoData,
-            std::move(samples)};
+    Raster raster{static_cast<int>(jpeg.image_width),
+                  static_cast<int>(jpeg.image_height),
+                  grey ? 1 : 3,
+                  255,
+                  kNoData,
+                  std::move(samples)};
+    if (reader.profile != nullptr)
+        raster.profile.assign(reader.profile, reader.profile + reader.profile_bytes);
+    return raster;
 }
 
 }  // namespace hexrelief::readers::codec

@@ -69,6 +69,16 @@ void transform_step(PngReader& reader) {
     png_read_update_info(reader.png, reader.info);
 }
 
+// Returns the file's colour profile; empty if it has none.
+std::vector<std::uint8_t> profile_of(const PngReader& reader) {
+    png_charp name = nullptr;
+    png_bytep bytes = nullptr;
+    png_uint_32 count = 0;
+    int compression = 0;
+    if (png_get_iCCP(reader.png, reader.info, &name, &compression, &bytes, &count) == 0) return {};
+    return {bytes, bytes + count};
+}
+
 void image_step(PngReader& reader) {
     png_read_image(reader.png, reader.rows);
 }
@@ -149,6 +159,7 @@ Raster decode_png(const SourceFile& source) {
     check_length(source,
                  png_get_rowbytes(reader.png, reader.info) * static_cast<unsigned long long>(raster.height),
                  1032);
+    raster.profile = profile_of(reader);
     run(reader, transform_step);
     const std::size_t row_samples = static_cast<std::size_t>(raster.width) * raster.channels;
     if (bits == 16) {

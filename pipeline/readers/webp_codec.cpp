@@ -1,5 +1,6 @@
 // Reads WebP, lossy and lossless, by libwebp.
 #include <webp/decode.h>
+#include <webp/demux.h>
 
 #include "pipeline/readers/codecs.h"
 
@@ -13,6 +14,19 @@ WebPBitstreamFeatures read_features(const SourceFile& source) {
     }
     check_size(source, static_cast<unsigned>(features.width), static_cast<unsigned>(features.height));
     return features;
+}
+
+// Returns the file's colour profile; empty if it has none.
+std::vector<std::uint8_t> profile_of(const SourceFile& source) {
+    const WebPData bytes{source.bytes.data(), source.bytes.size()};
+    std::vector<std::uint8_t> profile;
+    WebPDemuxer* const demuxer = WebPDemux(&bytes);
+    WebPChunkIterator chunk{};
+    if (demuxer != nullptr && WebPDemuxGetChunk(demuxer, "ICCP", 1, &chunk))
+        profile.assign(chunk.chunk.bytes, chunk.chunk.bytes + chunk.chunk.size);
+    WebPDemuxReleaseChunkIterator(&chunk);
+    WebPDemuxDelete(demuxer);
+    return profile;
 }
 
 }  // namespace
@@ -40,6 +54,7 @@ Raster decode_webp(const SourceFile& source) {
     }
     Raster raster{features.width, features.height, channels, 255, kNoData, std::move(samples)};
     if (features.has_alpha) split_alpha(raster);
+    raster.profile = profile_of(source);
     return raster;
 }
 

@@ -50,6 +50,32 @@ TEST(Exporter, FormatsMdHasTheRowsOfAllFormats) {
         << rows;
 }
 
+TEST(Exporter, TheOriginMayBeAtTheBaseOfTheMesh) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(6, 5);
+    const Image texture = sample_texture(8, 8);
+    const Calibration camera = sample_camera();
+    Scene scene{&mesh, &texture, "test", ""};
+    scene.camera = &camera;
+    ExportConfig config;
+    config.origin = FileOrigin::base;
+    config.copyright = "a photographer";
+    for (const char* const name : {"a.glb", "a.gltf", "a.obj", "a.ply", "a.usdz"}) {
+        export_scene(scene, config, folder / name);
+        const inspect::MeshDescription file = describe_mesh(folder / name);
+        EXPECT_NEAR(file.min.y, 0, 1e-3) << name;
+        EXPECT_NEAR(file.min.x + file.max.x, 0, 2e-3) << name;
+        EXPECT_NEAR(file.min.z + file.max.z, 0, 2e-3) << name;
+        EXPECT_NEAR(file.max.y, 1, 1e-3) << name;
+    }
+    EXPECT_NE(contents(folder / "a.gltf").find("a photographer"), std::string::npos);
+    config.origin = FileOrigin::automatic;
+    for (const auto& [name, low] : {std::pair{"b.glb", -0.5f}, {"b.usdz", 0.0f}}) {
+        export_scene(scene, config, folder / name);
+        EXPECT_NEAR(describe_mesh(folder / name).min.y, low, 1e-3) << name;
+    }
+}
+
 // Every extension has its own writer and description: each file is recognised as its format.
 TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
     const TemporaryFolder folder;

@@ -132,7 +132,7 @@ void read_manifests(Bytes bytes, const std::string&) {
     for (const char* const ending : {".yaml", ".csv", ".jsonl", ".txt"})
         attempt([&] {
             const batch::ManifestOptions options{.output = "out",
-                                                 .config = "compact",
+                                                 .config = {"compact"},
                                                  .depfiles = true,
                                                  .file_options = {"--left", "--right", "--disparity"}};
             for (const batch::BatchUnit& unit : batch::read_manifest(file_of(bytes, ending), options))

@@ -126,6 +126,7 @@ const std::vector<Room>& rooms() {
           "pipeline/files", "pipeline/job", "pipeline/batch", "pipeline/library", "pipeline/bench",
           "pipeline/gallery", "exporters", "samples"}},
         {"pipeline/cli/arguments", {data, "pipeline/config", "pipeline/library"}},
+        {"pipeline/cli/info", {data, "pipeline/cli/terminal", "pipeline/readers/cameras"}},
         {"pipeline/cli/terminal", {data}},
         {"pipeline/tiles",
          {data, "pipeline/batch/memory.h", "pipeline/batch/unit.h", "pipeline/config", "pipeline/files",

@@ -35,7 +35,7 @@ class Library : public testing::Test {
     std::string expected(const std::vector<std::string>& settings, const std::string& name = "expected.glb") {
         job::RunRequest request;
         request.source = job::DisparityFiles{sample("disparity.pfm"), sample("left.png")};
-        request.config = config::read_config("", settings);
+        request.config = config::read_config({}, settings);
         request.config.input.calibration.file = sample("calib.txt");
         request.outputs = {file(name)};
         job::run_job(request);

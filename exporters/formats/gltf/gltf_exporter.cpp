@@ -77,6 +77,7 @@ extern const MeshFormat glb_format = {
     .has_material = true,
     .compression = std::nullopt,
     .levels = LevelSupport::by_config,
+    .origin = OriginSupport::node,
 };
 
 extern const MeshFormat gltf_format = {
@@ -88,6 +89,7 @@ extern const MeshFormat gltf_format = {
     .has_material = true,
     .compression = std::nullopt,
     .levels = LevelSupport::by_config,
+    .origin = OriginSupport::node,
     .companion = ".bin",
 };
 

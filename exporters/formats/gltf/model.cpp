@@ -145,6 +145,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     tinygltf::Model& model = parts.model;
     model.asset.version = "2.0";
     model.asset.generator = scene.generator;
+    model.asset.copyright = config.copyright;
     std::vector<TexturedMesh> levels = textured_levels(scene, config);
     if (config.lod_storage == LevelStorage::files) levels.resize(1);
     std::future<EncodedTexture> encoded;
@@ -177,6 +178,13 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     root.name = "hexrelief";
     root.nodes = {nodes[0]};
     if (has_camera(scene, config)) root.nodes.push_back(add_camera(parts, *scene.camera, *scene.mesh));
+    if (scene.shift_m != std::array<double, 3>{}) {
+        tinygltf::Node& above = model.nodes.emplace_back();
+        above.name = "origin";
+        above.translation = {scene.shift_m.begin(), scene.shift_m.end()};
+        above.children = root.nodes;
+        root.nodes = {static_cast<int>(model.nodes.size()) - 1};
+    }
     model.defaultScene = 0;
     return parts;
 }

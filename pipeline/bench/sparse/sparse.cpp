@@ -148,7 +148,7 @@ std::vector<ScenePair> chosen_scenes(const SparseOptions& options, std::ostream&
 
 void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
     check_names(options.patterns, sparse::patterns(), "--patterns");
-    const config::Config config = config::read_config(options.preset, options.settings);
+    const config::Config config = config::read_config({options.preset}, options.settings);
     const int threads = job::effective_threads(options.threads);
     const std::vector<ScenePair> scenes = chosen_scenes(options, out);
     if (!options.json.empty()) files::check_writable_file(options.json);

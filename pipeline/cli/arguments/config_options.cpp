@@ -20,8 +20,9 @@ void add_config_options(Command& command, Options& options, const std::string& g
     std::string names;
     for (const config::Preset& preset : config::presets()) names += (names.empty() ? "" : ", ") + preset.name;
     command.add_option("--config", &options.config,
-                       "YAML file, see 'hexrelief config show', or a preset: " + names,
-                       {.group = group, .value = "F.yaml"});
+                       "YAML file, see 'hexrelief config show', or a preset: " + names +
+                           "; may be given several times, later ones win",
+                       {.group = group, .value = "F.yaml", .repeated = true});
     command.add_option("--set", [&options](const std::string& setting) { add_setting(options, setting); },
                        "override one key, as in --set mesh.spacing_px=4; may be given several times",
                        {.group = group, .value = "key.path=value", .repeated = true});

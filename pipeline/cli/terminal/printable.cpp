@@ -1,5 +1,6 @@
 #include "pipeline/cli/terminal/printable.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -75,6 +76,12 @@ std::string printable(const std::string& text, bool lines) {
         at += taken;
     }
     return out + shortened(line);
+}
+
+void print_error(const std::string& error) {
+    std::string text = error;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
 }
 
 void print_warning(const std::string& warning) {

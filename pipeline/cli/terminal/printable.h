@@ -10,7 +10,8 @@ namespace hexrelief::cli {
 // Line feeds are kept if `lines` is true. A very long line keeps its beginning and its end.
 std::string printable(const std::string& text, bool lines = false);
 
-// Prints "hexrelief: warning: ..." to standard error.
+// Print "hexrelief: ..." and "hexrelief: warning: ..." to standard error, as one line.
+void print_error(const std::string& error);
 void print_warning(const std::string& warning);
 
 // Ends what a command prints about files that are written. If the standard output takes nothing, being full

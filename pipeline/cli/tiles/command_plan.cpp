@@ -27,9 +27,9 @@ int plan_tiles(const PlanOptions& options) {
         {},          options.tile_vertices, library::config_of(options.config, {}, {"--disparity"})};
     if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
     files::check_writable_folder(options.folder);
-    files::check_overwrites(
-        {tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
-        {options.map, options.color, options.config.config, request.config.input.calibration.file});
+    std::vector<std::filesystem::path> read(options.config.config.begin(), options.config.config.end());
+    read.insert(read.end(), {options.map, options.color, request.config.input.calibration.file});
+    files::check_overwrites({tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)}, read);
     const int threads = job::effective_threads(request.config.run.threads);
     const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
     files::install_interrupt_handling();

@@ -19,7 +19,7 @@ import math
 import os
 import tempfile
 import warnings
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,7 @@ class Camera:
 
 
 CameraLike = Union[None, Camera, PathLike, Mapping[str, Any]]
-Config = Union[None, PathLike, Mapping[str, Any]]
+Config = Union[None, PathLike, Sequence[PathLike], Mapping[str, Any]]
 
 
 class Mesh:
@@ -144,9 +144,9 @@ def compute_disparity(
     for role, picture in (("left", left), ("right", right)):
         if picture is None:
             raise TypeError(f"{role}: a picture is needed, not None")
-    name, settings = _configured(config, backend, {"disparity": options})
+    names, settings = _configured(config, backend, {"disparity": options})
     return _core.compute_disparity(
-        picture_array(left, "left"), picture_array(right, "right"), _camera(camera), name, settings, _warn
+        picture_array(left, "left"), picture_array(right, "right"), _camera(camera), names, settings, _warn
     )
 
 
@@ -172,14 +172,15 @@ def mesh(
     confidence: (H, W) floats or integers; below ``input={"confidence": {"threshold": ...}}`` the map is unknown.
     color: the left picture, (H, W, 3) or (H, W) uint8, for the texture; of the same aspect.
     camera: a calibration file, a Camera, or its values as a mapping.
-    config: a preset ("compact", "quality", ...), a YAML file, or keys and values: {"mesh.spacing_px": 4}.
+    config: a preset ("compact", "quality", ...), a YAML file, a list of these of which later ones win, or keys and
+        values: {"mesh.spacing_px": 4}.
     backend: "auto", "cpu" or "cuda".
     sections: keys on top of config: ``mesh={"spacing_px": 4}, export={"compression": "draco"}``.
         ``budget={"max_bytes": 100000}`` is of a .glb, whatever the format that is saved later.
 
     Warnings of the command line are Python's warnings. Ctrl-C ends the work at its next step.
     """
-    name, settings = _configured(config, backend, sections)
+    names, settings = _configured(config, backend, sections)
     arrays = {
         "disparity": map_array(disparity, "disparity"),
         "depth": map_array(depth, "depth"),
@@ -187,7 +188,7 @@ def mesh(
         "mask": picture_array(mask, "mask"),
         "confidence": map_array(confidence, "confidence"),
     }
-    return Mesh(_core.mesh(arrays, _camera(camera), name, settings, _warn))
+    return Mesh(_core.mesh(arrays, _camera(camera), names, settings, _warn))
 
 
 def read_picture(path: PathLike) -> NDArray[np.uint8]:
@@ -218,17 +219,19 @@ def _camera(camera: CameraLike) -> _core.Camera:
     return _core.Camera(file, *(math.nan if value is None else float(value) for value in values))
 
 
-def _configured(config: Config, backend: str, sections: Mapping[str, Any]) -> tuple[str, list[tuple[str, str]]]:
+def _configured(config: Config, backend: str, sections: Mapping[str, Any]) -> tuple[list[str], list[tuple[str, str]]]:
     settings: list[tuple[str, str]] = []
-    name = ""
+    names: list[str] = []
     if isinstance(config, Mapping):
         settings += _settings(config)
+    elif isinstance(config, (str, os.PathLike)):
+        names = [os.fspath(config)]
     elif config is not None:
-        name = os.fspath(config)
+        names = [os.fspath(name) for name in config]
     settings += _settings(sections)
     if backend != "auto":
         settings.append(("run.backend", backend))
-    return name, settings
+    return names, settings
 
 
 def _settings(values: Mapping[str, Any], above: str = "") -> list[tuple[str, str]]:

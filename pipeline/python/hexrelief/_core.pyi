@@ -27,14 +27,14 @@ def compute_disparity(
     left: NDArray[np.uint8],
     right: NDArray[np.uint8],
     camera: Camera,
-    config: str,
+    config: list[str],
     settings: list[tuple[str, str]],
     warn: Callable[[str], Any],
 ) -> NDArray[np.float32]: ...
 def mesh(
     arrays: dict[str, Optional[NDArray[Any]]],
     camera: Camera,
-    config: str,
+    config: list[str],
     settings: list[tuple[str, str]],
     warn: Callable[[str], Any],
 ) -> Mesh: ...

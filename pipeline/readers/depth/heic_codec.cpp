@@ -16,7 +16,7 @@ namespace {
 
 struct Heic {
     HeicRequest request{};
-    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint8_t> bytes, profile;
     std::string xmp;
 };
 
@@ -45,6 +45,7 @@ Heic read_heic(const SourceFile& source, bool header_only, std::uint32_t item = 
         return to.data();
     };
     request.user = &heic.bytes;
+    request.profile_user = &heic.profile;
     request.xmp = xmp.data();
     request.xmp_bytes = xmp.size();
     request.message = message.data();
@@ -124,7 +125,9 @@ Raster decode_depths(const SourceFile& source) {
 
 Raster picture_of(const SourceFile& source, std::uint32_t item) {
     Heic heic = read_heic(source, false, item);
-    return {heic.request.width, heic.request.height, 3, 255, kNoData, std::move(heic.bytes)};
+    Raster raster{heic.request.width, heic.request.height, 3, 255, kNoData, std::move(heic.bytes)};
+    raster.profile = std::move(heic.profile);
+    return raster;
 }
 
 }  // namespace

@@ -102,6 +102,12 @@ void copy_samples(const heif_image_handle* handle, HeicRequest& request) {
         std::memcpy(to + row * y, plane + static_cast<std::ptrdiff_t>(stride) * y, row);
 }
 
+void read_profile(const heif_image_handle* picture, HeicRequest& request) {
+    const std::size_t bytes = heif_image_handle_get_raw_color_profile_size(picture);
+    if (bytes == 0 || bytes > request.byte_count) return;
+    check(heif_image_handle_get_raw_color_profile(picture, request.allocate(request.profile_user, bytes)));
+}
+
 void read(HeicRequest& request) {
     const Context context(heif_context_alloc());
     check(heif_context_read_from_memory_without_copy(context.get(), request.bytes, request.byte_count,
@@ -129,7 +135,9 @@ void read(HeicRequest& request) {
     heif_context_set_maximum_image_size_limit(context.get(), longest_side(request) + 1);
     // Otherwise each picture made of tiles starts threads of its own, even if it is a tile itself.
     heif_context_set_max_decoding_threads(context.get(), 0);
-    if (!request.header_only) copy_samples(wanted, request);
+    if (request.header_only) return;
+    copy_samples(wanted, request);
+    if (!request.of_depth) read_profile(wanted, request);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct HeicRequest {
     // have 16 bits in the machine's byte order. The returned memory remains the caller's.
     std::uint8_t* (*allocate)(void* user, std::size_t bytes);
     void* user;
+    void* profile_user;  // given to allocate() for a picture's colour profile, if it has one
 
     int width, height, bits, has_depth;  // result
     // Results from the representation information of depths; numbers that it lacks are NaN.

@@ -69,8 +69,10 @@ Raster read_converted(TIFF* tiff, const TiffLayout& layout, TiffSource& source) 
         samples[3 * i + 1] = static_cast<std::uint8_t>(TIFFGetG(packed[i]));
         samples[3 * i + 2] = static_cast<std::uint8_t>(TIFFGetB(packed[i]));
     }
-    return {
+    Raster raster{
         static_cast<int>(layout.width), static_cast<int>(layout.height), 3, 255, kNoData, std::move(samples)};
+    raster.profile = profile_of(tiff);
+    return raster;
 }
 
 }  // namespace

@@ -309,6 +309,14 @@ double nodata_of(TIFF* tiff) {
     return parse_number(number.substr(0, number.find('\0'))).value_or(kNoData);
 }
 
+std::vector<std::uint8_t> profile_of(TIFF* tiff) {
+    std::uint32_t count = 0;
+    void* bytes = nullptr;
+    if (!TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &count, &bytes) || bytes == nullptr) return {};
+    const auto* const first = static_cast<const std::uint8_t*>(bytes);
+    return {first, first + count};
+}
+
 Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, const PixelWindow& window) {
     check_samples(layout, source);
     Raster raster;
@@ -316,6 +324,7 @@ Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, co
     raster.height = static_cast<int>(window.height);
     raster.channels = layout.channels();
     raster.nodata = nodata_of(tiff);
+    raster.profile = profile_of(tiff);
     raster.max_value = layout.bits <= 16 ? (1u << layout.bits) - 1 : 0;
     if (layout.format == SAMPLEFORMAT_IEEEFP) {
         raster.samples = PlainReader<float>(tiff, layout, source, window).read();

@@ -58,6 +58,8 @@ bool are_wide_integers(const TiffLayout& layout);
 void check_samples(const TiffLayout& layout, const TiffSource& source);
 // Returns GDAL's nodata tag; NaN if there is none.
 double nodata_of(TIFF* tiff);
+// Returns the picture's colour profile; empty if it has none.
+std::vector<std::uint8_t> profile_of(TIFF* tiff);
 
 // Returns the samples of a window of a picture that is stored plainly, with all its channels. Memory: the
 // window, which grows with what has been decoded, and a tile, or a row and a strip as stored. Throws

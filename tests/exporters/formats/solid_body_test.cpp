@@ -33,8 +33,33 @@ double volume_of(const SurfaceMesh& mesh) {
     return volume;
 }
 
-TEST(SolidBody, EveryEdgeHasTwoTrianglesOfOppositeDirections) {
-    const SurfaceMesh body = solid_body(surface(), 100);
+void move_to_depth(SurfaceMesh& mesh, std::size_t vertex, float depth) {
+    Vec3f& p = mesh.positions[vertex];
+    p = {p.x / -p.z * depth, p.y / -p.z * depth, -depth};
+}
+
+// The sample at a depth of 2, whose right part is cut off from row `first` on and lies at 3. At its ends the
+// cut has no second vertex, as in a surface whose step begins inside it.
+SurfaceMesh surface_with_step(int columns, int rows, int cut, int first, int last) {
+    SurfaceMesh mesh = sample_mesh(columns, rows);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) move_to_depth(mesh, i, 2);
+    for (int row = first; row <= last; ++row) {
+        const auto near = static_cast<std::uint32_t>(row * columns + cut);
+        const auto far = static_cast<std::uint32_t>(mesh.positions.size());
+        mesh.positions.push_back(mesh.positions[near]);
+        mesh.image_points.push_back(mesh.image_points[near]);
+        move_to_depth(mesh, far, 3);
+        for (Triangle& t : mesh.triangles)
+            if (std::ranges::any_of(t, [&](std::uint32_t i) {
+                    return i < far && mesh.image_points[i].x > mesh.image_points[near].x;
+                }))
+                std::ranges::replace(t, near, far);
+    }
+    return mesh;
+}
+
+// Expects that every side has one of the other direction; returns V - E + F, 2 of one body without tunnels.
+long long expect_closed(const SurfaceMesh& body) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
     for (const Triangle& t : body.triangles)
         for (std::size_t k = 0; k < 3; ++k) ++sides[{t[k], t[(k + 1) % 3]}];
@@ -42,6 +67,50 @@ TEST(SolidBody, EveryEdgeHasTwoTrianglesOfOppositeDirections) {
         EXPECT_EQ(count, 1);
         EXPECT_TRUE(sides.contains({side.second, side.first}));
     }
+    const auto triangles = static_cast<long long>(body.triangles.size());
+    return static_cast<long long>(body.positions.size()) - triangles * 3 / 2 + triangles;
+}
+
+TEST(SolidBody, EveryEdgeHasTwoTrianglesOfOppositeDirections) {
+    EXPECT_EQ(expect_closed(solid_body(surface(), 100)), 4) << "two bodies";
+}
+
+TEST(SolidBody, SilhouettesAreWallsBetweenBothSurfaces) {
+    // From border to border, within the surface, and one that ends at the border.
+    for (const auto& [first, last] : {std::pair{0, 6}, {2, 4}, {3, 6}}) {
+        const SurfaceMesh mesh = surface_with_step(9, 7, 4, first, last), body = solid_body(mesh, 100);
+        EXPECT_EQ(expect_closed(body), 2) << first << " to " << last;
+        // Each ray has one vertex of the base: none is in the wall's way.
+        EXPECT_EQ(body.positions.size(), mesh.positions.size() + 9 * 7);
+    }
+    // The lid's and the base's triangles, two a side of the border, and one or two a side of the silhouette.
+    const SurfaceMesh mesh = surface_with_step(9, 7, 4, 2, 4), body = solid_body(mesh, 100);
+    EXPECT_EQ(body.triangles.size(), 2 * mesh.triangles.size() + 2 * 2 * (8 + 6) + 2 * 2 + 2 * 1);
+}
+
+TEST(SolidBody, HolesAreBridgedAndCrumbsGo) {
+    SurfaceMesh holed = surface_with_step(40, 30, 20, 5, 25);
+    const std::size_t all = holed.triangles.size();
+    const auto remove_around = [&](float x, float y) {
+        std::erase_if(holed.triangles, [&](const Triangle& t) {
+            return std::ranges::any_of(t, [&](std::uint32_t i) {
+                return std::hypot(holed.image_points[i].x - x, holed.image_points[i].y - y) < 1;
+            });
+        });
+    };
+    remove_around(holed.image_points[10 * 40 + 10].x, holed.image_points[10 * 40 + 10].y);
+    remove_around(holed.image_points[12 * 40 + 20].x,
+                  holed.image_points[12 * 40 + 20].y);  // on the silhouette
+    ASSERT_LT(holed.triangles.size(), all - 10);
+    EXPECT_EQ(expect_closed(solid_body(holed, 100)), 2);
+    // A triangle of its own, far away.
+    const auto at = static_cast<std::uint32_t>(holed.positions.size());
+    for (const Vec2f& point : {Vec2f{100, 100}, {100, 101}, {101, 100}}) {
+        holed.positions.push_back({0, 0, -2});
+        holed.image_points.push_back(point);
+    }
+    holed.triangles.push_back({at, at + 1, at + 2});
+    EXPECT_EQ(expect_closed(solid_body(holed, 100)), 2);
 }
 
 TEST(SolidBody, StandsOnABaseOfItsSize) {

@@ -86,6 +86,24 @@ TEST(Obj, WithoutTextureOrNormals) {
     EXPECT_EQ(obj.faces.at(0), "f 1 5 2");
 }
 
+// Readers join faces by their positions' numbers.
+TEST(Obj, VerticesAtOnePlaceShareAPosition) {
+    const TemporaryFolder folder;
+    SurfaceMesh mesh = sample_mesh(4, 4);
+    mesh.normals.clear();
+    mesh.positions.push_back(mesh.positions[5]);
+    mesh.texcoords.push_back({0.9f, 0.9f});
+    mesh.image_points.push_back(mesh.image_points[5]);
+    mesh.disparities.push_back(mesh.disparities[5]);
+    mesh.triangles.push_back({0, 16, 1});
+    const Image texture = sample_texture(8, 8);
+    export_scene({&mesh, &texture, kGenerator, ""}, {}, folder / "a.obj");
+    const ObjFile obj = read_obj(folder / "a.obj");
+    EXPECT_EQ(obj.positions.size(), 16u);
+    EXPECT_EQ(obj.texcoords.size(), 17u);
+    EXPECT_EQ(obj.faces.back(), "f 1/1 6/17 2/2");
+}
+
 TEST(Obj, TextureNeverTakesThePhotographsName) {
     const TemporaryFolder folder;
     put(folder / "photo.png", "the input");

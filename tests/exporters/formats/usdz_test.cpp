@@ -53,6 +53,7 @@ TEST(Usdz, ComesBackToTheBit) {
     const Image texture = sample_texture(64, 48);
     ExportConfig config;
     config.material = MaterialKind::lit;
+    config.origin = FileOrigin::camera;
     EXPECT_EQ(export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "a.usdz").size(), 1u);
     const std::vector<StoredFile> files = read_archive(contents(folder / "a.usdz"));
     ASSERT_EQ(files.size(), 2u);

@@ -19,6 +19,7 @@ TEST_P(Describe, TellsWhatWasWritten) {
     const Image texture = exporters::sample_texture(64, 48);
     exporters::ExportConfig config;
     config.normals = exporters::NormalsKind::always;
+    config.origin = exporters::FileOrigin::camera;
     if (draco) config.compression = exporters::Compression::draco;
     const auto paths = exporters::export_scene(
         {&mesh, textured ? &texture : nullptr, exporters::kGenerator, "{}"}, config, folder / name);

@@ -371,6 +371,15 @@ TEST(CommandLine, InfoAndDevicesTell) {
     EXPECT_NE(run_program({"info", sample("disparity.pfm")}).out.find("known"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("calib.txt")}).out.find("baseline"), std::string::npos);
     EXPECT_TRUE(run_program({"devices"}).out.starts_with("cpu"));
+    const auto json = [](std::vector<std::string> words) {
+        words.emplace_back("--json");
+        return nlohmann::json::parse(run_program(words).out);
+    };
+    EXPECT_EQ(json({"devices"})[0]["backend"], "cpu");
+    EXPECT_EQ(json({"info", sample("left.png")})["size"], nlohmann::json({{"width", 320}, {"height", 240}}));
+    EXPECT_GT(json({"info", sample("disparity.pfm")})["known"], 0.5);
+    EXPECT_GT(json({"info", sample("disparity.pfm")})["as_disparity"].size(), 0u);
+    EXPECT_GT(json({"info", sample("calib.txt")})["baseline"], 0);
 }
 
 }  // namespace

@@ -220,14 +220,14 @@ TEST(ConfigDocument, PresetsAreBuiltIn) {
         std::string file = HEXRELIEF_SOURCE_DIR "/config/";
         file.append(preset.name).append(".yaml");
         EXPECT_EQ(preset.yaml, test::read_text(file)) << preset.name;
-        EXPECT_EQ(config_yaml(read_config(preset.name, {})), config_yaml(read_config(file, {})))
+        EXPECT_EQ(config_yaml(read_config({preset.name}, {})), config_yaml(read_config({file}, {})))
             << preset.name;
     }
     for (const char* name : {"default", "quality", "compact", "paper", "som"})
         EXPECT_TRUE(names.contains(name)) << name;
     EXPECT_EQ(find_preset("aloe"), nullptr) << "one scene's camera, not a preset";
     EXPECT_EQ(find_preset(""), nullptr);
-    EXPECT_EQ(read_config("quality", {"mesh.spacing_px=5"}).mesh.spacing_px, 5);
+    EXPECT_EQ(read_config({"quality"}, {"mesh.spacing_px=5"}).mesh.spacing_px, 5);
 }
 
 TEST(ConfigDocument, PresetsAreValid) {

@@ -110,7 +110,7 @@ TEST_F(RunFiles, FilesOfASource) {
 
 TEST_F(RunFiles, KeysThatNameFilesAreInputs) {
     request_.config.input.calibration.file = "c";
-    request_.config_file = "k";
+    request_.config_files = {"k"};
     const std::vector<InputFile> files = input_files(request_);
     ASSERT_EQ(files.size(), 2u);
     EXPECT_EQ(files[1].role + " " + files[1].path, "calibration c");
@@ -130,9 +130,9 @@ TEST_F(RunFiles, ARectifiedPairIsAmongTheFilesWritten) {
 }
 
 TEST_F(RunFiles, NoInputIsOverwritten) {
-    request_.config_file = folder_ / "c.yaml";
-    test::write_text(request_.config_file, "");
-    request_.report = request_.config_file;
+    request_.config_files = {folder_ / "c.yaml"};
+    test::write_text(request_.config_files[0], "");
+    request_.report = request_.config_files[0];
     EXPECT_NE(refusal_of(request_).find("would overwrite the input"), std::string::npos);
 }
 

@@ -60,6 +60,7 @@ struct TiffKind {
     bool planes = false;
     bool big_endian = false;
     int orientation = 1;
+    Bytes profile = {};       // ICC; empty = no tag
     std::string nodata = {};  // text of GDAL's tag; empty = no tag
 };
 // Makes a TIFF. rows: as stored, in the machine's byte order; one plane after the other if kind.planes.

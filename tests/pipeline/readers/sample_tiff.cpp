@@ -44,6 +44,8 @@ Bytes make_tiff(int width, int height, const Bytes& rows, const TiffKind& kind) 
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, kind.compression);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, kind.planes ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_ORIENTATION, kind.orientation);
+    if (!kind.profile.empty())
+        TIFFSetField(tiff, TIFFTAG_ICCPROFILE, static_cast<int>(kind.profile.size()), kind.profile.data());
     if (!kind.nodata.empty()) {
         constexpr std::uint32_t tag = 42113;
         const TIFFFieldInfo field = {tag,          -1, -1, TIFF_ASCII,

@@ -11,6 +11,7 @@
 #include "pipeline/readers/photographs/stereo_reader.h"
 #include "tests/pipeline/readers/depth/sample_boxes.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
+#include "tests/pipeline/readers/sample_profiles.h"
 
 namespace hexrelief::readers {
 namespace {
@@ -54,6 +55,17 @@ TEST_F(Heic, ThePictureAndItsDepthsAreRead) {
     EXPECT_EQ(describe_raster(path)->format, "heic");
     EXPECT_EQ(describe_raster(path)->width, kWidth);
     EXPECT_CONTAINS(error_of([&] { read_disparity_map(path, {}); }), "--depth");
+}
+
+TEST_F(Heic, DisplayP3BecomesSrgb) {
+    const Folder folder;
+    Bytes pixels;
+    for (int i = 0; i < kWidth * kHeight; ++i) pixels = std::move(pixels) + Bytes{200, 100, 50, 90};
+    const Image picture =
+        read_image(folder.write("p3.heic", make_heic(kWidth, kHeight, pixels, "", display_p3_profile())));
+    EXPECT_NEAR(picture.at(30, 30)[0], 214, 3);
+    EXPECT_NEAR(picture.at(30, 30)[1], 93, 3);
+    EXPECT_NEAR(picture.at(30, 30)[2], 31, 4);
 }
 
 TEST_F(Heic, BothPicturesOfASpatialPhotographAreRead) {

@@ -45,7 +45,8 @@ void add_to_number(Bytes::iterator at, std::size_t more) {
 
 // Encodes pictures of one size, red green blue and perhaps alpha; the XMP packet belongs to each. Empty if
 // libheif has no encoder.
-Bytes encoded(int width, int height, const std::vector<Bytes>& pictures, const std::string& xmp) {
+Bytes encoded(int width, int height, const std::vector<Bytes>& pictures, const std::string& xmp,
+              const Bytes& profile = {}) {
     Bytes file;
     heif_context* const context = heif_context_alloc();
     heif_encoder* encoder = nullptr;
@@ -63,6 +64,8 @@ Bytes encoded(int width, int height, const std::vector<Bytes>& pictures, const s
             const std::size_t row = channels * width;
             for (int y = 0; y < height; ++y)
                 std::copy_n(pixels.data() + row * y, row, plane + static_cast<std::ptrdiff_t>(stride) * y);
+            if (!profile.empty())
+                heif_image_set_raw_color_profile(image, "prof", profile.data(), profile.size());
             heif_image_handle* handle = nullptr;
             heif_context_encode_image(context, image, encoder, nullptr, &handle);
             if (!xmp.empty())
@@ -118,8 +121,9 @@ Bytes with_representation(Bytes file) {
     return file;
 }
 
-Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp) {
-    Bytes file = encoded(width, height, {rgb_and_depth}, xmp);
+Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp,
+                const Bytes& profile) {
+    Bytes file = encoded(width, height, {rgb_and_depth}, xmp, profile);
     make_depths_of_alpha(file);
     return file;
 }

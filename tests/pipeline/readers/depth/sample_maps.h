@@ -20,7 +20,8 @@ Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool d
 
 // Makes a photograph whose depths are the fourth channel; the XMP packet belongs to the depths. Empty if
 // libheif has no encoder. Only available if libheif was found.
-Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp);
+Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp,
+                const Bytes& profile = {});
 // Makes a spatial photograph of two pictures of one colour, 64x64 px. Empty as make_heic().
 Bytes make_heic_pair(std::array<std::uint8_t, 3> left, std::array<std::uint8_t, 3> right);
 // Returns the file with representation information: 1 / Z between 0.5 and 4 m.
