@@ -96,7 +96,7 @@ Mesh mesh_of(const std::map<std::string, std::optional<py::array>>& arrays, cons
 
 std::vector<std::string> save(const Mesh& mesh, const std::string& path, const Settings& settings,
                               const py::function& warn) {
-    const Options options = options_of("", settings, warn);
+    const Options options = options_of({}, settings, warn);
     const py::gil_scoped_release unlocked;
     return mesh.save(path, options);
 }
