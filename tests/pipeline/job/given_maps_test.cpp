@@ -9,7 +9,7 @@
 namespace hexrelief::job {
 namespace {
 
-constexpr int kWidth = 200, kHeight = 120, kFar = 8, kNear = 24;
+constexpr int kColumns = 200, kRows = 120, kFar = 8, kNear = 24;
 
 // A square in front of a wall, both with a texture, and what a perfect matcher knows of it.
 struct Scene {
@@ -35,10 +35,10 @@ int level(int x, int y, int c, bool near) {
 
 Scene make_scene() {
     Scene scene;
-    for (Image* const image : {&scene.pair.left, &scene.pair.right}) *image = {kWidth, kHeight, 3, {}};
-    for (DisparityMap* const map : {&scene.maps.left, &scene.maps.right}) *map = {kWidth, kHeight, {}};
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
+    for (Image* const image : {&scene.pair.left, &scene.pair.right}) *image = {kColumns, kRows, 3, {}};
+    for (DisparityMap* const map : {&scene.maps.left, &scene.maps.right}) *map = {kColumns, kRows, {}};
+    for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kColumns; ++x) {
             const bool left = is_square(x, y), right = is_square(x + kNear, y);
             scene.maps.left.values.push_back(left ? kNear : kFar);
             scene.maps.right.values.push_back(right ? kNear : kFar);
@@ -69,10 +69,10 @@ DisparityMap changed(const DisparityMap& map, int reach, bool to_largest) {
 // Returns the share of the pixels that are more than 2 px off, in percent.
 double bad2(const DisparityMap& map) {
     int bad = 0;
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
+    for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kColumns; ++x)
             bad += !(std::abs(map.at(x, y) - static_cast<float>(is_square(x, y) ? kNear : kFar)) <= 2);
-    return 100.0 * bad / (kWidth * kHeight);
+    return 100.0 * bad / (kColumns * kRows);
 }
 
 DisparityMap refined(const Scene& scene) {
@@ -84,8 +84,8 @@ TEST(GivenMaps, ATrueMapStaysAsItIs) {
     const DisparityMap map = refined(scene);
     EXPECT_EQ(map.values, scene.maps.left.values);
     // Also what the right camera does not see, which is not matched.
-    EXPECT_EQ(map.origins[60 * kWidth + 70], PixelOrigin::filled);
-    EXPECT_EQ(map.origins[60 * kWidth + 100], PixelOrigin::matched);
+    EXPECT_EQ(map.origins[60 * kColumns + 70], PixelOrigin::filled);
+    EXPECT_EQ(map.origins[60 * kColumns + 100], PixelOrigin::matched);
     EXPECT_EQ(map.origins[5], PixelOrigin::filled);
 }
 
