@@ -47,6 +47,12 @@ inline SurfaceMesh sample_mesh(int columns, int rows) {
     return mesh;
 }
 
+// Adds a provenance: half of the vertices are seen by both cameras, the others by others in turn.
+inline void add_provenance(SurfaceMesh& mesh) {
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+        mesh.provenance.push_back(i % 2 == 0 ? Provenance::both : static_cast<Provenance>(1 + i / 2 % 3));
+}
+
 // Returns a camera that sees that surface with disparities of 2.8 to 3.8 px.
 inline Calibration sample_camera() {
     Calibration camera;

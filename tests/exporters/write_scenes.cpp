@@ -99,11 +99,13 @@ class Writer {
 };
 
 void write_all(const std::filesystem::path& folder) {
-    const hexrelief::SurfaceMesh small = hexrelief::exporters::sample_mesh(24, 18),
-                                 large = hexrelief::exporters::sample_mesh(300, 250);
+    const hexrelief::SurfaceMesh small = hexrelief::exporters::sample_mesh(24, 18);
+    hexrelief::SurfaceMesh large = hexrelief::exporters::sample_mesh(300, 250);
+    hexrelief::exporters::add_provenance(large);
     const hexrelief::Image colour = hexrelief::exporters::sample_texture(64, 48),
                            grey = hexrelief::exporters::sample_texture(64, 48, 1);
     hexrelief::SurfaceMesh part = small;  // shows only a part of the picture
+    hexrelief::exporters::add_provenance(part);
     for (hexrelief::Vec2f& t : part.texcoords) t = {0.25f + t.x / 4, 0.5f + t.y / 3};
     const hexrelief::SurfaceMesh half = hexrelief::exporters::sample_mesh(12, 9),
                                  quarter = hexrelief::exporters::sample_mesh(6, 5);

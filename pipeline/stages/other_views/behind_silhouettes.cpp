@@ -163,6 +163,8 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
     const auto width = static_cast<std::size_t>(place.width);
     for (const std::size_t pixel : pixels_of(continued)) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        if (column(x) == column(x + 1) || row(y) == row(y + 1))
+            continue;  // a smaller picture has no such pixel
         int sums[4] = {}, count = 0;
         for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v)
             for (int u = std::max(0, x - kSoft_px); u <= std::min(place.width - 1, x + kSoft_px); ++u) {

@@ -204,6 +204,20 @@ TEST_P(Stl, ComesBackInItsUnit) {
 
 INSTANTIATE_TEST_SUITE_P(Units, Stl, ::testing::Values(StlUnit::metre, StlUnit::millimetre));
 
+TEST(PlyFile, TheLastPropertyOfAVertexTellsWhichCamerasSawIt) {
+    const TemporaryFolder folder;
+    SurfaceMesh mesh = sample_mesh(4, 3);
+    add_provenance(mesh);
+    ExportConfig config;
+    config.normals = NormalsKind::never;
+    export_scene({&mesh, nullptr, kGenerator, "{}"}, config, folder / "a.ply");
+    const std::string bytes = contents(folder / "a.ply");
+    EXPECT_NE(bytes.find("property float z\nproperty uchar provenance\nelement face"), std::string::npos);
+    const std::size_t begin = bytes.find("end_header\n") + 11;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+        EXPECT_EQ(bytes.at(begin + 13 * i + 12), static_cast<char>(mesh.provenance[i])) << i;
+}
+
 TEST(PlyFile, WithoutNormals) {
     const TemporaryFolder folder;
     SurfaceMesh mesh = sample_mesh(4, 4);

@@ -59,6 +59,24 @@ INSTANTIATE_TEST_SUITE_P(Files, Describe,
                                            Case{"a.usdz", false, false}),
                          [](const auto& instance) { return std::to_string(instance.index); });
 
+TEST(Describe, TellsWhichCamerasSawTheVertices) {
+    using exporters::Compression;
+    const exporters::TemporaryFolder folder;
+    SurfaceMesh mesh = exporters::sample_mesh(24, 18);
+    const std::array<long long, 4> none = {}, wanted = {216, 72, 72, 72};
+    for (const auto compression : {Compression::none, Compression::quantized, Compression::meshopt})
+        for (const char* const name : {"a.glb", "a.ply"}) {
+            exporters::ExportConfig config;
+            config.compression = compression;
+            mesh.provenance.clear();
+            exporters::export_scene({&mesh, nullptr, exporters::kGenerator, "{}"}, config, folder / name);
+            EXPECT_EQ(exporters::describe_mesh(folder / name).provenance, none) << name;
+            exporters::add_provenance(mesh);
+            exporters::export_scene({&mesh, nullptr, exporters::kGenerator, "{}"}, config, folder / name);
+            EXPECT_EQ(exporters::describe_mesh(folder / name).provenance, wanted) << name;
+        }
+}
+
 TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {
     const exporters::TemporaryFolder folder;
     exporters::put(

@@ -323,6 +323,27 @@ await check('everything has a name, and nothing is wider than 360 px', async () 
 
 await check('nothing is logged, nothing is asked for', async () => assert.deepEqual(complaints, []));
 
+await check('what no camera saw is shown and left open', async () => {
+  assert.ok(await page.locator('#guesses-label').isHidden()); // the sample's background is removed: nothing continues
+  const whole = join(folder, 'whole.html');
+  execFileSync(program, ['run', '--disparity', join(samples, 'disparity.pfm'), '--color', join(samples, 'left.png'),
+    '--set', 'density.background.method=none', '-o', whole, '--quiet'], { stdio: 'pipe' });
+  const other = await open(browser, whole, { viewport: { width: 900, height: 500 } });
+  assert.ok(await other.page.locator('#guesses-label').isVisible());
+  const view = other.page.locator('#view');
+  const picture = async () => { await settle(other.page); return pixels(other.page, await view.screenshot()); };
+  const set = async (shown) => { await other.page.setChecked('#guesses', shown); return picture(); };
+  const share = (a, b) => changedShare(a, b, () => true);
+  const before = await picture();
+  assert.ok(share(before, await set(false)) < 0.002, 'nothing of it is seen from the left camera');
+  await other.page.focus('#view');
+  for (let i = 0; i < 8; ++i) await other.page.keyboard.press('ArrowLeft');
+  const without = await picture(), shown = await set(true);
+  assert.ok(share(without, shown) > 0.002, `${share(without, shown)} of the view is what no camera saw`);
+  assert.deepEqual(other.complaints, []);
+  rmSync(whole);
+});
+
 await check('without WebGL there is the picture of the relief, and the reason', async () => {
   const other = await open(browser, file, {}, () => { HTMLCanvasElement.prototype.getContext = () => null; });
   assert.equal(await other.page.evaluate(() => document.body.dataset.state), 'failed');

@@ -137,6 +137,36 @@ TEST_F(WholeMap, TheRightViewsMapIsPartOfTheSurface) {
     EXPECT_EQ(run({"surface.views=left"}, true).relief->surface.mesh.parts.size(), 0u);
 }
 
+TEST_F(WholeMap, VerticesTellWhichCamerasSawThem) {
+    // A point of the wall is hidden from the camera at t if the box of 40 x 40 px is there in its view.
+    const auto is_seen = [](double x, double y, double d, double t, double margin) {
+        const double there = x - t * d, box = 60 - t * kBox;
+        if (there < -margin || there > kWidth + margin) return false;
+        return d > (kBox + kWall) / 2. || there < box + margin || there > box + 40 - margin ||
+               y < 40 + margin || y > 80 - margin;
+    };
+    for (const bool with_right : {true, false}) {
+        const SurfaceMesh mesh = run({}, with_right).relief->surface.mesh;
+        ASSERT_EQ(mesh.provenance.size(), mesh.positions.size());
+        std::size_t right = 0, counts[4] = {};
+        for (std::size_t i = 0; i < mesh.provenance.size(); ++i) {
+            const Provenance told = mesh.provenance[i];
+            // What is within 1 px of an edge may be told as either.
+            const auto agrees = [&](bool is_told, double t) {
+                const double x = mesh.image_points[i].x, y = mesh.image_points[i].y, d = mesh.disparities[i];
+                return is_told == is_seen(x, y, d, t, 1) || is_told == is_seen(x, y, d, t, -1);
+            };
+            const bool by_right = told == Provenance::both || told == Provenance::right;
+            right += agrees(told == Provenance::both || told == Provenance::left, 0) &&
+                     (with_right ? agrees(by_right, 1) : !by_right);
+            ++counts[static_cast<int>(told)];
+        }
+        EXPECT_GE(static_cast<double>(right), 0.99 * static_cast<double>(mesh.provenance.size()));
+        for (int k = 0; k < 4; ++k) EXPECT_EQ(counts[k] > 0, with_right || k == 1 || k == 3) << k;
+    }
+    EXPECT_TRUE(run({"surface.views=left"}).relief->surface.mesh.provenance.empty());
+}
+
 TEST_F(WholeMap, WithoutPicturesTheSurfaceIsTheSame) {
     const SurfaceMesh mesh = run({}, false, false).relief->surface.mesh;
     EXPECT_LT(holes(mesh, 1), 0.002);
