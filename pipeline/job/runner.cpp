@@ -83,6 +83,8 @@ DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& 
     DisparityMap map = std::move(input.disparities);
     if (config.input.densify == config::Densification::automatic)
         map = densify_map(std::move(map), input.color, mask, threads, log);
+    if (!input.color.empty() && map.origins.empty() && config.disparity.fill == stages::DisparityFill::planes)
+        map = sharpen_map(std::move(map), input.color, threads, log);
     if (input.right.values.empty() && !input.right_color.empty())
         map = check_map(std::move(map), {input.color, std::move(input.right_color)}, config.disparity,
                         threads, log);
@@ -156,7 +158,10 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
         std::optional<stages::ViewMaps> by_program;
         if (stages::gives_maps(range.config.method))
             by_program = log.stage("matcher", [&] {
-                return backends.programs().match(pair->views, range.config, threads, log);
+                stages::ViewMaps maps = backends.programs().match(pair->views, range.config, threads, log);
+                if (config.disparity.fill == stages::DisparityFill::planes)
+                    sharpen_maps(maps, pair->views, threads, log);
+                return maps;
             });
         relief.disparity = log.stage("disparity", [&] {
             DisparityResult matched =

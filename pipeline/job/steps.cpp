@@ -9,6 +9,7 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
+#include "pipeline/densify/blurred_steps.h"
 #include "pipeline/densify/densify.h"
 #include "pipeline/densify/sparsity.h"
 #include "pipeline/dequantize/dequantize.h"
@@ -133,6 +134,20 @@ DisparityResult disparities_of_program(const StereoPair& pair, const stages::Vie
     DisparityResult result{refine_given(pair, maps, config, threads), config};
     check_any_match(result.map);
     return result;
+}
+
+DisparityMap sharpen_map(DisparityMap map, const Image& left, int threads, const RunLog& log) {
+    densify::SharpenedMap sharp = densify::sharpen_steps(std::move(map), left, threads);
+    if (sharp.blurred_share > 0)
+        log.decide("disparity: steps are blurred; " + fixed(100 * sharp.blurred_share, 1) +
+                   " % of the pixels lie on them, and are cut along the picture's edges");
+    return std::move(sharp.map);
+}
+
+void sharpen_maps(stages::ViewMaps& maps, const StereoPair& pair, int threads, const RunLog& log) {
+    if (!maps.is_dense) return;
+    maps.left = sharpen_map(std::move(maps.left), pair.left, threads, log);
+    maps.right = densify::sharpen_steps(std::move(maps.right), pair.right, threads).map;
 }
 
 DisparityMap check_map(DisparityMap map, StereoPair pair, const stages::DisparityConfig& config, int threads,

@@ -104,6 +104,11 @@ DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& co
 DisparityResult disparities_of_program(const StereoPair& pair, const stages::ViewMaps& maps,
                                        const stages::DisparityConfig& config, int threads);
 
+// Returns a supplied map whose blurred steps are cut along the picture's edges (densify::sharpen_steps()).
+DisparityMap sharpen_map(DisparityMap map, const Image& left, int threads, const RunLog& log);
+// Does that to both views' maps of a matcher, if they are dense.
+void sharpen_maps(stages::ViewMaps& maps, const StereoPair& pair, int threads, const RunLog& log);
+
 // Returns a supplied map of the pair's left view, checked by the right picture (check_by_picture()); as it is
 // if that picture shows something else, with a warning.
 DisparityMap check_map(DisparityMap map, StereoPair pair, const stages::DisparityConfig& config, int threads,

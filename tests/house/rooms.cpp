@@ -98,7 +98,7 @@ const std::vector<Room>& rooms() {
          {data, "pipeline/readers", "pipeline/stages", "pipeline/job/cameras", "exporters/images"}},
         {"pipeline/job/matchers",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/config", "pipeline/files",
-          "pipeline/job/log", "pipeline/job/maps", "exporters/images"}},
+          "pipeline/job/log", "pipeline/job/maps", "pipeline/matching/matcher.h", "exporters/images"}},
         {"pipeline/job/matchers/network",
          {data, "pipeline/readers", "pipeline/files/sha256.h", "exporters/images"}},
         {"pipeline/job/pairs",

@@ -30,3 +30,14 @@ ln -s "$work/prefix/bin/hexrelief" "$work/link"
 "$build/hexrelief" "${pair[@]}" -o "$work/build.ply"
 cmp "$work/installed.ply" "$work/build.ply"
 cmp "$work/link.ply" "$work/build.ply"
+
+[[ -x $build/hexrelief-onnx ]] || exit 0
+cmake --install "$build" --prefix "$work/prefix" --component onnx >/dev/null
+echo rubbish >"$work/model.onnx"
+network=(run --left "$sources/samples/left.png" --right "$sources/samples/right.png" --quiet -o "$work/network.ply"
+    --set disparity.method=onnx --set "disparity.model=$work/model.onnx")
+for place in "$work/prefix/bin/hexrelief:it is no ONNX file" "$work/tree/program:is in none"; do
+    code=0
+    "${place%%:*}" "${network[@]}" 2>"$work/log" || code=$?
+    [[ $code -eq 3 && $(<"$work/log") == *"${place#*:}"* ]] || fail "${place%%:*} gave $code: $(<"$work/log")"
+done

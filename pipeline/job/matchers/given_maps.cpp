@@ -166,15 +166,18 @@ DisparityMap seen_from_right(const DisparityMap& left) {
     return right;
 }
 
-// Returns the curves that bring the right picture to the left one's light, by the map's matches.
-matching::LightCurves light_by(const StereoPair& pair, const DisparityMap& map) {
-    matching::MatchedMap matches{map.width, map.height, {}, {}};
-    for (const float d : map.values) {
-        const bool is_known = DisparityMap::known(d) && d >= 0 && d < stages::kLargestRange_px;
-        matches.disparities.push_back(is_known ? static_cast<std::int16_t>(d * matching::kOnePixel)
-                                               : matching::kUnknown16);
-        matches.is_matched.push_back(is_known);
-    }
+// Returns the curves that bring the right picture to the left one's light, by what both maps agree on.
+matching::LightCurves light_by(const StereoPair& pair, const DisparityMap& left, const DisparityMap& right) {
+    matching::MatchedMap matches{left.width, left.height, {}, {}};
+    for (int y = 0; y < left.height; ++y)
+        for (int x = 0; x < left.width; ++x) {
+            const float d = left.at(x, y);
+            const bool is_sure = DisparityMap::known(d) && d >= 0 && d < stages::kLargestRange_px &&
+                                 verdict_on(d, right, x, y) == Verdict::agrees;
+            matches.disparities.push_back(is_sure ? static_cast<std::int16_t>(d * matching::kOnePixel)
+                                                  : matching::kUnknown16);
+            matches.is_matched.push_back(is_sure);
+        }
     return matching::find_light(pair, matches, 0);
 }
 
@@ -183,13 +186,25 @@ matching::LightCurves light_by(const StereoPair& pair, const DisparityMap& map) 
 std::pair<Flags, double> find_unlike(const StereoPair& pair, const DisparityMap& left,
                                      const DisparityMap& right) {
     const std::vector<int> all = differences(pair, left);
-    std::vector<std::pair<std::size_t, int>> seen;  // pixels with the mean over 3x3
+    Flags is_seen(left.values.size(), 0);
+    for (int y = 0; y < left.height; ++y)
+        for (int x = 0; x < left.width; ++x)
+            is_seen[static_cast<std::size_t>(y) * left.width + x] =
+                DisparityMap::known(left.at(x, y)) &&
+                verdict_on(left.at(x, y), right, x, y) != Verdict::hidden;
+    std::vector<std::pair<std::size_t, int>> seen;  // pixels, with the mean of those of their surface in 3x3
     for (int y = 0; y < left.height; ++y)
         for (int x = 0; x < left.width; ++x) {
-            const float d = left.at(x, y);
-            if (!DisparityMap::known(d) || verdict_on(d, right, x, y) == Verdict::hidden) continue;
-            const auto [sum, count] = sum_around(all, left.width, left.height, x, y);
-            seen.emplace_back(static_cast<std::size_t>(y) * left.width + x, sum / count);
+            const std::size_t i = static_cast<std::size_t>(y) * left.width + x;
+            if (!is_seen[i]) continue;
+            int sum = 0, count = 0;
+            for (int v = std::max(0, y - 1); v <= std::min(left.height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(left.width - 1, x + 1); ++u) {
+                    const std::size_t k = static_cast<std::size_t>(v) * left.width + u;
+                    if (is_seen[k] && std::abs(left.values[k] - left.values[i]) <= kAgree_px)
+                        sum += all[k], ++count;
+                }
+            seen.emplace_back(i, sum / count);
         }
     Flags unlike(left.values.size(), 0);
     if (seen.empty()) return {unlike, 0};
@@ -213,7 +228,7 @@ DisparityMap without(DisparityMap map, const Flags& hidden) {
 // As check_by_picture(), for both views' maps.
 PictureCheck refine_dense(StereoPair pair, const stages::ViewMaps& given,
                           const stages::DisparityConfig& config, int threads) {
-    matching::relight(pair.right, light_by(pair, given.left), threads);
+    matching::relight(pair.right, light_by(pair, given.left, given.right), threads);
     const auto [unlike, share] = find_unlike(pair, given.left, given.right);
     const DisparityMap right_in_mirror = stages::mirrored(given.right);
     const Flags right_unlike =
