@@ -21,7 +21,8 @@ constexpr double kMisplaced = 0.04;    // of the pixels near refined discontinui
 constexpr int kLevelParts = 16;        // of a px and of a level: the unit of costs
 constexpr int kMostDifferent = 40;     // levels; beyond them the pixels are just different
 constexpr int kUnlike = 8, kUnlikeTimes = 3;  // levels, and times the median: a pixel of another colour
-constexpr int kClearlyMoreAlike = 3;          // levels
+constexpr int kSurelyUnlike = 20;     // levels, whatever the median is: the picture may be another scene's
+constexpr int kClearlyMoreAlike = 3;  // levels
 
 using Flags = std::vector<std::uint8_t>;
 
@@ -212,7 +213,7 @@ std::pair<Flags, double> find_unlike(const StereoPair& pair, const DisparityMap&
     for (const auto& [pixel, mean] : seen) sorted.push_back(mean);
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    const int most = kUnlikeTimes * *middle + kLevelParts * kUnlike;
+    const int most = std::min(kUnlikeTimes * *middle + kLevelParts * kUnlike, kLevelParts * kSurelyUnlike);
     std::size_t count = 0;
     for (const auto& [pixel, mean] : seen)
         if (mean > most) unlike[pixel] = 1, ++count;

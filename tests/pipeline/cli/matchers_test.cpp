@@ -139,6 +139,32 @@ TEST_F(Networks, DamagedGraphsNeverCrashOrHangTheRun) {
     }
 }
 
+TEST(Matchers, TheRightPictureAloneChecksASuppliedMap) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> map{"run",
+                                       "-o",
+                                       folder / "x.ply",
+                                       "--disparity",
+                                       sample("disparity.pfm"),
+                                       "--color",
+                                       sample("left.png"),
+                                       "--color-right"};
+    const auto with = [&](const std::string& right) {
+        std::vector<std::string> words = map;
+        words.insert(words.end(), {right, "--verbose"});
+        return run_program(words);
+    };
+    const ProcessResult fits = with(sample("right.png")), other = with(sample("left.png"));
+    EXPECT_EQ(fits.exit_code, 0) << fits.err;
+    EXPECT_NE(fits.err.find("of the pixels have another colour in the right picture"), std::string::npos)
+        << fits.err;
+    EXPECT_EQ(other.exit_code, 0) << other.err;
+    EXPECT_NE(other.err.find("so that is not looked at"), std::string::npos) << other.err;
+    expect_failure({"run", "-o", folder / "x.ply", "--disparity", sample("disparity.pfm"), "--color-right",
+                    sample("right.png")},
+                   2, "--color-right needs --color");
+}
+
 TEST(Matchers, AWrongCommandIsRefusedBeforeTheWork) {
     expect_failure(pair_arguments({"-o", "x.glb", "--set", "disparity.method=command"}), 2,
                    "disparity.command");
