@@ -43,7 +43,7 @@ TEST(Pipes, AreNamedAsTheyWereGiven) {
         run_line("echo no map | " + program + " run --disparity - -o " + (folder / "a.glb") + " 2>" + err),
         3);
     const std::string told = read_text(err);
-    EXPECT_NE(told.find("-: "), std::string::npos) << told;
+    EXPECT_NE(told.find("cannot read '-': "), std::string::npos) << told;
     EXPECT_EQ(told.find("/proc/"), std::string::npos) << told;
     EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
     EXPECT_EQ(run_line("echo no map | " + program + " run --left - --right - -o " + (folder / "a.glb") +
