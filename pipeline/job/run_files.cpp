@@ -1,6 +1,7 @@
 #include "pipeline/job/run_files.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "exporters/core/file_names.h"

@@ -29,7 +29,8 @@ int plan_tiles(const PlanOptions& options) {
     files::check_writable_folder(options.folder);
     std::vector<std::filesystem::path> read(options.config.config.begin(), options.config.config.end());
     read.insert(read.end(), {options.map, options.color, request.config.input.calibration.file});
-    files::check_overwrites({tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)}, read);
+    files::check_overwrites({tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
+                            read);
     const int threads = job::effective_threads(request.config.run.threads);
     const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
     files::install_interrupt_handling();
