@@ -21,6 +21,7 @@ BACKDROP = 255
 def read_obj(path):
     folder = os.path.dirname(path)
     positions, texcoords, triangles, texture = [], [], [], None
+    vertices = {}  # (place, place in the texture) -> number, as only these two together make a vertex
     for line in open(path):
         kind, *rest = line.split() or [""]
         if kind == "v":
@@ -28,13 +29,15 @@ def read_obj(path):
         elif kind == "vt":
             texcoords.append([float(v) for v in rest[:2]])
         elif kind == "f":
-            triangles.append([int(corner.split("/")[0]) - 1 for corner in rest])
+            corners = [tuple(int(number) - 1 for number in corner.split("/")[:2]) for corner in rest]
+            triangles.append([vertices.setdefault(corner, len(vertices)) for corner in corners])
         elif kind == "mtllib":
             found = re.search(r"map_Kd (.+)", open(os.path.join(folder, rest[0])).read())
             texture = found and Image.open(os.path.join(folder, found.group(1))).convert("RGB")
     if not triangles or texture is None:
         sys.exit(f"{path}: no triangles, or no texture; was the run given a colour image?")
-    return np.array(positions), np.array(texcoords), np.array(triangles), np.asarray(texture)
+    places, places_in_texture = np.array(list(vertices)).T
+    return np.array(positions)[places], np.array(texcoords)[places_in_texture], np.array(triangles), np.asarray(texture)
 
 
 # As the file's camera at the origin sees it (x right, y down, in focal lengths), after it went around `pivot`.
