@@ -22,8 +22,8 @@ bool is_square(int x, int y) {
 }
 
 int noise(int x, int y, int c, int seed) {
-    auto h = static_cast<std::uint32_t>(x * 73856093) ^ static_cast<std::uint32_t>(y * 19349663) ^
-             static_cast<std::uint32_t>((3 * c + seed) * 83492791);
+    auto h = static_cast<std::uint32_t>(x) * 73856093U ^ static_cast<std::uint32_t>(y) * 19349663U ^
+             static_cast<std::uint32_t>(3 * c + seed) * 83492791U;
     h = (h ^ (h >> 15)) * 0x2c1b3c6dU;
     return static_cast<int>((h >> 16) & 0x3f);
 }
