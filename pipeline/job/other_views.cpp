@@ -87,7 +87,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     coarse.spacing_px = std::min(kCoarser * coarse.spacing_px, std::min(width, height) / kFittingSpacings);
     const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     DisparityMesh cut = cut_lattice(lattice, view, config.surface, backend, log);
-    stages::keep_behind(cut, other.place, visible);
+    stages::keep_behind(cut, other.place, visible, backend.threads());
     if (cut.triangles.empty()) return {};
     try {
         return stages::in_left_space(surface_of(cut, view, config.surface), other.place, left.calibration);

@@ -65,17 +65,20 @@ InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& 
 
 // Moves the vertices of triangles that are a little in front of the surface away from the camera. Returns
 // what is in front afterwards.
-std::vector<InFront> push_back(DisparityMesh& mesh, const ViewPlace& place, const VisibleSurface& surface) {
+std::vector<InFront> push_back(DisparityMesh& mesh, const ViewPlace& place, const VisibleSurface& surface,
+                               int threads) {
     const float least = static_cast<float>(surface.least_px / place.scale);
     std::vector<InFront> front(mesh.triangles.size());
     std::vector<float> pushes(mesh.points.size(), 1);  // > 0: the vertex was moved
     for (int round = 0;; ++round) {
-        for (std::size_t i = 0; i < front.size(); ++i) {
-            const Triangle& t = mesh.triangles[i];
-            if (is_placed(mesh, t) &&
-                std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return pushes[v] > 0; }))
-                front[i] = in_front(mesh, t, place, surface);
-        }
+        for_row_bands(static_cast<int>(front.size()), threads, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                const Triangle& t = mesh.triangles[i];
+                if (is_placed(mesh, t) &&
+                    std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return pushes[v] > 0; }))
+                    front[i] = in_front(mesh, t, place, surface);
+            }
+        });
         if (round == kPushes) return front;
         std::fill(pushes.begin(), pushes.end(), 0.0f);
         for (std::size_t i = 0; i < front.size(); ++i)
@@ -189,12 +192,13 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
     return point.d < least - kFarther_px ? kUnknownDisparity : static_cast<float>(std::max(point.d, least));
 }
 
-void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface) {
+void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface,
+                 int threads) {
     for (std::size_t i = 0; i < cut_mesh.points.size(); ++i) {
         const Vec2f& p = cut_mesh.points[i];
         cut_mesh.disparities[i] = behind({p.x, p.y, cut_mesh.disparities[i]}, place, surface);
     }
-    const std::vector<InFront> front = push_back(cut_mesh, place, surface);
+    const std::vector<InFront> front = push_back(cut_mesh, place, surface, threads);
     const auto is_kept = [&](const Triangle& t) {
         return is_placed(cut_mesh, t) && in_front(cut_mesh, t, place, surface).most_px <= kInFront_px;
     };

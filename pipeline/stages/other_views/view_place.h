@@ -61,7 +61,7 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
 // Moves the vertices of a cut mesh of this view so, and those of triangles that are in front of the surface
 // by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, and
 // those that are too far.
-void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface);
+void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface, int threads);
 
 // Returns a surface of this view in the left camera's space. Its image points and disparities are the left
 // view's; its texture coordinates stay this view's.

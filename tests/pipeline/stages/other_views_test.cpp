@@ -158,7 +158,7 @@ TEST(OtherView, PartsInFrontOfTheSurfaceAreClipped) {
     sheet.points = {{30, 10}, {60, 10}, {30, 30}};
     sheet.disparities = {10, 10, 10};
     sheet.triangles = {{0, 1, 2}};
-    keep_behind(sheet, place_at(1), visible);
+    keep_behind(sheet, place_at(1), visible, 2);
     EXPECT_FALSE(sheet.triangles.empty());
     for (const Triangle& t : sheet.triangles)
         for (const std::uint32_t v : t) {
@@ -174,7 +174,7 @@ TEST(OtherView, NoVertexLiesOnTheEdgeOfATriangleBesideASplitOne) {
     sheet.points = {{20, 10}, {50, 10}, {20, 30}, {5, 20}};
     sheet.disparities = {3, 18, 3, 3};
     sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-    keep_behind(sheet, place_at(0), visible);
+    keep_behind(sheet, place_at(0), visible, 2);
     EXPECT_GT(sheet.triangles.size(), 4u);
     for (const Triangle& t : sheet.triangles)
         for (std::size_t k = 0; k < 3; ++k) {
