@@ -124,9 +124,7 @@ TEST(ColorProfile, SrgbItselfChangesNothing) {
 }
 
 TEST(ColorProfile, GreyFollowsItsCurve) {
-    cmsToneCurve* const tones = cmsBuildGamma(nullptr, 1.8);
-    const Bytes profile = saved_profile(cmsCreateGrayProfile(cmsD50_xyY(), tones));
-    cmsFreeToneCurve(tones);
+    const Bytes profile = grey_profile(1.8);
     const Bytes greys = {0, 30, 60, 100, 128, 170, 220, 255};
     Bytes wanted;
     for (const std::uint8_t grey : greys)
@@ -142,16 +140,11 @@ TEST(ColorProfile, MalformedOnesAndThoseOfOtherColoursAreIgnored) {
         EXPECT_EQ(pixels_of(tiff_with(profile)), kColors);
         EXPECT_EQ(pixels_of(webp_with(profile)), kColors);
     }
-    cmsToneCurve* const tones = cmsBuildGamma(nullptr, 1.8);
-    const Bytes grey = saved_profile(cmsCreateGrayProfile(cmsD50_xyY(), tones));
-    cmsFreeToneCurve(tones);
-    EXPECT_EQ(pixels_of(tiff_with(grey)), kColors);
+    EXPECT_EQ(pixels_of(tiff_with(grey_profile(1.8))), kColors);
 }
 
 TEST(ColorProfile, NumbersOfAMapStay) {
-    cmsToneCurve* const tones = cmsBuildGamma(nullptr, 1.8);
-    const Bytes profile = saved_profile(cmsCreateGrayProfile(cmsD50_xyY(), tones));
-    cmsFreeToneCurve(tones);
+    const Bytes profile = grey_profile(1.8);
     const Bytes values = {1, 30, 60, 100, 128, 170, 220, 255};
     const Folder folder;
     DisparityFileConfig config;

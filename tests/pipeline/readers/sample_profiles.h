@@ -17,6 +17,14 @@ inline Bytes saved_profile(cmsHPROFILE profile) {
     return bytes;
 }
 
+// Returns greys whose light is the sample to this power.
+inline Bytes grey_profile(double gamma) {
+    cmsToneCurve* const tones = cmsBuildGamma(nullptr, gamma);
+    const Bytes bytes = saved_profile(cmsCreateGrayProfile(cmsD50_xyY(), tones));
+    cmsFreeToneCurve(tones);
+    return bytes;
+}
+
 // Returns Display P3, the colours of phones: P3's primaries, white D65, sRGB's curve.
 inline Bytes display_p3_profile() {
     const cmsCIExyY white = {0.3127, 0.3290, 1};
