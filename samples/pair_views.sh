@@ -2,7 +2,7 @@
 # Makes samples/pairs.jpg: four Middlebury scenes, a row each. From the pair: the disparity map, the mesh from 20 degrees to the
 # left and to the right; then the same from the ground truth.
 # usage: samples/pair_views.sh DIR OUT.jpg [PROGRAM]
-# DIR holds Middlebury's sets as `hexrelief bench` wants them, with images, and middlebury2014-quarter/Piano.
+# DIR holds Middlebury's sets as figures/BENCHMARKS.md lists them, with images, and middlebury2014-quarter/Piano.
 set -euo pipefail
 if [[ $# -lt 2 ]]; then
     sed -n '2,5s/^# //p' "$0"

@@ -2,7 +2,7 @@
 # Makes samples/figures/silhouettes.jpg: four Middlebury scenes from 20 degrees to the left and to the right,
 # first as one bridged mesh, then cut along depth discontinuities, which is the default.
 # usage: samples/side_views.sh DIR OUT.jpg [PROGRAM]
-# DIR holds Middlebury's sets as `hexrelief bench` wants them, with images, and middlebury2014-quarter/Piano.
+# DIR holds Middlebury's sets as figures/BENCHMARKS.md lists them, with images, and middlebury2014-quarter/Piano.
 set -euo pipefail
 if [[ $# -lt 2 ]]; then
     sed -n '2,5s/^# //p' "$0"

@@ -2,7 +2,7 @@
 # Makes samples/turn.jpg: Aloe from its two images, turned. The upper row is the mesh of the left view alone, the lower one has what
 # only the right camera saw, and what continues behind silhouettes.
 # usage: samples/turn_views.sh DIR OUT.jpg [PROGRAM]
-# DIR holds middlebury2006/aloe-half with images, as `hexrelief bench` wants it.
+# DIR holds middlebury2006/aloe-half with images, as figures/BENCHMARKS.md lists it.
 set -euo pipefail
 if [[ $# -lt 2 ]]; then
     sed -n '2,5s/^# //p' "$0"

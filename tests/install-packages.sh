@@ -13,7 +13,7 @@ packages=(
     libopenexr-dev  # optional: EXR maps
     libheif-dev  # optional: HEIC photographs and their depths
     libopencv-dnn-dev  # optional: networks as matchers (disparity.method=onnx)
-    libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
+    libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in samples/bench
     libgtest-dev
     python3-dev pybind11-dev  # optional: the Python module
 )

@@ -50,7 +50,6 @@ int run_command_line(int argc, char** argv) {
         add_evaluate_command(program);
         add_gallery_command(program);
         add_devices_command(program);
-        add_bench_command(program);
         add_tiles_command(program);
         add_demo_command(program);
         add_manual_command(program);

@@ -3,10 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "pipeline/bench/match/match_rows.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/config/options.h"
-#include "pipeline/evaluation/evaluate.h"
+#include "pipeline/evaluation/evaluation_json.h"
 #include "pipeline/readers/disparity_reader.h"
 
 namespace hexrelief::cli {
@@ -51,7 +50,7 @@ void add_map_options(Command& command, MapOptions& options, const std::string& p
 void print_json(const evaluation::DisparityEvaluation& result) {
     nlohmann::ordered_json json;
     json["schema"] = 1;
-    json.update(bench::evaluation_json(result));
+    json.update(evaluation::evaluation_json(result));
     std::printf("%s\n", json.dump(2).c_str());
 }
 

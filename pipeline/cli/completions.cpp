@@ -38,7 +38,7 @@ std::string choices_of(const OptionDescription& option) {
     return joined(words);
 }
 
-// Visits each command with its full name below the program: "", "run", "bench rd".
+// Visits each command with its full name below the program: "", "run", "tiles run".
 using Visitor = std::function<void(const CommandDescription&, const std::string& path)>;
 void visit(const CommandDescription& command, const std::string& path, const Visitor& visitor) {
     visitor(command, path);

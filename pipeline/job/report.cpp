@@ -193,7 +193,6 @@ Json mesh_json(const SurfaceResult& surface) {
 
 Json surface_json(const RunReport& report) {
     const SurfaceResult& surface = report.relief->surface;
-    const stages::SurfaceQuality& quality = report.quality;
     const auto& [low, high] = surface.bounds;
     Json json;
     json["vertices"] = surface.mesh.positions.size();
@@ -204,14 +203,7 @@ Json surface_json(const RunReport& report) {
     json["metric"] = surface.mesh.metric;
     json["right_triangles"] = surface.mesh.triangles_of(PartOrigin::right);
     json["hidden_triangles"] = surface.mesh.triangles_of(PartOrigin::nobody);
-    json["rmse_near_px"] = quality.rmse_near_px;
-    json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
-    json["flat_rmse_px"] = quality.flat_rmse_px;
-    json["sheet_share"] = quality.sheet_share;
-    json["hole_share"] = report.holes.right;
-    json["hole_share_above"] = report.holes.above;
-    json["coverage"] = quality.coverage;
-    json["slack_coverage"] = quality.slack_coverage;
+    json.update(surface_figures_json(report.quality, report.holes));
     return json;
 }
 
@@ -251,6 +243,19 @@ std::size_t peak_bytes() {
 }
 
 }  // namespace
+
+Json surface_figures_json(const stages::SurfaceQuality& quality, const stages::HoleShares& holes) {
+    Json json;
+    json["rmse_near_px"] = quality.rmse_near_px;
+    json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
+    json["flat_rmse_px"] = quality.flat_rmse_px;
+    json["sheet_share"] = quality.sheet_share;
+    json["hole_share"] = holes.right;
+    json["hole_share_above"] = holes.above;
+    json["coverage"] = quality.coverage;
+    json["slack_coverage"] = quality.slack_coverage;
+    return json;
+}
 
 LeftView Relief::view() const {
     return {disparity.map,
@@ -323,6 +328,7 @@ std::string report_json(const RunReport& report) {
     json["config"] = config::config_json(report.config());
     json["input"] = input_json(report);
     json["foreground_share"] = report.shares.foreground;
+    json["background_px"] = density.background_px;
     json["picture"] = picture_json(report.shares);
     json["depth_range"] = {surface.nearest(), surface.farthest()};
     json["disparity"] = matching_json(*report.relief);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,6 +53,10 @@ struct RunReport {
 
     const config::Config& config() const { return relief->surface.config; }  // in effect
 };
+
+// Returns the figures that compare a surface with its map, by their names in the report.
+nlohmann::ordered_json surface_figures_json(const stages::SurfaceQuality& quality,
+                                            const stages::HoleShares& holes);
 
 // Shares of a filled sparse map or of a matched pair.
 struct OriginShares {

@@ -122,6 +122,9 @@ class Mesh {
     const float* lattice() const;
     int lattice_columns() const;
     int lattice_rows() const;
+    // Returns the map that was meshed: filled where it was sparse, a rounded map's steps smoothed. Unknown is
+    // +infinity.
+    MapView disparity() const;
 
     // Returns the JSON text that --report writes. Each call takes the measures anew, which takes as long as a
     // part of the meshing. "outputs" lists the files that save() has written.

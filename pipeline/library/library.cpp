@@ -124,6 +124,11 @@ int Mesh::lattice_rows() const {
     return state_->relief->surface.lattice.rows;
 }
 
+MapView Mesh::disparity() const {
+    const DisparityMap& map = state_->relief->disparity.meshed();
+    return {map.values.data(), map.width, map.height};
+}
+
 std::string Mesh::report() const {
     const std::lock_guard lock(library_mutex);
     const job::Relief& relief = *state_->relief;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "pipeline/job/backend.h"
+#include "pipeline/python/measures.h"
 
 namespace py = pybind11;
 
@@ -169,9 +170,15 @@ PYBIND11_MODULE(_core, module) {
                  const auto& mesh = self.cast<const Mesh&>();
                  return lent(mesh.lattice(), {mesh.lattice_rows(), mesh.lattice_columns(), 2}, self);
              })
+        .def("disparity",
+             [](const py::object& self) {
+                 const MapView map = self.cast<const Mesh&>().disparity();
+                 return lent(static_cast<const float*>(map.values), {map.height, map.width}, self);
+             })
         .def("is_metric", &Mesh::is_metric)
         .def("report", &Mesh::report, py::call_guard<py::gil_scoped_release>())
         .def("save", &save);
+    add_measures(module);
     module.def("compute_disparity", &compute_disparity_of);
     module.def("mesh", &mesh_of);
     module.def("from_device", &from_device);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws the paper's Figs. 8 to 13 from what `hexrelief bench cuda --json` wrote.
+"""Draws the paper's Figs. 8 to 13 from what `bench_paper --json` wrote.
 
 usage: plot.py JSON... [-o FOLDER]
 Writes fig08.png to fig13.png into FOLDER (default: beside this script), those whose experiment the files hold. Several files

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# plots.sh ROOT: samples/paper/plot.py draws all figures from the measurements beside it, samples/plot_match.py one from a row.
+# plots.sh ROOT: samples/paper/plot.py draws all figures from the measurements beside it, samples/bench/plot_match.py one from a row.
 # Exits 77 without Debian's python3-matplotlib.
 set -uo pipefail
 root=$1
@@ -16,7 +16,7 @@ for figure in 08 09 10 11 12 13; do
 done
 echo '{"rows": [{"scene": "a", "method": "sgm", "backend": "cpu", "bad_2_percent": 9, "bad_2_nonoccluded_percent": 4,
 "edge_wrong_percent": 20, "edge_unknown_percent": 1, "roughness_px": 0.1, "seconds": {"median": 0.2}}]}' >"$work/match.json"
-/usr/bin/python3 "$root/samples/plot_match.py" "$work/match.json" "$work/match.png" || exit 1
+/usr/bin/python3 "$root/samples/bench/plot_match.py" "$work/match.json" "$work/match.png" || exit 1
 [[ $(stat -c %s "$work/match.png") -gt 2000 ]] || { echo "FAIL match.png is too small"; exit 1; }
 echo '{"device": "none", "rows": []}' >"$work/empty.json"
 if /usr/bin/python3 "$root/samples/paper/plot.py" "$work/empty.json" -o "$work" 2>/dev/null; then

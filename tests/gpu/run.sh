@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # run.sh [FOLDER] [DATA]: everything that needs a CUDA device. FOLDER is a build folder or one made by bundle.sh; without
-# one, and with cmake and nvcc here, build-cuda/ is built first. DATA holds maps in the layout of `bench table2`.
+# one, and with cmake and nvcc here, build-cuda/ is built first. DATA holds maps in the layout that samples/figures/BENCHMARKS.md tells.
 # Needs no network. Ends with a summary; exits 1 where anything failed, was skipped, or did not use the GPU.
 set -uo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -10,10 +10,9 @@ if [[ -z $folder ]]; then
     folder=$root/build-cuda
     (cd "$root" && cmake --preset cuda "-DCMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-native}" && cmake --build --preset cuda) || exit 1
 fi
-tests=$folder/test_cuda
-[[ -x $tests ]] || tests=$folder/tests/cuda/test_cuda
-bench_matching=$folder/bench_matching
-[[ -x $bench_matching ]] || bench_matching=$folder/tests/cuda/bench_matching
+programs=$folder
+[[ -x $programs/test_cuda ]] || programs=$folder/tests/cuda
+tests=$programs/test_cuda
 program=$folder/hexrelief
 [[ -d $folder/lib ]] && export LD_LIBRARY_PATH=$folder/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 work=$(mktemp -d)
@@ -82,17 +81,17 @@ middlebury2006/aloe-full/disp.png 1
 middlebury2003/teddy-full/disp.pgm 1
 middlebury2003/cones-full/disp.pgm 1
 MAPS
-    limited 600 "$program" bench table2 --data "$data" --runs 20 --methods paper,som,default 2>&1 | tail -n 80
+    limited 600 "$programs/bench_paper" --data "$data" --experiments size --largest 2048 2>&1 | tail -n 120
 fi
 # Short forms: the paper's own program beside ours, on the made-up scene.
-bench_cuda() {
-    limited 300 "$program" bench cuda --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 \
+bench_paper() {
+    limited 300 "$programs/bench_paper" --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 \
         --json "$work/bench.json" &&
         grep -q '"solver":"paper"' "$work/bench.json" && grep -q '"solver":"hexrelief"' "$work/bench.json"
 }
-check "bench cuda" bench_cuda
+check "the paper's experiments" bench_paper
 cat "$work/log"
-check "the matcher's time" limited 300 "$bench_matching"
+check "the matcher's time" limited 300 "$programs/bench_matching"
 cat "$work/log"
 printf '\n%s\n' "--- summary"
 printf '%s\n' "${results[@]}"

@@ -63,7 +63,7 @@ TEST(House, ForbiddenIncludesAreNoticed) {
     EXPECT_EQ(offences("mesher/quality/quality.cpp", "#include <mesher/quality/quality.h>"), 0u);
     EXPECT_EQ(offences("mesher/quality/quality.cpp", "// #include \"pipeline/config/config.h\""), 0u);
     EXPECT_EQ(offences("pipeline/job/backend.cpp", "#include \"cuda/cuda_mesher.h\""), 0u);
-    EXPECT_EQ(offences("pipeline/bench/rd.cpp", "#include \"pipeline/cli/commands.h\""), 1u);
+    EXPECT_EQ(offences("pipeline/batch/table.cpp", "#include \"pipeline/cli/commands.h\""), 1u);
     EXPECT_EQ(offences("mesher/som/untangle.cpp", "#include \"mesher/balance/plan.h\""), 1u);
     EXPECT_EQ(offences("mesher/surface/pixels/speckles.cpp", "#include \"mesher/surface/fit/fit.h\""), 1u);
     EXPECT_EQ(offences("exporters/images/texture.cpp", "#include \"exporters/exporter.h\""), 1u);
@@ -98,8 +98,7 @@ TEST(House, OwnHeadersAreIncludedWithQuotes) {
         }
 }
 
-// One place picks a backend, and one measures the paper's program; nothing else outside cuda/ knows of the
-// device.
+// One place picks a backend; nothing else outside cuda/ knows of the device.
 TEST(House, OnlyTheBackendKnowsTheDevice) {
     static const std::regex runtime("cuda(_runtime|_runtime_api|\\.h)|device_launch");
     for (const SourceFile& file : all_sources())
@@ -108,10 +107,7 @@ TEST(House, OnlyTheBackendKnowsTheDevice) {
             if (!inside) {
                 EXPECT_FALSE(std::regex_search(angled_include(line), runtime)) << file.path << ": " << line;
             }
-            if (inside || file.path == "pipeline/job/backend.cpp" ||
-                (file.path == "pipeline/bench/cuda_solvers.h" &&
-                 quoted_include(line) == "cuda/paper/som.h") ||
-                file.path.starts_with("tests/house/"))
+            if (inside || file.path == "pipeline/job/backend.cpp" || file.path.starts_with("tests/house/"))
                 continue;
             EXPECT_FALSE(quoted_include(line).starts_with("cuda/")) << file.path << ": " << line;
         }

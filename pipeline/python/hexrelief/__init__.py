@@ -29,7 +29,9 @@ from ._arrays import map_array, picture_array
 from ._core import Error
 
 __version__ = _core.version
-__all__ = ["Camera", "Error", "Mesh", "compute_disparity", "mesh", "read_disparity", "read_picture"]
+__all__ = [
+    "Camera", "Error", "Mesh", "compute_disparity", "evaluate", "measure_surface", "mesh", "read_disparity", "read_picture"
+]
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -88,6 +90,11 @@ class Mesh:
     def lattice(self) -> NDArray[np.float32]:
         """(rows, columns, 2) float32, px of the left view: the flat mesh before it was cut and lifted."""
         return self._core.lattice()
+
+    @property
+    def disparity(self) -> NDArray[np.float32]:
+        """(H, W) float32, px: the map that was meshed, filled where it was sparse, steps smoothed; unknown is +inf."""
+        return self._core.disparity()
 
     @property
     def is_metric(self) -> bool:
@@ -200,6 +207,34 @@ def read_picture(path: PathLike) -> NDArray[np.uint8]:
 def read_disparity(path: PathLike, **options: Any) -> NDArray[np.float32]:
     """(H, W) float32, px, of a PFM, PNG, PGM, TIFF, NPY, NPZ or EXR. Options are keys of ``input.disparity``."""
     return _core.read_disparity(os.fspath(path), _settings({"input.disparity": options}))
+
+
+def evaluate(
+    disparity: Any, truth: Any, *, right_truth: Any = None, discontinuity_px: float = 1
+) -> dict[str, float]:
+    """A map's errors against the truth, (H, W) floats in px, by the names of ``hexrelief evaluate --json``.
+
+    What is not above 0 or not finite is unknown. right_truth: of the right view, to tell what it does not see.
+    """
+    right = None if right_truth is None else _floats(right_truth)
+    return json.loads(_core.evaluate(_floats(disparity), _floats(truth), right, discontinuity_px))
+
+
+def measure_surface(
+    points: Any, faces: Any, truth: Any, *, config: Config = None, **sections: Any
+) -> dict[str, float]:
+    """The errors and holes of any mesh against a true map (H, W), by the names of the report's ``surface``.
+
+    points: (N, 3), x and y in px of the left picture (the first pixel's centre is 0.5) and disparity in px. faces:
+    (M, 3). The keys of ``density`` say what is background.
+    """
+    names, settings = _configured(config, "auto", sections)
+    triangles = np.ascontiguousarray(faces, dtype=np.uint32)
+    return json.loads(_core.measure_surface(_floats(points), triangles, _floats(truth), names, settings))
+
+
+def _floats(values: Any) -> NDArray[np.float32]:
+    return np.ascontiguousarray(values, dtype=np.float32)
 
 
 def _warn(text: str) -> None:

@@ -10,7 +10,7 @@
 #include "findings_table.h"
 #include "middlebury_scenes.h"
 #include "mistakes.h"
-#include "pipeline/bench/sparse/patterns.h"
+#include "tests/pipeline/checks/patterns.h"
 #include "pipeline/checks/check_camera.h"
 #include "pipeline/checks/check_map.h"
 #include "pipeline/checks/check_pair.h"
@@ -245,8 +245,8 @@ void right_maps(const TestScene& scene, Table& table) {
     const Image& left = scene.pair.left;
     table.add("right map", scene.name, judge_map(scene, scene.map, left), {});
     map_figures(scene.map, left, true, "", table);
-    for (const std::string& pattern : bench::sparse::patterns()) {
-        const DisparityMap thin = bench::sparse::thinned(scene.map, pattern);
+    for (const std::string& pattern : checks::patterns()) {
+        const DisparityMap thin = checks::thinned(scene.map, pattern);
         table.add("right map, " + pattern, scene.name, judge_map(scene, thin, left), {});
         table.add(
             "depth in m, " + pattern, scene.name,

@@ -32,12 +32,6 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"manual"},
                                      {"completion"},
                                      {"batch"},
-                                     {"bench"},
-                                     {"bench", "table2"},
-                                     {"bench", "rd"},
-                                     {"bench", "match"},
-                                     {"bench", "batch"},
-                                     {"bench", "cuda"},
                                      {"tiles"},
                                      {"tiles", "make-map"},
                                      {"tiles", "plan"}}) {
@@ -288,26 +282,6 @@ TEST(CommandLine, EvaluateTakesTheRightViewsTruthAndTheLeastDiscontinuity) {
     EXPECT_LT(alone["roughness_px"], 0.3);
     EXPECT_NE(run_program({"evaluate", map, map}).out.find("bad-2 nonocc."), std::string::npos);
     expect_failure({"evaluate", map, map, "--discontinuity", "0"}, 2, "above 0");
-}
-
-TEST(CommandLine, BenchMatchRunsOnAFolderOfPairs) {
-    const TemporaryFolder folder;
-    const std::filesystem::path scene = std::filesystem::path(folder / "sets") / "rendered-full";
-    std::filesystem::create_directories(scene);
-    for (const char* image : {"left.png", "right.png"})
-        std::filesystem::copy_file(sample(image), scene / image);
-    std::filesystem::copy_file(sample("disparity.pfm"), scene / "disp.pfm");
-    const ProcessResult result =
-        run_program({"bench", "match", "--data", folder / "sets", "--methods", "sgm,opencv", "--runs", "1",
-                     "--noise", "2", "--gamma", "1.1", "--gain", "0.9", "--json", folder / "match.json"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_NE(result.out.find("Noise of 2 % on both images, gamma 1.1 and gain 0.9"), std::string::npos);
-    const auto json = nlohmann::json::parse(read_text(folder / "match.json"));
-    ASSERT_GE(json["rows"].size(), 2u);
-    EXPECT_EQ(json["rows"][0]["scene"], "rendered-full");
-    EXPECT_LT(json["rows"][0]["bad_2_percent"], 30);
-    expect_failure({"bench", "match", "--data", folder / "none"}, 3, "none");
-    expect_failure({"bench", "match", "--data", folder / "sets", "--noise", "101"}, 2, "--noise");
 }
 
 TEST(CommandLine, InfoLimitsWhatDecodersTake) {

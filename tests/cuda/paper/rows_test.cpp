@@ -1,0 +1,121 @@
+// Tests bench_paper's scene and its rows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "pipeline/stages/density.h"
+#include "tests/cuda/paper/experiments.h"
+#include "tests/cuda/paper/scene.h"
+
+namespace hexrelief::paper {
+namespace {
+
+TEST(BenchPaper, TheSceneIsTheSameAtEverySize) {
+    const DisparityMap large = made_up_scene(800, 600), small = made_up_scene(200, 150);
+    int far_apart = 0;
+    for (int y = 0; y < 150; ++y)
+        for (int x = 8; x < 200; ++x)
+            far_apart += std::abs(small.at(x, y) - large.at(4 * x + 2, 4 * y + 2)) > 2;
+    EXPECT_LT(far_apart, 150 * 192 / 20) << "only along the balls' silhouettes";
+    EXPECT_FALSE(DisparityMap::known(small.at(0, 75)));
+    std::set<int> values;
+    for (const float d : large.values)
+        if (DisparityMap::known(d)) {
+            ASSERT_GE(d, 6);
+            ASSERT_LE(d, 64);
+            values.insert(static_cast<int>(d));
+        }
+    EXPECT_GT(values.size(), 25u);
+    stages::DensityConfig config;
+    config.background_method = stages::BackgroundMethod::fraction;
+    config.floor = 0;
+    const DensityMap density = stages::compute_density(large, config);
+    const auto empty = std::count(density.values.begin(), density.values.end(), 0.0f);
+    EXPECT_GT(empty, 800 * 600 / 10) << "a background";
+    EXPECT_LT(empty, 800 * 600 * 9 / 10) << "and a foreground";
+    EXPECT_EQ(made_up_scene(1, 1).values.size(), 1u);
+}
+
+TEST(BenchPaper, OursRunsThePapersSchedule) {
+    paper::Config config;
+    config.co = 30;
+    config.ssr = 0;
+    config.crr = 7;
+    config.t_max = 900;
+    config.sigma_init = 24;
+    const MeshConfig same = same_schedule(config);
+    EXPECT_EQ(same.co, 30);
+    EXPECT_EQ(same.ssr, 0);
+    EXPECT_EQ(same.crr, 7);
+    EXPECT_EQ(same.t_max, 900);
+    EXPECT_EQ(same.sigma_init, 24);
+    EXPECT_EQ(same.delta, 1);
+    EXPECT_EQ(same.levels, 1);
+    EXPECT_EQ(same.border, MeshBorder::free);
+    EXPECT_FALSE(same.balance.enabled);
+}
+
+TEST(BenchPaperRows, MediansAndLimits) {
+    const Times odd{{3, 1, 2}}, even{{4, 1, 2, 3}}, none;
+    EXPECT_EQ(odd.median(), 2);
+    EXPECT_EQ(even.median(), 2.5);
+    EXPECT_EQ(even.least(), 1);
+    EXPECT_EQ(even.most(), 4);
+    EXPECT_TRUE(std::isnan(none.median()) && std::isnan(none.least()) && std::isnan(none.most()));
+}
+
+Row paper_row() {
+    Row row;
+    row.experiment = "blocks";
+    row.map = "conesM";
+    row.solver = "paper";
+    row.kernels = "multiple";
+    row.memory = "2-texture";  // a single character triggers a false warning of g++ 12
+    row.block_extraction = 64;
+    row.block_search = 8;
+    row.block_learning = 256;
+    row.width = 1000;
+    row.height = 500;
+    row.co = 20;
+    row.crr = 20;
+    row.som_s.runs = {0.25, 0.5, 0.3};
+    row.stage_s.runs = {0.4, 0.6, 0.5};
+    row.extraction_s.runs = {0.01};
+    row.search_s.runs = {0.02};
+    row.learning_s.runs = {0.04};
+    return row;
+}
+
+TEST(BenchPaperRows, JsonHoldsWhatApplies) {
+    const nlohmann::ordered_json json = row_json(paper_row());
+    EXPECT_EQ(json["som_ms"]["median"], 300);
+    EXPECT_EQ(json["som_ms"]["least"], 250);
+    EXPECT_EQ(json["stage_ms"]["most"], 600);
+    EXPECT_EQ(json["kernels_ms"]["learning"], 40);
+    EXPECT_EQ(json["block"]["search"], 8);
+    EXPECT_EQ(json["runs"], 3);
+    EXPECT_FALSE(json.contains("percent_cost")) << "not measured";
+    Row ours = paper_row();
+    ours.solver = "hexrelief";
+    ours.kernels.clear();
+    ours.extraction_s = ours.search_s = ours.learning_s = {};
+    ours.percent_cost = 12.5;
+    const nlohmann::ordered_json other = row_json(ours);
+    for (const char* key : {"kernels", "memory", "block", "escaped", "kernels_ms"})
+        EXPECT_FALSE(other.contains(key)) << key;
+    EXPECT_EQ(other["percent_cost"], 12.5);
+}
+
+TEST(BenchPaperRows, TextHasTheHeadingsColumns) {
+    const std::string text = row_text(paper_row()), headings = headings();
+    for (const char* part : {"blocks", "conesM", "1000x500", "multiple", "64/8/256", "inf", "300.0",
+                             "250.0 - 500.0", "10.000/20.000/40.000", "600.00"})
+        EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+    EXPECT_EQ(std::count(headings.begin(), headings.end(), '\n'), 2);
+    EXPECT_EQ(headings.find('\n') + 1 + text.size(), headings.size()) << "columns line up";
+}
+
+}  // namespace
+}  // namespace hexrelief::paper
