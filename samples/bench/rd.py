@@ -176,8 +176,8 @@ def means(comparisons, presets):
             if ratios:
                 mean, below = math.exp(sum(map(math.log, ratios)) / len(ratios)), sum(ratio < 1 for ratio in ratios)
                 print(
-                    f"{preset:13} at the bytes of uniform grids of {spacing_px} px: error of both views {mean:.3f} of the best other "
-                    f"mesher's (geometric mean of {len(ratios)} maps), below it on {below}"
+                    f"{preset:13} at the bytes of uniform grids of {spacing_px} px: error of both views {mean:.3f} of the best "
+                    f"other mesher's (geometric mean of {len(ratios)} maps), below it on {below}"
                 )
                 yield {
                     "method": preset,

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# plots.sh ROOT: samples/paper/plot.py draws all figures from the measurements beside it, samples/bench/plot_match.py one from a row.
+# plots.sh ROOT: samples/paper/plot.py draws all figures from the measurements beside it, bench/plot_match.py one from a row.
 # Exits 77 without Debian's python3-matplotlib.
 set -uo pipefail
 root=$1

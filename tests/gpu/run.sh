@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # run.sh [FOLDER] [DATA]: everything that needs a CUDA device. FOLDER is a build folder or one made by bundle.sh; without
-# one, and with cmake and nvcc here, build-cuda/ is built first. DATA holds maps in the layout that samples/figures/BENCHMARKS.md tells.
+# one, and with cmake and nvcc here, build-cuda/ is built first. DATA holds Middlebury's maps as BENCHMARKS.md says.
 # Needs no network. Ends with a summary; exits 1 where anything failed, was skipped, or did not use the GPU.
 set -uo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)

@@ -7,7 +7,7 @@
 
 #include "pipeline/stages/density.h"
 #include "tests/cuda/paper/experiments.h"
-#include "tests/cuda/paper/scene.h"
+#include "tests/cuda/paper/made_up_scene.h"
 
 namespace hexrelief::paper {
 namespace {
