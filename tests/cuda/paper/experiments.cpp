@@ -5,7 +5,7 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
-#include "tests/cuda/paper/made_up_scene.h"
+#include "tests/cuda/paper/balls_scene.h"
 
 namespace hexrelief::paper {
 namespace {

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "pipeline/stages/density.h"
+#include "tests/cuda/paper/balls_scene.h"
 #include "tests/cuda/paper/experiments.h"
-#include "tests/cuda/paper/made_up_scene.h"
 
 namespace hexrelief::paper {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/cuda/paper/made_up_scene.h"
+#include "tests/cuda/paper/balls_scene.h"
 
 #include <algorithm>
 #include <cmath>
