@@ -4,7 +4,7 @@
 
 #include "pipeline/data/error.h"
 #include "tests/cuda/cuda_case.h"
-#include "tests/mesher/surface/balls_scene.h"
+#include "tests/mesher/surface/made_up_scene.h"
 
 namespace hexrelief::testing_cuda {
 namespace {
