@@ -53,12 +53,9 @@ struct SplitCounts {
 
 // The device's form of PixelSurfaces.
 struct DevicePixels {
-    const float* map;           // px, +inf = unknown
-    const std::uint8_t* color;  // null = none
-    int channels;
+    const float* map;  // px, +inf = unknown
     float* disparity;
     std::uint8_t* flags;
-    std::int8_t* shifts;
     std::uint32_t* tile_sums;
 };
 
@@ -108,8 +105,7 @@ struct SurfaceState {
     // True if one connected mesh spans all discontinuities.
     HEXRELIEF_HD bool bridges() const { return config.discontinuities == Discontinuities::bridge; }
     HEXRELIEF_HD step::PixelView view() const {
-        return {sizes.width, sizes.height, pixels.disparity, pixels.flags,
-                pixels.color ? pixels.shifts : nullptr};
+        return {sizes.width, sizes.height, pixels.disparity, pixels.flags};
     }
     HEXRELIEF_HD step::TileView tiles() const {
         return {sizes.width, sizes.height, step::tile_sum_count(sizes.width), pixels.tile_sums};

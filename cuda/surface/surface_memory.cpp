@@ -29,7 +29,7 @@ struct CutMeshLayout {
 };
 static_assert(sizeof(SurfaceTotals) % 8 == 0);
 
-SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t color_bytes) {
+SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes) {
     const std::size_t pixels = sizes.pixels(), points = sizes.most_points, triangles = sizes.most_triangles;
     const std::size_t tiles =
         static_cast<std::size_t>(step::tile_sum_count(sizes.width)) * step::tile_sum_count(sizes.height);
@@ -42,10 +42,8 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t col
     s.cut_mesh = {reinterpret_cast<Vec2f*>(out + CutMeshLayout::kPoints),
                   reinterpret_cast<Triangle*>(out + layout.triangles),
                   reinterpret_cast<float*>(out + layout.disparities), arena.take<std::uint32_t>(triangles)};
-    s.pixels.color = color_bytes > 0 ? arena.take<std::uint8_t>(color_bytes) : nullptr;
     s.pixels.disparity = arena.take<float>(pixels);
     s.pixels.flags = arena.take<std::uint8_t>(pixels);
-    s.pixels.shifts = color_bytes > 0 ? arena.take<std::int8_t>(2 * pixels) : nullptr;
     s.pixels.tile_sums = arena.take<std::uint32_t>(tiles);
     // one behind the other, for a single transfer
     s.board = reinterpret_cast<GridBoard*>(arena.take<char>(sizeof(GridBoard) + points * sizeof(Vec2f)));
@@ -68,12 +66,10 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t col
 SurfaceMemory take_surface_memory(Arena& arena, const surface::DisparityMeshInput& input,
                                   const SurfaceConfig& config, const float* map_on_device,
                                   double vertex_share) {
-    const bool colored = input.color && config.color_shift_px > 0;
     const SurfaceSizes sizes = sizes_of(input, vertex_share);
     arena.reset();
-    SurfaceState s = take_state(arena, sizes, colored ? input.color->pixels.size() : 0);
+    SurfaceState s = take_state(arena, sizes);
     s.pixels.map = map_on_device ? map_on_device : arena.take<float>(sizes.pixels());
-    s.pixels.channels = colored ? input.color->channels : 0;
     s.config = config;
     s.background_px = input.background_px;
     s.cell_px = surface::cell_area_px(input);
@@ -98,9 +94,6 @@ void upload_input(cudaStream_t stream, Staging& staging, const surface::Disparit
     if (with_map)
         staging.upload(stream, const_cast<float*>(pixels.map), input.map->values.data(),
                        input.map->values.size());
-    if (pixels.color)
-        staging.upload(stream, const_cast<std::uint8_t*>(pixels.color), input.color->pixels.data(),
-                       input.color->pixels.size());
     GridBoard* const board = memory.state.board;
     staging.upload_behind_zeros(stream, &board->last_vote, sizeof(GridBoard) - offsetof(GridBoard, last_vote),
                                 input.mesh->positions.data(), input.mesh->positions.size() * sizeof(Vec2f));

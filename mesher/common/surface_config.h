@@ -15,9 +15,6 @@ struct SurfaceConfig {
     // Two neighbouring pixels are a depth discontinuity if their disparities differ by more than this. 0 = 1
     // px, which is the steepest surface that both cameras see.
     double least_discontinuity_px = 0;
-    // Largest shift of a silhouette from the crack edges of the map towards a clear edge in the colour image.
-    // It changes matched maps hardly at all and worsens maps that are exact to the pixel.
-    double color_shift_px = 0;  // 0 = colours are not used
     // Number of rounds in which triangles that still straddle two surfaces are split at their boundary and
     // all silhouettes are fitted again.
     int split_rounds = 3;

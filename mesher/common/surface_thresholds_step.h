@@ -45,10 +45,6 @@ inline constexpr int kHalfOcclusionReach_px = 2;  // pixels right of a low step 
 inline constexpr double kHalfOcclusionWeight = 20;
 
 // --- Where silhouettes run ---
-// Least sum of the three channels' differences, each 0 .. 255, that counts as an edge of the colour image.
-inline constexpr int kLeastEdge = 36;
-// An edge stands out if it is at least this many times the largest step beside it.
-inline constexpr int kLeastEdgeContrast = 3;
 // Half the width of the window around a pixel in which the staircase of crack edges is straightened.
 inline constexpr int kSilhouetteReach_px = 2;
 inline constexpr float kSilhouetteFade_px = 0.75f;  // beyond the window: crack edges' weights fade to 0 here

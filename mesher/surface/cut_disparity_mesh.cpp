@@ -30,8 +30,6 @@ void check_disparity_mesh_input(const DisparityMeshInput& input) {
         map.values.size() != static_cast<std::size_t>(map.width) * map.height)
         throw Error(ErrorKind::input,
                     "surface: the disparity map is empty; give the map that the mesh was made from");
-    if (input.color && (input.color->width != map.width || input.color->height != map.height))
-        throw Error(ErrorKind::input, "surface: the colour image's size is not the disparity map's");
 }
 
 double cell_area_px(const DisparityMeshInput& input) {
@@ -53,7 +51,7 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
     const double cell_px = cell_area_px(input);
     ThreadPool pool(threads);
     const PixelSurfaces surfaces =
-        find_pixel_surfaces(*input.map, input.background_px, input.color, cell_px, config, pool);
+        find_pixel_surfaces(*input.map, input.background_px, cell_px, config, pool);
     HexMesh2D mesh = *input.mesh;
     const std::vector<std::uint8_t> on_silhouette =
         snap_to_silhouettes(surfaces, lattice_part(input), mesh, pool);

@@ -6,7 +6,6 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/disparity_mesh.h"
 #include "pipeline/data/hex_mesh.h"
-#include "pipeline/data/image.h"
 
 namespace hexrelief::surface {
 
@@ -22,7 +21,6 @@ struct DisparityMeshInput {
     const HexMesh2D* mesh = nullptr;    // not null
     const DisparityMap* map = nullptr;  // not null, of the image that the mesh covers
     float background_px = 0;            // lower disparities, and those not above 0, are background
-    const Image* color = nullptr;       // the left image, of the map's size; null = none
     WholeMap whole = {};
 };
 

@@ -149,8 +149,7 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
     whole.columns = tiling.columns();
     whole.first_column = block.first_column;
     whole.first_row = block.first_row;
-    const DisparityMesh all =
-        cut({&lattice, input.map, input.background_px, input.color, whole}, config, threads);
+    const DisparityMesh all = cut({&lattice, input.map, input.background_px, whole}, config, threads);
 
     std::vector<TileCorner> corners;
     corners.reserve(all.points.size());

@@ -16,7 +16,6 @@ inline constexpr int kTileMargin_px = 64;
 struct TileSurfaceInput {
     MapRect window;                     // contains window_of(block, kTileMargin_px)
     const DisparityMap* map = nullptr;  // map of the window, see rounded_disparities()
-    const Image* color = nullptr;       // colour image of the window; null = none
     float background_px = 0;
     // The whole map's mean area of a lattice cell, and its largest disparity and its smallest one above 0.
     // cut_tile() fills in the other members.

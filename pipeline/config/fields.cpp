@@ -213,9 +213,6 @@ std::vector<Field> surface_fields() {
         number("surface.least_discontinuity_px", "px", {0, 65536},
                "neighbours that differ by more are on two surfaces; 0 = 1 px",
                MEMBER(surface.least_discontinuity_px)),
-        number("surface.color_shift_px", "px", {0, 0.5},
-               "how far edges of the colour image may move silhouettes; 0 = they do not",
-               MEMBER(surface.color_shift_px)),
         number(
             "surface.split_rounds", "", {1, 8},
             "how often straddling triangles are split and silhouettes fitted anew; more = truer, but slower",

@@ -68,8 +68,7 @@ SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config&
 DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const SurfaceConfig& config,
                           Backend& backend, const RunLog& log) {
     const float background_px = view.density.background_px;
-    DisparityMesh cut = backend.cut_disparity_mesh(
-        {&lattice, &view.meshed, background_px, view.color.empty() ? nullptr : &view.color}, config);
+    DisparityMesh cut = backend.cut_disparity_mesh({&lattice, &view.meshed, background_px}, config);
     const DeviceFigures device = backend.figures();
     if (device.surface_s > 0)
         log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +

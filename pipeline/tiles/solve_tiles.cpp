@@ -109,8 +109,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
     Image color;
     if (const windows::PictureWindows* const picture = context.map.picture())
         color = picture->read(window.x, window.y, window.width, window.height);
-    mesh_tiles::TileSurfaceInput input{
-        window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
+    mesh_tiles::TileSurfaceInput input{window, &map, plan.density.background_px, {}};
     input.whole.cell_px = double(plan.width) * plan.height / (double(plan.columns) * plan.rows);
     input.whole.nearest_px = plan.nearest_px;
     input.whole.farthest_px = plan.farthest_px;

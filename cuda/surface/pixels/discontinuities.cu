@@ -128,10 +128,9 @@ __device__ unsigned find_steps(const SurfaceSizes& sizes, const PatchPixels& pix
 }
 
 // Finds which steps of the patch are discontinuities, right and down of each row, by the whole
-// warp, and their shifts.
+// warp.
 __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsigned steps, unsigned lane,
                             float least_px, unsigned discontinuities[2 * kPatchRows]) {
-    const bool shifted = s.pixels.color != nullptr;
     const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
     unsigned count = 0;
@@ -152,10 +151,6 @@ __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsi
         const unsigned i = static_cast<unsigned>(crack.y) * width + crack.x;
         if (!step::is_discontinuity_of_step(s.pixels.disparity + i, crack, width, height, least_px))
             atomicAnd(&scratch.discontinuities[own / 32], ~(1u << bit));
-        else if (shifted)
-            s.pixels.shifts[2 * std::size_t{i} + crack.down] =
-                step::shift_at(s.pixels.color, s.pixels.channels, crack, width, height,
-                               static_cast<float>(s.config.color_shift_px));
     }
     __syncwarp();
     HEXRELIEF_UNROLL
@@ -178,12 +173,6 @@ __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a
     const PatchPosition at(a, patch, lane);
     const unsigned first_pixel = static_cast<unsigned>(at.y0) * width + at.x;
     const unsigned steps = find_steps(s.sizes, pixels, at, lane, search.least_px);
-    if (s.pixels.color && at.x < width) {
-        HEXRELIEF_UNROLL
-        for (int k = 0; k < kRows; ++k)
-            if (at.y0 + k < height)
-                reinterpret_cast<char2*>(s.pixels.shifts)[first_pixel + k * width] = {0, 0};
-    }
     unsigned discontinuities[2 * kPatchRows] = {};
     if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, search.least_px, discontinuities);
 

@@ -74,7 +74,7 @@ inline PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// Does the same as surface::find_pixel_surfaces(): reads s.pixels.map and color, fills the rest of
+// Does the same as surface::find_pixel_surfaces(): reads s.pixels.map, fills the rest of
 // s.pixels and the totals.
 void find_pixel_surfaces(const Launch& launch, const SurfaceState& s, const PixelArrays& a);
 

@@ -26,7 +26,7 @@ struct SilhouetteSample {
 HEXRELIEF_HD SilhouetteSample silhouette_sample(const PixelView& view, const Crack& c) {
     const std::size_t i = view.index(c.x, c.y);
     const float first = view.disparity[i], second = view.disparity[c.down ? i + view.width : i + 1];
-    const Middle middle = crack_middle(view, c);
+    const Middle middle = crack_middle(c);
     const float towards = first > second ? -1.0f : 1.0f;
     const bool inset = (!c.down) & is_low_half_occlusion(first, second);
     return {middle.x - (inset ? kLowInset_px : 0.0f), middle.y, c.down ? 0.0f : towards,

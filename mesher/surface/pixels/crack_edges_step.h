@@ -39,8 +39,6 @@ struct PixelView {
     int width, height;
     const float* disparity;     // px, 0 = no foreground
     const std::uint8_t* flags;  // kDiscontinuityRight | kDiscontinuityDown | kTrusted
-    // Shift of the silhouette from each pixel's right and lower crack edge, in 1/128 px; null = none.
-    const std::int8_t* shifts;
 
     HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
@@ -92,22 +90,9 @@ struct Middle {
     float x, y;
 };
 
-// Returns the midpoint of a crack edge, moved across it to the edge of the colour image.
-HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
-    const float off =
-        map.shifts ? static_cast<float>(map.shifts[2 * map.index(c.x, c.y) + c.down]) / 128.0f : 0.0f;
+HEXRELIEF_HD Middle crack_middle(const Crack& c) {
     const float x = static_cast<float>(c.x), y = static_cast<float>(c.y);
-    return c.down ? Middle{x + 0.5f, y + 1.0f + off} : Middle{x + 1.0f + off, y + 0.5f};
-}
-
-// Returns the distance, px, of an edge of the image from a pixel side. steps: the sizes of five steps across
-// the side, the middle one over the side itself. The distance is their centre of mass, at most most_px either
-// way; 0 if no edge stands out.
-HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
-    const int inner = steps[1] + steps[2] + steps[3], outer = max_of(steps[0], steps[4]);
-    const int largest = max_of(steps[1], max_of(steps[2], steps[3]));
-    if (largest < kLeastEdge || largest < kLeastEdgeContrast * outer) return 0;
-    return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
+    return c.down ? Middle{x + 0.5f, y + 1.0f} : Middle{x + 1.0f, y + 0.5f};
 }
 
 // A crack edge whose silhouette point is wanted.
@@ -118,7 +103,7 @@ struct SilhouetteCrack {
 };
 
 HEXRELIEF_HD SilhouetteCrack silhouette_crack(const PixelView& map, const Crack& c) {
-    const Middle middle = crack_middle(map, c);
+    const Middle middle = crack_middle(c);
     return {c, middle.x, middle.y, near_is_first(map, c)};
 }
 
@@ -142,7 +127,7 @@ HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const Silhouet
     const Crack o{u, v, down};
     const bool first = near_is_first(map, o);
     if (down == own.crack.down && first != own.near_is_first) return {};
-    const Middle middle = crack_middle(map, o);
+    const Middle middle = crack_middle(o);
     const float ox = middle.x - own.x, oy = middle.y - own.y;
     const float reach = static_cast<float>(kSilhouetteReach_px) + kSilhouetteFade_px;
     const float r = 1 - (ox * ox + oy * oy) / (reach * reach);

@@ -120,19 +120,6 @@ void find_discontinuities_again(PixelSurfaces& s, const std::vector<std::uint32_
     }
 }
 
-void find_shifts(PixelSurfaces& s, const Image& color, float most_px, ThreadPool& pool) {
-    s.shifts.assign(2 * s.disparity.size(), 0);
-    each_rows(s, pool, [&](int first, int last) {
-        for (int y = first; y < last; ++y) {
-            const std::size_t row = static_cast<std::size_t>(y) * s.width;
-            for_each_discontinuity(&s.flags[row], s.width, [&](int x, int down, std::uint8_t) {
-                s.shifts[2 * (row + x) + down] = step::shift_at(color.pixels.data(), color.channels,
-                                                                {x, y, down}, s.width, s.height, most_px);
-            });
-        }
-    });
-}
-
 // Counts, for each column, the pixels with a discontinuity in `rows` rows.
 HEXRELIEF_VECTORS void count_columns(const std::uint8_t* flags, int width, int rows,
                                      std::uint8_t* __restrict counts) {
@@ -191,9 +178,9 @@ bool PixelSurfaces::may_meet(const Vec2f& a, const Vec2f& b) const {
     return (any & kCracksOfEight) != 0;
 }
 
-PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
-                                  double cell_px, const SurfaceConfig& config, ThreadPool& pool) {
-    PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
+PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, double cell_px,
+                                  const SurfaceConfig& config, ThreadPool& pool) {
+    PixelSurfaces s{map.width, map.height, 0, {}, {}, 0, {}};
     s.disparity.resize(map.values.size());
     s.flags.resize(map.values.size() + PixelSurfaces::kMoreFlags);
     std::fill_n(s.flags.end() - PixelSurfaces::kMoreFlags, PixelSurfaces::kMoreFlags, std::uint8_t{0});
@@ -215,8 +202,6 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
     find_discontinuities(s, least, pool);
     find_discontinuities_again(s, absorb_speckles(s, step::kLeastRegion_px, pool), least, pool);
     sum_tiles(s, pool);
-    if (color && config.color_shift_px > 0)
-        find_shifts(s, *color, static_cast<float>(config.color_shift_px), pool);
     return s;
 }
 

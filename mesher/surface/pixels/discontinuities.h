@@ -12,7 +12,6 @@
 #include "mesher/surface/pixels/discontinuities_step.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/geometry.h"
-#include "pipeline/data/image.h"
 
 namespace hexrelief::surface {
 
@@ -25,7 +24,6 @@ struct PixelSurfaces {
     RawVector<std::uint8_t> flags;
     static constexpr int kMoreFlags = 7;
 
-    std::vector<std::int8_t> shifts;     // step::PixelView::shifts; empty without a colour image
     int tile_columns = 0;                // number of columns of tile_sums
     RawVector<std::uint32_t> tile_sums;  // step::TileView::sums
 
@@ -34,16 +32,13 @@ struct PixelSurfaces {
     // True if a discontinuity lies in the box from a to b, where a straight path between them could cross it.
     bool may_meet(const Vec2f& a, const Vec2f& b) const;
     step::TileView tiles() const { return {width, height, tile_columns, tile_sums.data()}; }
-    step::PixelView view() const {
-        return {width, height, disparity.data(), flags.data(), shifts.empty() ? nullptr : shifts.data()};
-    }
+    step::PixelView view() const { return {width, height, disparity.data(), flags.data()}; }
 };
 
 // Finds the surfaces of a map's pixels. Small regions between discontinuities are speckles: they get the
 // disparity of the surrounding region and do not count in fits. Holes of up to a lattice cell, cell_px
-// pixels, are filled in the same way. The map determines a silhouette's position only to half a pixel; within
-// that range a clear edge of the colour image decides (the image has the map's size; null = none).
-PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
-                                  double cell_px, const SurfaceConfig& config, ThreadPool& pool);
+// pixels, are filled in the same way.
+PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, double cell_px,
+                                  const SurfaceConfig& config, ThreadPool& pool);
 
 }  // namespace hexrelief::surface

@@ -73,29 +73,6 @@ HEXRELIEF_HD float taken(float a, float b, Around kind) {
     return kind == Around::hole ? min_of(a, b) : max_of(a, b);
 }
 
-// Returns the difference of two pixels, summed over the channels; grey counts three times.
-HEXRELIEF_HD int color_step(const std::uint8_t* a, const std::uint8_t* b, int channels) {
-    const auto difference = [](int p, int q) { return p < q ? q - p : p - q; };
-    if (channels < 3) return 3 * difference(a[0], b[0]);
-    return difference(a[0], b[0]) + difference(a[1], b[1]) + difference(a[2], b[2]);
-}
-
-// Returns the shift of the crack edge right of or below a pixel to the image's edge across it, in 1/128 px.
-HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const Crack& c, int width,
-                                  int height, float most_px) {
-    int steps[5];
-    const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(channels) * (c.down ? width : 1);
-    const std::uint8_t* const own = color + (static_cast<std::size_t>(c.y) * width + c.x) * channels;
-    const int place = c.down ? c.y : c.x, size = c.down ? height : width;
-    HEXRELIEF_UNROLL
-    for (int k = 0; k < 5; ++k) {
-        const int at = k - 2;
-        const bool inside = place + at >= 0 && place + at + 1 < size;
-        steps[k] = inside ? color_step(own + at * next, own + (at + 1) * next, channels) : 0;
-    }
-    return static_cast<std::int8_t>(static_cast<int>(128 * edge_offset(steps, most_px)));
-}
-
 // Discontinuities are counted in square tiles of kTile_px pixels a side; the sum at (column, row) counts all
 // tiles left of and above it.
 inline constexpr int kTile_px = 4;

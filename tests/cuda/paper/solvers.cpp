@@ -136,7 +136,7 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
 Row Solvers::cut_mesh(const Case& c, int runs) {
     state_->cuda->expect_map(c.disparity);
     const HexMesh2D lattice = state_->cuda->solve_mesh(c.density, {}, {});
-    const surface::DisparityMeshInput input{&lattice, &c.disparity, c.density.background_px, nullptr};
+    const surface::DisparityMeshInput input{&lattice, &c.disparity, c.density.background_px};
     Row row = empty_row(c, "cut");
     row.columns = lattice.columns;
     row.rows = lattice.rows;

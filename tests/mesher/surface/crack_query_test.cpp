@@ -47,7 +47,7 @@ TEST(CrackEdges, AreVisitedInOrderEightPixelsAtATime) {
     std::mt19937 random(6);
     const DisparityMap map = board(61, 40, random);
     ThreadPool pool(1);
-    const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, nullptr, 36, {}, pool);
+    const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, 36, {}, pool);
     const step::PixelView view = surfaces.view();
     std::size_t seen = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -69,7 +69,7 @@ TEST(Crossings, BothEndsOfAnEdgeSeeTheSameDiscontinuities) {
     std::mt19937 random(5);
     const DisparityMap map = board(90, 61, random);
     ThreadPool pool(1);
-    const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, nullptr, 36, {}, pool);
+    const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, 36, {}, pool);
     const CrackQuery look{surfaces.view(), surfaces.tiles()};
     std::uniform_real_distribution<float> x(0, 90), y(0, 61), way(-14, 14);
     int one = 0, several = 0, none = 0;

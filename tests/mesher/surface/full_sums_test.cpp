@@ -163,7 +163,7 @@ TEST(FullSums, NoHalfOcclusionIsOverlooked) {
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x + 1 < kSize; ++x)
                 if (discontinuities(x, y)) flags[at(x, y)] = step::kDiscontinuityRight;
-        const step::PixelView view{kSize, kSize, disparity.data(), flags.data(), nullptr};
+        const step::PixelView view{kSize, kSize, disparity.data(), flags.data()};
         const int y = static_cast<int>(random(0, kSize)), first = static_cast<int>(random(0, kSize)),
                   end = static_cast<int>(random(first + 1, kSize + 1));
         bool expected = false;

@@ -46,8 +46,8 @@ struct Scene {
                 map.values.push_back(std::isnan(d) ? kNothing : static_cast<float>(d));
             }
     }
-    DisparityMesh open(int threads = 2, const Image* color = nullptr) const {
-        return cut_disparity_mesh({&mesh, &map, background_px, color}, config, threads);
+    DisparityMesh open(int threads = 2) const {
+        return cut_disparity_mesh({&mesh, &map, background_px}, config, threads);
     }
 };
 

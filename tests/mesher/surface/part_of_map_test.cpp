@@ -45,15 +45,6 @@ DisparityMap part_of(const DisparityMap& map, const Window& w) {
     return part;
 }
 
-Image part_of(const Image& image, const Window& w) {
-    Image part{w.width, w.height, 3, {}};
-    for (int y = w.y; y < w.y + w.height; ++y) {
-        const std::uint8_t* const row = &image.pixels[3 * (static_cast<std::size_t>(y) * image.width + w.x)];
-        part.pixels.insert(part.pixels.end(), row, row + 3 * w.width);
-    }
-    return part;
-}
-
 HexMesh2D part_of(const HexMesh2D& mesh, const Window& w) {
     HexMesh2D part{w.columns, w.rows, {}};
     for (int row = 0; row < w.rows; ++row)
@@ -105,13 +96,11 @@ TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
     constexpr int kBeyond_px = 24;  // px around the part's lattice
     const std::uint32_t seed = GetParam();
     const DisparityMap map = busy_map(kWide, kHigh, seed);
-    const Image picture = busy_picture(map, seed);
     const HexMesh2D lattice = jittered_lattice(seed);
     SurfaceConfig config;
     config.silhouette_inset_px = seed % 2 ? 0.5 : 0;
-    config.color_shift_px = seed % 3 ? 0.5 : 0;
     WholeMap whole = whole_of(map, lattice);
-    const DisparityMesh all = cut_disparity_mesh({&lattice, &map, 10, &picture, whole}, config, 2);
+    const DisparityMesh all = cut_disparity_mesh({&lattice, &map, 10, whole}, config, 2);
 
     Window w{0, 0, 0, 0, 5 + static_cast<int>(seed % 12), 4 + 2 * static_cast<int>(seed % 3), 80, 62};
     const Vec2f first = lattice.positions[lattice.index(w.first_column, w.first_row)],
@@ -123,10 +112,8 @@ TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
     w.height = static_cast<int>(last.y) + kBeyond_px - w.y;
     whole.first_column = w.first_column, whole.first_row = w.first_row;
     const DisparityMap part_map = part_of(map, w);
-    const Image part_picture = part_of(picture, w);
     const HexMesh2D part_lattice = part_of(lattice, w);
-    const DisparityMesh part =
-        cut_disparity_mesh({&part_lattice, &part_map, 10, &part_picture, whole}, config, 2);
+    const DisparityMesh part = cut_disparity_mesh({&part_lattice, &part_map, 10, whole}, config, 2);
 
     const float px = kBeyond_px + 16.0f * kSpacing;
     const std::set<PlacedTriangle> expected = inner_triangles(all, 0, 0, w, px);

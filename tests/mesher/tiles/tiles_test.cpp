@@ -96,11 +96,10 @@ class Tiled {
         }
         return found;
     }
-    TileSurface surface(int i, int j, const LatticeBlock& block, const Image& picture) const {
+    TileSurface surface(int i, int j, const LatticeBlock& block) const {
         const MapRect window = window_of(block, kTileMargin_px, map.width, map.height);
         const DisparityMap part{window.width, window.height, part_of(map.values, map.width, 1, window)};
-        const Image color{window.width, window.height, 3, part_of(picture.pixels, map.width, 3, window)};
-        return cut_tile(*tiling, i, j, block, {window, &part, &color, density.background_px, whole()},
+        return cut_tile(*tiling, i, j, block, {window, &part, density.background_px, whole()},
                         SurfaceConfig{}, threads_);
     }
 
@@ -174,18 +173,17 @@ TEST(TilesInBalance, AsTheUndividedLatticeIs) {
 
 // Returns the number of triangles.
 std::size_t expect_undivided_surface(const Tiled& tiled) {
-    const Image picture = busy_picture(tiled.map, 1);
     const auto blocks = tiled.solve(false);
     const HexMesh2D lattice = tiled.assembled(blocks);
-    std::vector<PlacedTriangle> expected = placed(
-        surface::cut_disparity_mesh(
-            {&lattice, &tiled.map, tiled.density.background_px, &picture, tiled.whole()}, SurfaceConfig{}, 2),
-        {});
+    std::vector<PlacedTriangle> expected =
+        placed(surface::cut_disparity_mesh({&lattice, &tiled.map, tiled.density.background_px, tiled.whole()},
+                                           SurfaceConfig{}, 2),
+               {});
     std::vector<PlacedTriangle> found;
     std::set<std::array<TileCorner, 2>> seam_edges;
     std::size_t seams = 0;
     for (const auto& [tile, block] : blocks) {
-        const TileSurface surface = tiled.surface(tile.first, tile.second, block, picture);
+        const TileSurface surface = tiled.surface(tile.first, tile.second, block);
         const auto own =
             placed(surface.mesh, window_of(block, kTileMargin_px, tiled.map.width, tiled.map.height));
         found.insert(found.end(), own.begin(), own.end());

@@ -23,8 +23,8 @@ struct Balanced {
 Balanced undivided(const TilePlan& plan, const DisparityMap& map, const DensityMap& density, int threads) {
     Balanced found;
     found.lattice = mesher::solve_mesh(density, plan.config.mesh, threads, {});
-    const DisparityMesh cut = surface::cut_disparity_mesh(
-        {&found.lattice, &map, plan.density.background_px, nullptr, {}}, plan.config.surface, threads);
+    const DisparityMesh cut = surface::cut_disparity_mesh({&found.lattice, &map, plan.density.background_px},
+                                                          plan.config.surface, threads);
     found.surface = stages::build_surface(cut, plan.width, plan.height, plan.calibration,
                                           plan.config.surface.min_component);
     return found;

@@ -26,10 +26,7 @@ struct Surfaces {
     float least_jump_px = 0;       // neighbours that differ by more lie on two surfaces
     std::vector<float> disparity;  // px, 0: no foreground
     std::vector<bool> trusted;     // false: in a speckle or a hole, with a neighbour's disparity
-    // Discontinuities from a pixel to the one on its right ([0]) and below ([1]); and the shift, px, of their
-    // crack edges to the right or down by the colour image.
-    std::vector<bool> jumps[2];
-    std::vector<float> shifts[2];
+    std::vector<bool> jumps[2];  // discontinuities from a pixel to the one on its right ([0]) and below ([1])
 
     std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
     float at(int x, int y) const { return disparity[index(x, y)]; }
@@ -41,12 +38,10 @@ struct Surfaces {
     float second(const CrackEdge& c) const { return c.down ? at(c.x, c.y + 1) : at(c.x + 1, c.y); }
     Vec2f middle(const CrackEdge& c) const {
         const float x = static_cast<float>(c.x), y = static_cast<float>(c.y);
-        const float shift = shifts[c.down][index(c.x, c.y)];
-        return c.down ? Vec2f{x + 0.5f, y + 1.0f + shift} : Vec2f{x + 1.0f + shift, y + 0.5f};
+        return c.down ? Vec2f{x + 0.5f, y + 1.0f} : Vec2f{x + 1.0f, y + 0.5f};
     }
 };
-Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
-                       const Config& config);
+Surfaces find_surfaces(const DisparityMap& map, float background_px, double cell_px, const Config& config);
 // Returns them row by row, those to the right before those down.
 std::vector<CrackEdge> all_discontinuities(const Surfaces& s);
 

@@ -23,12 +23,10 @@ Mesh production_mesh(const Scene& scene, int threads) {
     SurfaceConfig config;
     config.discontinuities = scene.config.bridge ? Discontinuities::bridge : Discontinuities::cut;
     config.least_discontinuity_px = scene.config.least_discontinuity_px;
-    config.color_shift_px = scene.config.color_shift_px;
     config.split_rounds = scene.config.split_rounds;
     config.silhouette_inset_px = scene.config.inset_px;
     const DisparityMesh mesh = hexrelief::surface::cut_disparity_mesh(
-        {&scene.lattice, &scene.map, scene.background_px, scene.has_color ? &scene.color : nullptr}, config,
-        threads);
+        {&scene.lattice, &scene.map, scene.background_px}, config, threads);
     return {mesh.points, mesh.disparities, mesh.triangles};
 }
 
@@ -64,8 +62,7 @@ std::string difference_of(const Mesh& mesh, const Mesh& expected) {
 }
 
 Mesh oracle_mesh(const Scene& scene) {
-    return cut_disparity_mesh(scene.lattice, scene.map, scene.background_px,
-                              scene.has_color ? &scene.color : nullptr, scene.config);
+    return cut_disparity_mesh(scene.lattice, scene.map, scene.background_px, scene.config);
 }
 
 TEST(SurfaceOracle, AgreesOnMadeUpScenes) {

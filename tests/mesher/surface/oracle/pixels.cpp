@@ -152,32 +152,6 @@ void find_discontinuities(const Config& config, Surfaces& s) {
     }
 }
 
-// Returns the position of the colour image's edge across the crack edge, if there is a clear one: the centre
-// of mass of the middle three of five colour steps, in whole 1/128 px.
-float color_shift(const Surfaces& s, const Image& color, const CrackEdge& c, float most_px) {
-    int steps[5] = {};
-    for (int k = 0; k < 5; ++k) {
-        const int x = c.down ? c.x : c.x + k - 2, y = c.down ? c.y + k - 2 : c.y;
-        const int x2 = c.down ? x : x + 1, y2 = c.down ? y + 1 : y;
-        if (x < 0 || y < 0 || x2 >= s.width || y2 >= s.height) continue;
-        const std::uint8_t *a = color.at(x, y), *b = color.at(x2, y2);
-        for (int i = 0; i < 3; ++i)
-            steps[k] += std::abs(a[color.channels < 3 ? 0 : i] - b[color.channels < 3 ? 0 : i]);
-    }
-    const int inner = steps[1] + steps[2] + steps[3], largest = std::max({steps[1], steps[2], steps[3]});
-    if (largest < 36 || largest < 3 * std::max(steps[0], steps[4])) return 0;
-    const float off = static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner);
-    return static_cast<float>(static_cast<int>(128 * std::clamp(off, -most_px, most_px))) / 128;
-}
-
-void find_color_shifts(const Image* color, const Config& config, Surfaces& s) {
-    for (std::vector<float>& shifts : s.shifts) shifts.assign(s.disparity.size(), 0);
-    if (!color || !(config.color_shift_px > 0)) return;
-    for (const CrackEdge& c : all_discontinuities(s))
-        s.shifts[c.down][s.index(c.x, c.y)] =
-            color_shift(s, *color, c, static_cast<float>(config.color_shift_px));
-}
-
 }  // namespace
 
 std::vector<CrackEdge> all_discontinuities(const Surfaces& s) {
@@ -189,8 +163,7 @@ std::vector<CrackEdge> all_discontinuities(const Surfaces& s) {
     return found;
 }
 
-Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
-                       const Config& config) {
+Surfaces find_surfaces(const DisparityMap& map, float background_px, double cell_px, const Config& config) {
     Surfaces s;
     s.width = map.width;
     s.height = map.height;
@@ -202,7 +175,6 @@ Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image
     find_discontinuities(config, s);
     absorb_speckles(s);
     find_discontinuities(config, s);
-    find_color_shifts(color, config, s);
     return s;
 }
 

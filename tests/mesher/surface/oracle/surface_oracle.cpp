@@ -4,11 +4,11 @@
 #include "oracle_parts.h"
 
 namespace hexrelief::surface::oracle {
-Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px, const Image* color,
+Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px,
                         const Config& config) {
     const double cell_px =
         static_cast<double>(map.values.size()) / static_cast<double>(lattice.positions.size());
-    const Surfaces s = find_surfaces(map, background_px, color, cell_px, config);
+    const Surfaces s = find_surfaces(map, background_px, cell_px, config);
     const std::vector<bool> on_silhouette = snap_vertices(s, lattice);
     PlaneMesh mesh = triangles_of(lattice);
     split_at_silhouettes(s, on_silhouette, mesh);

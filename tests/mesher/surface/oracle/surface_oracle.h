@@ -37,12 +37,6 @@
 //       the direction of the step from a to b, and is clamped to twice its height either way.
 //     Speckles are regions connected across crack edges that are not discontinuities, of fewer than 5 pixels.
 //     They are absorbed like holes, but take the largest disparity. Then the discontinuities are recomputed.
-//     - Colours: with an image and color_shift_px above 0, a discontinuity's midpoint moves across its crack
-//       edge to the image's edge. The colour steps s0 .. s4 are those across five parallel crack edges side
-//       by side, the third of which is this one: sums of three channels' absolute differences, grey counted
-//       three times, 0 beyond the image. If the largest of s1, s2, s3 is at least 36, and at least 3 times s0
-//       and s4, the midpoint moves by (s3 - s1) / (s1 + s2 + s3) px, clamped to color_shift_px either way, in
-//       whole 1/128 px towards 0.
 //
 // GEOMETRY
 //   Path from a to b: it has n = floor(2 |b - a|) + 1 steps. After k steps it is at the pixel that contains a
@@ -169,7 +163,6 @@ namespace hexrelief::surface::oracle {
 struct Config {
     bool bridge = false;                // one surface, cut only at background and unknown pixels
     double least_discontinuity_px = 0;  // 0: 1 + 1/64 px
-    double color_shift_px = 0;          // 0 .. 0.5
     int split_rounds = 3;               // >= 1
     double inset_px = 0;                // 0 .. 0.5
 };
@@ -180,9 +173,8 @@ struct Mesh {
     std::vector<Triangle> triangles;
 };
 
-// Runs the recipe. lattice: without inverted or overlapping triangles; map: not empty; color: of the map's
-// size, null = none.
-Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px, const Image* color,
+// Runs the recipe. lattice: without inverted or overlapping triangles; map: not empty.
+Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px,
                         const Config& config);
 
 }  // namespace hexrelief::surface::oracle

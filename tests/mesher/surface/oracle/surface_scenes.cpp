@@ -198,20 +198,6 @@ HexMesh2D any_lattice(Random& random, const DisparityMap& map) {
     }
 }
 
-// Returns a colour image whose edges lie near the map's.
-Image color_of(Random& random, const DisparityMap& map) {
-    Image color{map.width, map.height, random.one_in(2) ? 1 : 3, {}};
-    const int off = random.whole(2), noise = 1 + random.whole(30);
-    for (int y = 0; y < map.height; ++y)
-        for (int x = 0; x < map.width; ++x)
-            for (int c = 0; c < color.channels; ++c) {
-                const float d = map.at(std::max(0, x - off), y);
-                const int value = std::isfinite(d) ? static_cast<int>(5 * d) : 0;
-                color.pixels.push_back(static_cast<std::uint8_t>((value + random.whole(noise)) % 256));
-            }
-    return color;
-}
-
 }  // namespace
 
 Scene make_scene(int number) {
@@ -228,11 +214,8 @@ Scene make_scene(int number) {
     quantize(random, scene.map);
     scene.lattice = any_lattice(random, scene.map);
     scene.background_px = random.one_in(2) ? 3.0f : 0.0f;
-    scene.has_color = random.one_in(3);
-    scene.color = color_of(random, scene.map);
     scene.config.bridge = random.one_in(5);
     scene.config.least_discontinuity_px = random.one_in(4) ? 2 : 0;
-    scene.config.color_shift_px = std::array{0.0, 0.25, 0.5}[random.whole(3)];
     scene.config.split_rounds = 1 + random.whole(4);
     scene.config.inset_px = random.one_in(2) ? 0.3 : 0;
     return scene;

@@ -11,8 +11,6 @@ struct Scene {
     DisparityMap map;
     HexMesh2D lattice;
     float background_px = 0;
-    bool has_color = false;
-    Image color;
     Config config;
     std::string name;  // its number, and its contents
 };
