@@ -21,6 +21,15 @@ constexpr double kSamples_per_px = 1.5;
 constexpr int kSplits = 2;  // of a triangle that is partly in front
 constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
 
+View view_from(const SurfaceMesh& mesh, const ViewPlace& place) {
+    View view{{}, &mesh.triangles, place.width, place.height};
+    view.points.reserve(mesh.image_points.size());
+    for (std::size_t i = 0; i < mesh.image_points.size(); ++i)
+        view.points.push_back(
+            place.from_left({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]}));
+    return view;
+}
+
 bool is_placed(const DisparityMesh& mesh, const Triangle& t) {
     return std::all_of(t.begin(), t.end(),
                        [&](std::uint32_t v) { return DisparityMap::known(mesh.disparities[v]); });
@@ -156,12 +165,7 @@ double SeenSurface::limit_around(const ViewPoint& left_point, int radius) const 
 }
 
 SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads) {
-    View view{{}, &mesh.triangles, place.width, place.height};
-    view.points.reserve(mesh.image_points.size());
-    for (std::size_t i = 0; i < mesh.image_points.size(); ++i)
-        view.points.push_back(
-            place.from_left({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]}));
-    return {place, rasterise_disparity(view, threads)};
+    return {place, rasterise_disparity(view_from(mesh, place), threads)};
 }
 
 VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
@@ -172,11 +176,8 @@ VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPl
 }
 
 void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads) {
-    for (SeenSurface& seen : surface.seen) {
-        const SeenSurface nearer = see(added, seen.place, threads);
-        for (std::size_t i = 0; i < nearer.disparities.size(); ++i)
-            seen.disparities[i] = std::max(seen.disparities[i], nearer.disparities[i]);
-    }
+    for (SeenSurface& seen : surface.seen)
+        rasterise_over(seen.disparities, view_from(added, seen.place), threads);
 }
 
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface) {
