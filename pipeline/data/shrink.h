@@ -22,7 +22,8 @@ inline Image shrunk(const Image& image, int by) {
         const int rows = std::min(by, image.height - y * by);
         for (int row = y * by; row < y * by + rows; ++row) {
             const std::uint8_t* const values = image.at(0, row);
-            for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += values[i];
+            std::uint32_t* const sum = sums.data();
+            for (std::size_t i = 0, count = sums.size(); i < count; ++i) sum[i] += values[i];
         }
         const std::uint32_t* column = sums.data();
         std::uint8_t* mean = out.at(0, y);
