@@ -223,7 +223,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(left), here);
     }
     if (others.views.empty()) return;
-    mesh.provenance = stages::provenance_of(mesh, visible.seen);
+    mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
     add_texture(others, view.texture, mesh);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
@@ -244,7 +244,7 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
         stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
     }
-    mesh.provenance = stages::provenance_of(mesh, visible.seen);
+    mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
 }
 
 }  // namespace hexrelief::job

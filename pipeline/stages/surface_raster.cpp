@@ -134,16 +134,20 @@ void for_row_bands(int height, int threads, const std::function<void(int, int)>&
 }
 
 std::vector<double> rasterise_disparity(const View& view, int threads) {
-    std::vector<double> top(static_cast<std::size_t>(view.width) * view.height, kNotCovered);
+    std::vector<double> shown(static_cast<std::size_t>(view.width) * view.height, kNotCovered);
+    rasterise_over(shown, view, threads);
+    return shown;
+}
+
+void rasterise_over(std::vector<double>& shown, const View& view, int threads) {
     for_row_bands(view.height, threads, [&](int begin, int end) {
         for (const Triangle& t : *view.triangles)
             for_rows_of(view, t, begin, end, 1, [&](const Filler& filler, int y) {
                 const PixelRun run = filler.run(y, view.width);
-                double* const row = &top[static_cast<std::size_t>(y) * view.width + run.x];
+                double* const row = &shown[static_cast<std::size_t>(y) * view.width + run.x];
                 for (int i = 0; i < run.count; ++i) row[i] = std::max(row[i], run.disparity(i));
             });
     });
-    return top;
 }
 
 void scan_pixels(const View& view, int row_step, const std::function<void(const PixelRun&)>& take) {

@@ -29,6 +29,8 @@ inline constexpr double kNotCovered = -std::numeric_limits<double>::infinity();
 // their edges included; kNotCovered if none does. Disparity is linear over a triangle, which is exact for
 // planes in space. The result is the same for any number of threads (>= 1).
 std::vector<double> rasterise_disparity(const View& view, int threads);
+// Raises the disparities that such triangles show so far, of the same size, to those of more triangles.
+void rasterise_over(std::vector<double>& shown, const View& view, int threads);
 
 // The pixels x .. x + count - 1 of row y whose centres lie in a triangle.
 struct PixelRun {
