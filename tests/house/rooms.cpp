@@ -120,7 +120,7 @@ const std::vector<Room>& rooms() {
           "exporters", "mesher/mesher.h", "cuda/paper"}},
         {"pipeline/library",
          {data, "pipeline/readers", "pipeline/config", "pipeline/files", "pipeline/job", "pipeline/stamp"}},
-        {"pipeline/python", {"pipeline/job/backend.h"}},
+        {"pipeline/python", {"pipeline/config/key_options.h", "pipeline/job/backend.h"}},
         {"pipeline/cli",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/evaluation", "pipeline/config",
           "pipeline/files", "pipeline/job", "pipeline/batch", "pipeline/library", "pipeline/bench",
