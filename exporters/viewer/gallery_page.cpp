@@ -36,12 +36,13 @@ std::string row(const std::vector<GalleryColumn>& columns, const GalleryEntry& e
     out += html_escaped(entry.name) + "</a></td>";
     for (std::size_t i = 0; i < columns.size(); ++i) {
         const double value = entry.values.at(i);
+        out += "<td data-name=\"" + html_escaped(columns[i].name) + "\"";
         if (std::isfinite(value)) {
             char exact[64];
             std::snprintf(exact, sizeof exact, "%.17g", value);
-            out += std::string("<td data-value=\"") + exact + "\">" + printed(value, columns[i].decimals);
+            out += std::string(" data-value=\"") + exact + "\">" + printed(value, columns[i].decimals);
         } else {
-            out += "<td>–";
+            out += ">–";
         }
         out += "</td>";
     }

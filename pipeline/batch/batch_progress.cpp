@@ -89,6 +89,7 @@ std::string unit_event(const BatchUnit& unit, const UnitResult& result, const Ba
     } else if (!result.message.empty()) {
         json["reason"] = result.message;
     }
+    if (!result.warnings.empty()) json["warnings"] = result.warnings;
     json["ended"] = counts.ended();
     json["units"] = counts.units;
     return event_text(json);

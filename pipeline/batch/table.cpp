@@ -95,11 +95,18 @@ std::string table_csv(const std::vector<TableRow>& rows) {
     Columns columns;
     std::vector<std::vector<std::string>> table;
     for (const TableRow& row : rows) {
+        Json report = report_of(row);
+        Json warnings = row.result.warnings;  // those of a row that is up to date are in its report
+        if (report.is_object() && report.contains("warnings")) {
+            warnings = report["warnings"];
+            report.erase("warnings");
+        }
         Values values = {{"name", row.name},
                          {"status", outcome_name(row.result.outcome)},
                          {"exit_code", std::to_string(row.result.exit_code)},
                          {"error", row.result.message}};
-        flatten(report_of(row), "", values);
+        flatten(warnings, "warnings", values);
+        flatten(report, "", values);
         std::vector<std::string>& cells = table.emplace_back();
         for (const auto& [name, value] : values) {
             const std::size_t column = columns.at(name);
@@ -124,6 +131,7 @@ std::string table_json(const std::vector<TableRow>& rows) {
         json["status"] = outcome_name(row.result.outcome);
         json["exit_code"] = row.result.exit_code;
         json["error"] = row.result.message.empty() ? Json(nullptr) : Json(row.result.message);
+        if (row.result.outcome == UnitOutcome::failed) json["warnings"] = row.result.warnings;
         json["report"] = report_of(row);
         text += (text.ends_with('[') ? "\n" : ",\n") + json_text(json);
     }

@@ -32,7 +32,7 @@ std::size_t peak_memory() {
     return 0;
 }
 
-UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends) {
+UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends, job::RunLog& log) {
     UnitResult result;
     job::RunRequest request = rules.parse(unit.words);
     if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
@@ -47,7 +47,6 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends&
                              ? "its inputs, configuration, version or outputs changed"
                              : "up to date, but --force is given";
     } else {
-        job::RunLog log;
         job::run_job(request, backends, log);
         result.outcome = UnitOutcome::done;
     }
@@ -99,11 +98,13 @@ UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, job::Backends&
     forget_peak_memory();
     const double begun = now_seconds();
     UnitResult result;
+    job::RunLog log;
     try {
-        result = attempt(unit, rules, backends);
+        result = attempt(unit, rules, backends, log);
     } catch (...) {
         result = result_of_exception();
     }
+    result.warnings = log.warnings();
     result.seconds = now_seconds() - begun;
     result.peak_bytes = peak_memory();
     return result;

@@ -21,9 +21,10 @@ std::string outcome_name(UnitOutcome outcome);  // "done", "up_to_date", "would_
 struct UnitResult {
     UnitOutcome outcome = UnitOutcome::failed;
     double seconds = 0;
-    std::size_t peak_bytes = 0;  // peak memory of the process that ran the unit; 0 = unknown
-    int exit_code = 0;           // the exit code of `hexrelief run`
-    std::string message = {};    // one line: why the unit failed, or why it would run; else empty
+    std::size_t peak_bytes = 0;              // peak memory of the process that ran the unit; 0 = unknown
+    int exit_code = 0;                       // the exit code of `hexrelief run`
+    std::string message = {};                // one line: why the unit failed, or why it would run; else empty
+    std::vector<std::string> warnings = {};  // a line each, of a unit that ran, whether it failed or not
 };
 
 struct UnitRules {

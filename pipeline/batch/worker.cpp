@@ -23,9 +23,9 @@
 namespace hexrelief::batch {
 namespace {
 
-constexpr std::size_t kLongestMessage = 4000;
+constexpr std::size_t kLongestText = 16000;
 
-// The head of a packet on the socket, followed by the message's characters.
+// The head of a packet on the socket, followed by the message and the warnings, which end with a 0 each.
 struct ResultHeader {
     UnitOutcome outcome;
     int exit_code;
@@ -37,7 +37,9 @@ void send_result(int socket, const UnitResult& result) {
     const ResultHeader header{result.outcome, result.exit_code, result.seconds, result.peak_bytes};
     std::string packet(sizeof header, '\0');
     std::memcpy(packet.data(), &header, sizeof header);
-    packet += result.message.substr(0, kLongestMessage);
+    std::string texts = result.message.substr(0, kLongestText - 1) + '\0';
+    for (const std::string& warning : result.warnings) texts += warning + '\0';
+    packet += texts.substr(0, kLongestText);
     static_cast<void>(::send(socket, packet.data(), packet.size(), MSG_NOSIGNAL));
 }
 
@@ -111,14 +113,18 @@ bool Worker::start(std::size_t unit) {
 }
 
 UnitResult Worker::finish() {
-    std::array<char, sizeof(ResultHeader) + kLongestMessage> packet{};
+    std::array<char, sizeof(ResultHeader) + kLongestText> packet{};
     const ssize_t bytes = ::recv(socket_, packet.data(), packet.size(), 0);
     unit_.reset();
     if (bytes < static_cast<ssize_t>(sizeof(ResultHeader))) return result_of_death();
     ResultHeader header{};
     std::memcpy(&header, packet.data(), sizeof header);
-    return {header.outcome, header.seconds, header.peak_bytes, header.exit_code,
-            std::string(packet.data() + sizeof header, static_cast<std::size_t>(bytes) - sizeof header)};
+    UnitResult result{header.outcome, header.seconds, header.peak_bytes, header.exit_code};
+    std::istringstream texts(
+        std::string(packet.data() + sizeof header, static_cast<std::size_t>(bytes) - sizeof header));
+    std::getline(texts, result.message, '\0');
+    for (std::string warning; std::getline(texts, warning, '\0');) result.warnings.push_back(warning);
+    return result;
 }
 
 UnitResult Worker::result_of_death() {

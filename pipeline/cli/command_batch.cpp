@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <utility>
 
 #include "pipeline/batch/batch.h"
 #include "pipeline/batch/batch_progress.h"
@@ -42,7 +44,7 @@ constexpr const char* kFooterTail =
 File names in a manifest are taken from its folder. A row's files are OUT/NAME.glb and OUT/NAME.json, its
 report, which says whether it is up to date: a second call does only what changed, and what failed. A line
 of jobs.txt names its own files, and is up to date by its --report; without one it is done each time.
-OUT/batch.csv and OUT/batch.json hold all figures of all rows.
+OUT/batch.csv and OUT/batch.json hold all figures and warnings of all rows.
 
 Rows that cannot be understood end the batch before it begins; with --keep-going the others are done. A row
 that fails later stops no other. The exit code is 0 if all are there, else that of the first that is not.
@@ -147,6 +149,20 @@ int print_commands(const BatchCommand& command, const std::vector<batch::BatchUn
     return code;
 }
 
+// Prints each warning once, with the first row that has it and the number of the others.
+void print_warnings(const std::vector<batch::BatchUnit>& units,
+                    const std::vector<batch::UnitResult>& results) {
+    std::map<std::string, std::size_t> rows;
+    for (const batch::UnitResult& result : results)
+        for (const std::string& warning : result.warnings) ++rows[warning];
+    for (std::size_t i = 0; i < units.size(); ++i)
+        for (const std::string& warning : results[i].warnings)
+            if (const std::size_t count = std::exchange(rows[warning], 0))
+                print_warning(units[i].place +
+                              (count > 1 ? " (and " + std::to_string(count - 1) + " more rows): " : ": ") +
+                              warning);
+}
+
 // Prints the progress of the batch.
 class BatchTeller {
   public:
@@ -179,13 +195,14 @@ class BatchTeller {
         if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", batch::progress_bar(counts_, seconds()).c_str());
     }
 
-    // Prints failures to standard error and the summary to standard output.
+    // Prints failures and warnings to standard error and the summary to standard output.
     void batch_ended(const batch::BatchResult& result) {
         clear_bar();
         for (std::size_t i = 0; i < units_.size() && !result.interrupted; ++i)
             if (result.units[i].outcome == batch::UnitOutcome::failed)
                 print_failure(units_[i], result.units[i].message);
         if (is_quiet_) return;
+        if (!result.interrupted) print_warnings(units_, result.units);
         print(as_json_ ? batch::end_event(counts_, seconds()) : batch::batch_summary(counts_, seconds()));
     }
 
@@ -287,8 +304,8 @@ void add_batch_options(Command& command, BatchCommand& options) {
     command.add_flag("--print-commands", options.print_commands,
                      "print a command a row, for a shell or a cluster; do nothing");
     command.add_flag("--depfile", options.depfiles, "OUT/NAME.d: a rule for make with what the row reads");
-    command.add_option("--log", &options.log, "jsonl: an object a line; text; auto: text on a terminal",
-                       {.value = "KIND", .shows_default = true});
+    command.add_option("--log", &options.log, "jsonl: an object a line; auto: text on a terminal, else jsonl",
+                       {.value = "auto|text|jsonl", .shows_default = true});
     command.add_flag("--quiet", options.quiet, "nothing but failures");
     const char* const group = "Rows";
     add_config_options(command, options.rows, group);

@@ -9,7 +9,8 @@ namespace hexrelief::cli {
 void add_completion_command(Command& program) {
     Command command = program.add_command("completion", "what a shell offers while commands are typed");
     const auto shell = std::make_shared<std::string>();
-    command.add_option("SHELL", shell.get(), "bash, zsh or fish", {.required = true});
+    command.add_option("SHELL", shell.get(), "what the script is for",
+                       {.value = "bash|zsh|fish", .required = true});
     command.set_footer(
         "Examples:\n"
         "  source <(hexrelief completion bash)\n"

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/manual.h"
 #include "pipeline/cli/piped_inputs.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/standard_output.h"
@@ -25,8 +26,14 @@ The extension of an output gives its format: )";
 
 constexpr const char* kRules = R"(
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
-Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 memory, 1 a bug,
-130 interrupted.)";
+)";
+
+std::string exit_codes() {
+    std::string text;
+    for (const auto& [code, meaning] : kExitCodes)
+        text += (text.empty() ? "Exit codes: " : ", ") + std::to_string(code) + " " + meaning;
+    return text + ".";
+}
 
 void add_input_options(Command& command, FileRequest& files, Options& options) {
     const char* const group = "Input";
@@ -166,7 +173,7 @@ void add_run_command(Command& program) {
     };
     const auto run = std::make_shared<Run>();
     add_run_options(command, run->files, run->options, run->verbosity);
-    command.set_footer(kExamples + output_extensions() + kRules);
+    command.set_footer(kExamples + output_extensions() + kRules + exit_codes());
     command.set_action([run] {
         run->files.ends_process = true;
         end_on_interrupt();

@@ -1,7 +1,9 @@
 #include "pipeline/cli/completions.h"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
+#include <sstream>
 
 #include "pipeline/config/key_options.h"
 #include "pipeline/config/presets.h"
@@ -27,14 +29,29 @@ std::string quoted(const std::string& text, const std::string& quote) {
     return "'" + replaced(text, '\'', quote) + "'";
 }
 
+// Returns the words of a value's name that stand for themselves: "all" of "all|N".
+std::vector<std::string> literals_of(const std::string& value) {
+    std::vector<std::string> words;
+    std::istringstream parts(value.find('|') == std::string::npos ? "" : value);
+    for (std::string part; std::getline(parts, part, '|');)
+        if (std::all_of(part.begin(), part.end(), [](char c) { return std::islower(c) || c == '-'; }))
+            words.push_back(part);
+    return words;
+}
+
 std::string choices_of(const OptionDescription& option) {
     const std::string& name = option.names.back();
-    std::vector<std::string> words;
+    std::vector<std::string> words = literals_of(option.value);
     for (const config::Field* row : config::rows_of_option(name)) words = row->choices;
     if (name == "--config")
         for (const config::Preset& preset : config::presets()) words.push_back(preset.name);
     if (name == "--set")
-        for (const config::Field& field : config::config_fields()) words.push_back(field.path + "=");
+        for (const config::Field& field : config::config_fields()) {
+            std::vector<std::string> values = field.choices;
+            if (field.type == config::FieldType::boolean) values = {"true", "false"};
+            if (values.empty()) values = {""};
+            for (const std::string& value : values) words.push_back(field.path + "=" + value);
+        }
     return joined(words);
 }
 
@@ -49,8 +66,10 @@ void visit(const CommandDescription& command, const std::string& path, const Vis
 std::vector<std::string> offered_words(const CommandDescription& command) {
     std::vector<std::string> words;
     for (const CommandDescription& sub : command.commands) words.push_back(sub.name);
-    for (const OptionDescription& option : command.options)
-        if (!option.is_positional) words.insert(words.end(), option.names.begin(), option.names.end());
+    for (const OptionDescription& option : command.options) {
+        const std::vector<std::string> more = option.is_positional ? literals_of(option.value) : option.names;
+        words.insert(words.end(), more.begin(), more.end());
+    }
     return words;
 }
 
@@ -73,7 +92,7 @@ std::string bash_script(const CommandDescription& program) {
     return "# bash completion of hexrelief, made by `hexrelief completion bash`\n"
            "_hexrelief() {\n"
            "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} path= words= values= "
-           "i\n"
+           "cut= i\n"
            "    for ((i = 1; i < COMP_CWORD; ++i)); do\n"
            "        case \"${path:+$path }${COMP_WORDS[i]}\" in\n"
            "        " +
@@ -84,6 +103,11 @@ std::string bash_script(const CommandDescription& program) {
            "    case $path in\n" +
            words +
            "    esac\n"
+           "    # Bash parts words at =, so that the value of --set KEY=VALUE is a word of its own.\n"
+           "    if [[ $word == = ]]; then word= cut=$before=; elif [[ $before == = ]]; then "
+           "cut=${COMP_WORDS[COMP_CWORD-2]}=; fi\n"
+           "    if [[ $cut == -* ]]; then before=${cut%=} cut=; elif [[ -n $cut ]]; then before=--set "
+           "word=$cut$word; fi\n"
            "    case \"$path $before\" in\n" +
            values +
            "    esac\n"
@@ -97,8 +121,14 @@ std::string bash_script(const CommandDescription& program) {
            "        mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
            "        [[ ${#COMPREPLY[@]} -gt 0 ]] || mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
            "    fi\n"
+           "    COMPREPLY=(\"${COMPREPLY[@]#\"$cut\"}\")\n"
            "}\n"
            "complete -o filenames -F _hexrelief hexrelief\n";
+}
+
+std::string zsh_values(const OptionDescription& option) {
+    const std::string choices = choices_of(option);
+    return choices.empty() ? "_files" : "(" + choices + ")";
 }
 
 // Returns a specification for zsh's _arguments.
@@ -113,7 +143,7 @@ std::string zsh_option(const OptionDescription& option, const std::string& name)
         if (option.names.back() == "--config")
             spec += "{ compadd " + choices + "; _files }";
         else
-            spec += choices.empty() ? "_files" : "(" + choices + ")";
+            spec += zsh_values(option);
     }
     return spec;
 }
@@ -128,9 +158,9 @@ std::string zsh_script(const CommandDescription& program) {
         text += zsh_function(path) + "() {\n    local context state line\n    _arguments -C";
         for (const OptionDescription& option : command.options)
             for (const std::string& name : option.names)
-                text += " \\\n        " +
-                        quoted(option.is_positional ? "*:" + name + ":_files" : zsh_option(option, name),
-                               "'\\''");
+                text += " \\\n        " + quoted(option.is_positional ? "*:" + name + ":" + zsh_values(option)
+                                                                      : zsh_option(option, name),
+                                                 "'\\''");
         if (command.commands.empty()) {
             text += "\n}\n";
             return;
@@ -171,6 +201,9 @@ std::string fish_script(const CommandDescription& program) {
             text += begin + " -n " + quoted(here, "\\'") + " -f -a " + sub.name + " -d " +
                     quoted(sub.help, "\\'") + "\n";
         for (const OptionDescription& option : command.options) {
+            const std::string literals = joined(literals_of(option.value));
+            if (option.is_positional && !literals.empty())
+                text += begin + " -n " + quoted(here, "\\'") + " -f -a " + quoted(literals, "\\'") + "\n";
             if (option.is_positional) continue;
             text += begin + " -n " + quoted(here, "\\'");
             for (const std::string& name : option.names)

@@ -68,10 +68,17 @@ std::string footer_of(const CommandDescription& command) {
         in_example = indented;
         if (line == "Examples:" || line == "Example:")
             text += ".SH EXAMPLES\n";
-        else if (!line.empty())
+        else if (!line.empty() && !line.starts_with("Exit codes:"))  // exit_status() has them
             text += (indented ? "" : ".PP\n") + roff(indented ? line.substr(2) : line) + "\n";
     }
     return text + (in_example ? ".fi\n" : "");
+}
+
+std::string exit_status() {
+    std::string text = ".SH EXIT STATUS\n";
+    for (const auto& [code, meaning] : kExitCodes)
+        text += ".TP\n\\fB" + std::to_string(code) + "\\fR\n" + meaning + "\n";
+    return text;
 }
 
 std::string commands_of(const CommandDescription& command, const std::string& full_name) {
@@ -101,7 +108,7 @@ std::string page_of(const CommandDescription& command, const std::string& full_n
     text += command.commands.empty() ? "[\\fIoptions\\fR]\n" : "\\fIcommand\\fR [\\fIoptions\\fR]\n";
     text += commands_of(command, full_name) + ".SH OPTIONS\n" + options_of(command);
     if (!is_program) text += nested_of(command);
-    text += footer_of(command);
+    text += footer_of(command) + exit_status();
     if (!is_program) text += ".SH SEE ALSO\n.BR hexrelief (1)\n";
     return text;
 }

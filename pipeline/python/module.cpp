@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 
+#include "pipeline/config/key_options.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/python/measures.h"
 
@@ -20,16 +21,23 @@ namespace {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
-// Python's own thread checks for Ctrl-C whenever the work reports its progress. Called
+// What the work tells: functions of Python, of which progress may be None.
+struct Listeners {
+    const py::function& warn;
+    const py::object& progress;
+};
+
+// Python's own thread checks for Ctrl-C whenever the work reports its progress. The callbacks are called
 // without the interpreter's lock.
 Options options_of(const std::vector<std::string>& config, const Settings& settings,
-                   const py::function& warn) {
+                   const Listeners& listeners) {
     Options options{.config = config, .settings = settings};
-    options.progress = [](const std::string&, double) {
+    options.progress = [&progress = listeners.progress](const std::string& stage, double share) {
         const py::gil_scoped_acquire lock;
         if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        if (!progress.is_none()) progress(stage, share);
     };
-    options.warn = [&warn](const std::string& text) {
+    options.warn = [&warn = listeners.warn](const std::string& text) {
         const py::gil_scoped_acquire lock;
         warn(text);
     };
@@ -72,9 +80,9 @@ py::array owned(std::unique_ptr<Holder> holder, std::vector<Value> Holder::*memb
 
 py::array compute_disparity_of(const py::array& left, const py::array& right, const Camera& camera,
                                const std::vector<std::string>& config, const Settings& settings,
-                               const py::function& warn) {
+                               const py::function& warn, const py::object& progress) {
     const ImageView left_view = image_view(left), right_view = image_view(right);
-    const Options options = options_of(config, settings, warn);
+    const Options options = options_of(config, settings, {warn, progress});
     auto found = std::make_unique<Disparities>();
     {
         const py::gil_scoped_release unlocked;
@@ -86,18 +94,19 @@ py::array compute_disparity_of(const py::array& left, const py::array& right, co
 
 // Makes a mesh from the arrays of a map, each None or an array, by their names in MapInput.
 Mesh mesh_of(const std::map<std::string, std::optional<py::array>>& arrays, const Camera& camera,
-             const std::vector<std::string>& config, const Settings& settings, const py::function& warn) {
+             const std::vector<std::string>& config, const Settings& settings, const py::function& warn,
+             const py::object& progress) {
     const MapInput input{map_view(arrays.at("disparity")), map_view(arrays.at("depth")),
                          image_view(arrays.at("color")), image_view(arrays.at("mask")),
                          map_view(arrays.at("confidence"))};
-    const Options options = options_of(config, settings, warn);
+    const Options options = options_of(config, settings, {warn, progress});
     const py::gil_scoped_release unlocked;
     return mesh_input(input, camera, options);
 }
 
 std::vector<std::string> save(const Mesh& mesh, const std::string& path, const Settings& settings,
-                              const py::function& warn) {
-    const Options options = options_of({}, settings, warn);
+                              const py::function& warn, const py::object& progress) {
+    const Options options = options_of({}, settings, {warn, progress});
     const py::gil_scoped_release unlocked;
     return mesh.save(path, options);
 }
@@ -109,6 +118,12 @@ py::array_t<std::uint8_t> from_device(std::uintptr_t address, std::size_t bytes)
     const py::gil_scoped_release unlocked;
     job::copy_from_device(target, reinterpret_cast<const void*>(address), bytes);
     return here;
+}
+
+// Returns the key that an option of the command line sets; empty if there is none, or more than one.
+std::string key_of(const std::string& flag) {
+    const std::vector<const config::Field*> rows = config::rows_of_option(flag);
+    return rows.size() == 1 ? rows.front()->path : "";
 }
 
 const char* name_of(ErrorKind kind) {
@@ -133,7 +148,8 @@ void add_error(py::module_& module) {
         try {
             if (thrown) std::rethrow_exception(thrown);
         } catch (const Error& error) {
-            py::object object = type(error.what());
+            const py::object in_python = py::module_::import("hexrelief._words").attr("in_python");
+            py::object object = type(in_python(error.what()));
             object.attr("kind") = name_of(error.kind());
             object.attr("exit_code") = static_cast<int>(error.kind());
             PyErr_SetObject(type.ptr(), object.ptr());
@@ -181,6 +197,7 @@ PYBIND11_MODULE(_core, module) {
     add_measures(module);
     module.def("compute_disparity", &compute_disparity_of);
     module.def("mesh", &mesh_of);
+    module.def("key_of", &key_of);
     module.def("from_device", &from_device);
     module.def("read_disparity", [](const std::string& path, const Settings& settings) {
         auto map = std::make_unique<Disparities>(read_disparities(path, {.settings = settings}));

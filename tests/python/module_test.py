@@ -106,6 +106,34 @@ def test_refusals_are_those_of_the_command_line(disparity, left, tmp_path):
         hexrelief.mesh(object())
 
 
+def test_messages_are_in_pythons_words(disparity):
+    with pytest.raises(hexrelief.Error) as scale:
+        hexrelief.mesh(np.ones((50, 50), np.uint8))
+    assert "input.disparity.scale" in str(scale.value) and "--" not in str(scale.value)
+    with pytest.warns(UserWarning) as told:
+        hexrelief.mesh(disparity, mesh={"spacing_px": 16})
+    assert "give camera" in str(told[0].message) and "--" not in str(told[0].message)
+    with pytest.raises(TypeError, match=r"astype\(np.float32\) / 16"):
+        hexrelief.mesh((disparity * 16).astype(np.int16))
+
+
+def test_progress_is_told_and_may_end_the_work(disparity, relief, tmp_path):
+    told = []
+    hexrelief.mesh(disparity, camera=CALIB, progress=lambda stage, share: told.append((stage, share)))
+    assert {"mesh", "surface"} <= {stage for stage, _ in told} and all(0 <= share <= 1 for _, share in told)
+    with pytest.raises(ZeroDivisionError):
+        relief.save(tmp_path / "relief.glb", progress=lambda stage, share: 1 / 0)
+    assert not list(tmp_path.iterdir())
+
+
+def test_bytes_are_those_of_the_file(relief, tmp_path):
+    relief.save(tmp_path / "relief.ply", texcoords=False)
+    assert relief.to_bytes("ply", texcoords=False) == (tmp_path / "relief.ply").read_bytes()
+    assert relief.to_bytes().startswith(b"glTF")
+    with pytest.raises(ValueError, match="files"):
+        relief.to_bytes("gltf")
+
+
 def test_warnings_are_warnings(disparity):
     with pytest.warns(UserWarning, match="focal|calib"):
         hexrelief.mesh(disparity, mesh={"spacing_px": 16})

@@ -19,7 +19,7 @@ import math
 import os
 import tempfile
 import warnings
-from typing import Any, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from . import _core
 from ._arrays import map_array, picture_array
 from ._core import Error
+from ._words import in_python
 
 __version__ = _core.version
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
 ]
 
 PathLike = Union[str, "os.PathLike[str]"]
+Progress = Optional[Callable[[str, float], Any]]
 
 
 @dataclasses.dataclass
@@ -106,12 +108,22 @@ class Mesh:
         """What ``--report`` writes. The measures are taken anew each time."""
         return json.loads(self._core.report())
 
-    def save(self, path: PathLike, **options: Any) -> list[str]:
+    def save(self, path: PathLike, *, progress: Progress = None, **options: Any) -> list[str]:
         """Writes the mesh; the extension gives the format. Returns the paths of all files written.
 
         Options are keys of ``export``: ``mesh.save("relief.glb", compression="draco", tolerance_px=0.2)``.
         """
-        return self._core.save(os.fspath(path), _settings({"export": options}), _warn)
+        return self._core.save(os.fspath(path), _settings({"export": options}), _warn, progress)
+
+    def to_bytes(self, format: str = "glb", **options: Any) -> bytes:
+        """The bytes that ``save("relief." + format, **options)`` writes; ValueError if these are several files."""
+        with tempfile.TemporaryDirectory() as folder:
+            settings = _settings({"export": options})
+            files = self._core.save(os.path.join(folder, "relief." + format), settings, _warn, None)
+            if len(files) > 1:
+                raise ValueError(f"{format}: the mesh would be {len(files)} files; save() writes them")
+            with open(files[0], "rb") as file:
+                return file.read()
 
     def __repr__(self) -> str:
         unit = "m" if self.is_metric else "relative units"
@@ -119,14 +131,12 @@ class Mesh:
 
     def _repr_html_(self) -> str:
         """The viewer page, in a frame that may run its script and nothing else."""
-        with tempfile.TemporaryDirectory() as folder:
-            page = os.path.join(folder, "relief.html")
-            try:
-                self._core.save(page, [], lambda text: None)
-            except Error as error:
-                return f"<pre>{html.escape(repr(self))}\n{html.escape(str(error))}</pre>"
-            with open(page, encoding="utf-8") as file:
-                text = html.escape(file.read(), quote=True)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                text = html.escape(self.to_bytes("html").decode(), quote=True)
+        except Error as error:
+            return f"<pre>{html.escape(repr(self))}\n{html.escape(str(error))}</pre>"
         return (
             f'<iframe title="{html.escape(repr(self))}" sandbox="allow-scripts" srcdoc="{text}"'
             ' style="width:100%;height:480px;border:0"></iframe>'
@@ -140,20 +150,21 @@ def compute_disparity(
     camera: CameraLike = None,
     config: Config = None,
     backend: str = "auto",
+    progress: Progress = None,
     **options: Any,
 ) -> NDArray[np.float32]:
     """The disparities of the left picture of a rectified pair: (H, W) float32 in px, unknown is +inf.
 
     left, right: (H, W, 3) or (H, W) uint8 of one size. Options are keys of ``disparity``, as in
     ``num_disparities_px=64``. camera's file may say the range to search (Middlebury's ndisp); without it and
-    without ``num_disparities_px`` the pair does.
+    without ``num_disparities_px`` the pair does. progress: as for ``mesh()``.
     """
     for role, picture in (("left", left), ("right", right)):
         if picture is None:
             raise TypeError(f"{role}: a picture is needed, not None")
     names, settings = _configured(config, backend, {"disparity": options})
     return _core.compute_disparity(
-        picture_array(left, "left"), picture_array(right, "right"), _camera(camera), names, settings, _warn
+        picture_array(left, "left"), picture_array(right, "right"), _camera(camera), names, settings, _warn, progress
     )
 
 
@@ -167,6 +178,7 @@ def mesh(
     camera: CameraLike = None,
     config: Config = None,
     backend: str = "auto",
+    progress: Progress = None,
     **sections: Any,
 ) -> Mesh:
     """A mesh of a disparity map, or of a depth map.
@@ -182,6 +194,7 @@ def mesh(
     config: a preset ("compact", "quality", ...), a YAML file, a list of these of which later ones win, or keys and
         values: {"mesh.spacing_px": 4}.
     backend: "auto", "cpu" or "cuda".
+    progress: called with the stage's name and the share of it that is done, from 0 to 1; what it raises ends the work.
     sections: keys on top of config: ``mesh={"spacing_px": 4}, export={"compression": "draco"}``.
         ``budget={"max_bytes": 100000}`` is of a .glb, whatever the format that is saved later.
 
@@ -195,7 +208,7 @@ def mesh(
         "mask": picture_array(mask, "mask"),
         "confidence": map_array(confidence, "confidence"),
     }
-    return Mesh(_core.mesh(arrays, _camera(camera), names, settings, _warn))
+    return Mesh(_core.mesh(arrays, _camera(camera), names, settings, _warn, progress))
 
 
 def read_picture(path: PathLike) -> NDArray[np.uint8]:
@@ -239,7 +252,7 @@ def _floats(values: Any) -> NDArray[np.float32]:
 
 def _warn(text: str) -> None:
     # To the caller of that function here which called _core: _core itself is no level of Python's stack.
-    warnings.warn(text, UserWarning, stacklevel=3)
+    warnings.warn(in_python(text), UserWarning, stacklevel=3)
 
 
 def _camera(camera: CameraLike) -> _core.Camera:

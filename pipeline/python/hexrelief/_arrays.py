@@ -50,7 +50,11 @@ def map_array(array, name):
     if np.issubdtype(array.dtype, np.floating):
         array = array.astype(np.float32, copy=False)
     elif array.dtype not in (np.uint8, np.uint16):
-        raise TypeError(f"{name}: maps are arrays of floats, or of uint16 or uint8, not of {array.dtype}")
+        hint = "; OpenCV's matchers give 16 times the disparity: array.astype(np.float32) / 16"
+        raise TypeError(
+            f"{name}: maps are arrays of floats, or of uint16 or uint8, not of {array.dtype}"
+            + (hint if array.dtype == np.int16 else "")
+        )
     return _rows(array, name)
 
 

@@ -3,6 +3,8 @@ from typing import Any, Callable, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+Progress = Optional[Callable[[str, float], Any]]
+
 version: str
 
 class Error(RuntimeError):
@@ -22,7 +24,9 @@ class Mesh:
     def disparity(self) -> NDArray[np.float32]: ...
     def is_metric(self) -> bool: ...
     def report(self) -> str: ...
-    def save(self, path: str, settings: list[tuple[str, str]], warn: Callable[[str], Any]) -> list[str]: ...
+    def save(
+        self, path: str, settings: list[tuple[str, str]], warn: Callable[[str], Any], progress: Progress
+    ) -> list[str]: ...
 
 def compute_disparity(
     left: NDArray[np.uint8],
@@ -31,6 +35,7 @@ def compute_disparity(
     config: list[str],
     settings: list[tuple[str, str]],
     warn: Callable[[str], Any],
+    progress: Progress,
 ) -> NDArray[np.float32]: ...
 def mesh(
     arrays: dict[str, Optional[NDArray[Any]]],
@@ -38,7 +43,9 @@ def mesh(
     config: list[str],
     settings: list[tuple[str, str]],
     warn: Callable[[str], Any],
+    progress: Progress,
 ) -> Mesh: ...
+def key_of(flag: str) -> str: ...
 def from_device(address: int, bytes: int) -> NDArray[np.uint8]: ...
 def read_picture(path: str) -> NDArray[np.uint8]: ...
 def read_disparity(path: str, settings: list[tuple[str, str]]) -> NDArray[np.float32]: ...

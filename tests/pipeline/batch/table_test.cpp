@@ -18,19 +18,21 @@ TEST(BatchTable, HasAColumnForEveryValueOfEveryReport) {
     test::write_text(folder / "a.json",
                      R"({"mesh":{"cost":1.5},"stages":[{"name":"mesh","seconds":2}],"warnings":["x","y"]})");
     test::write_text(folder / "b.json", R"({"mesh":{"cost":2,"more":[3,4]},"budget":null})");
-    const std::vector<TableRow> rows = {{"a", "m:1", {UnitOutcome::done}, folder / "a.json"},
-                                        {"b", "m:2", {UnitOutcome::up_to_date}, folder / "b.json"},
-                                        {"c", "m:3", {UnitOutcome::failed, 0, 0, 3, "no, \"so\""}, {}}};
+    const std::vector<TableRow> rows = {
+        {"a", "m:1", {UnitOutcome::done}, folder / "a.json"},
+        {"b", "m:2", {UnitOutcome::up_to_date}, folder / "b.json"},
+        {"c", "m:3", {UnitOutcome::failed, 0, 0, 3, "no, \"so\"", {"z"}}, {}}};
     EXPECT_EQ(table_csv(rows),
-              "name,status,exit_code,error,mesh.cost,stages.mesh.seconds,warnings,mesh.more.0,mesh.more.1\n"
-              "a,done,0,,1.5,2,x; y,,\n"
-              "b,up_to_date,0,,2,,,3,4\n"
-              "c,failed,3,\"no, \"\"so\"\"\",,,,,\n");
+              "name,status,exit_code,error,warnings,mesh.cost,stages.mesh.seconds,mesh.more.0,mesh.more.1\n"
+              "a,done,0,,x; y,1.5,2,,\n"
+              "b,up_to_date,0,,,2,,3,4\n"
+              "c,failed,3,\"no, \"\"so\"\"\",z,,,,\n");
     const auto json = nlohmann::json::parse(table_json(rows));
     ASSERT_EQ(json["rows"].size(), 3u);
     EXPECT_EQ(json["rows"][0]["report"]["mesh"]["cost"], 1.5);
     EXPECT_EQ(json["rows"][2]["error"], "no, \"so\"");
     EXPECT_TRUE(json["rows"][2]["report"].is_null());
+    EXPECT_EQ(json["rows"][2]["warnings"], nlohmann::json({"z"}));
 }
 
 TEST(BatchProgress, TellsRateAndTimeLeft) {
@@ -42,9 +44,10 @@ TEST(BatchProgress, TellsRateAndTimeLeft) {
     EXPECT_EQ(batch_summary(counts, 10),
               "200 rows in 10.00 s, 8.0 a second: 78 done, 0 up to date, 2 failed\n");
     const auto event = nlohmann::json::parse(
-        unit_event({"m:1", "a\xff", {}, {}}, {UnitOutcome::failed, 1, 2, 3, "why"}, counts));
+        unit_event({"m:1", "a\xff", {}, {}}, {UnitOutcome::failed, 1, 2, 3, "why", {"w"}}, counts));
     EXPECT_EQ(event["status"], "failed");
     EXPECT_EQ(event["error"], "why");
+    EXPECT_EQ(event["warnings"], nlohmann::json({"w"}));
     EXPECT_EQ(event["ended"], 80);
 }
 
@@ -66,7 +69,7 @@ TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
 TEST(BatchTable, CellsAreNoFormulas) {
     const std::string text = table_csv({{"=1+1", "m:1", {UnitOutcome::failed, 0, 0, 3, "-4.5e-3"}, {}},
                                         {"@x", "m:2", {UnitOutcome::failed, 0, 0, 3, "+x"}, {}}});
-    EXPECT_EQ(text, "name,status,exit_code,error\n'=1+1,failed,3,-4.5e-3\n'@x,failed,3,'+x\n");
+    EXPECT_EQ(text, "name,status,exit_code,error,warnings\n'=1+1,failed,3,-4.5e-3,\n'@x,failed,3,'+x,\n");
 }
 
 }  // namespace

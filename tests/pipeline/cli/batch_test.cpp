@@ -75,7 +75,8 @@ TEST(Batch, AManifestIsDoneOnceWithItsTable) {
     const ProcessResult first = run_program(batch);
     ASSERT_EQ(first.exit_code, 0) << first.err;
     EXPECT_NE(first.out.find("2 done, 0 up to date"), std::string::npos) << first.out;
-    EXPECT_TRUE(read_text(folder / "out/batch.csv").starts_with("name,status,exit_code,error,schema"));
+    EXPECT_TRUE(
+        read_text(folder / "out/batch.csv").starts_with("name,status,exit_code,error,warnings,schema"));
     EXPECT_EQ(read_text(folder / "out/a.d"), (folder / "out/a.drc") + ": \\\n  " + sample("disparity.pfm") +
                                                  "\n\n" + sample("disparity.pfm") + ":\n");
     EXPECT_NE(run_program(batch).out.find("0 done, 2 up to date"), std::string::npos);
@@ -83,6 +84,20 @@ TEST(Batch, AManifestIsDoneOnceWithItsTable) {
     EXPECT_NE(with("--shard=2/2").out.find("1 row in"), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(folder / "out/batch-2-of-2.csv"));
     EXPECT_NE(with("--set=mesh.seed=2").out.find("2 done"), std::string::npos);
+}
+
+TEST(Batch, TellsEachWarningOnceWithItsRows) {
+    const TemporaryFolder folder;
+    const std::string map = sample("disparity.pfm");  // without a calibration
+    write_text(folder / "m.csv", "disparity,name\n" + map + ",a\n" + map + ",b\n");
+    const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o", folder / "out"};
+    const ProcessResult told = run_program(batch);
+    ASSERT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_TRUE(told.err.starts_with("hexrelief: warning: " + (folder / "m.csv") + ":2 (and 1 more rows): "))
+        << told.err;
+    EXPECT_EQ(std::count(told.err.begin(), told.err.end(), '\n'), 1) << told.err;
+    EXPECT_NE(told.out.find("\"warnings\":[\""), std::string::npos) << told.out;
+    EXPECT_EQ(run_program(batch).err, "");  // nothing was done, so nothing is told
 }
 
 TEST(Batch, RowsThatAreWrongEndItUnlessItKeepsGoing) {

@@ -21,6 +21,12 @@ offered() {
 [[ $(offered run --disparity-s) == --disparity-scale ]] || fail "run --disparity-s: $(offered run --disparity-s)"
 [[ $(offered run --backend c) == "cpu cuda" ]] || fail "--backend c: $(offered run --backend c)"
 [[ $(offered run --set mesh.spac) == mesh.spacing_px= ]] || fail "--set: $(offered run --set mesh.spac)"
+[[ $(offered run --set surface.views = b) == both ]] || fail "--set surface.views=b: $(offered run --set surface.views = b)"
+[[ $(offered run --set surface.views=b) == surface.views=both ]] || fail "--set surface.views=b without word breaks"
+[[ $(offered run --set export.lod =) == "" ]] || fail "--set export.lod=: $(offered run --set export.lod =)"
+[[ $(offered run --backend = c) == "cpu cuda" ]] || fail "--backend=c: $(offered run --backend = c)"
+[[ $(offered batch --log js) == jsonl ]] || fail "--log js: $(offered batch --log js)"
+[[ $(offered completion z) == zsh ]] || fail "completion z: $(offered completion z)"
 [[ $(offered run --config comp) == compact ]] || fail "--config comp: $(offered run --config comp)"
 [[ $(offered run --left "$work/ba") == "$work/bash" ]] || fail "--left: $(offered run --left "$work/ba")"
 
@@ -31,6 +37,7 @@ if command -v fish >/dev/null; then
     fish_offers() { HOME=$work fish --no-config -c "source $work/hexrelief.fish; complete -C '$1'" | cut -f1 | tr '\n' ' '; }
     [[ $(fish_offers 'hexrelief dev') == "devices " ]] || fail "fish: $(fish_offers 'hexrelief dev')"
     [[ $(fish_offers 'hexrelief run --backend cu') == "cuda " ]] || fail "fish: $(fish_offers 'hexrelief run --backend cu')"
+    [[ $(fish_offers 'hexrelief run --set surface.views=b') == "surface.views=both " ]] || fail "fish, --set"
     [[ $(fish_offers 'hexrelief run --disparity-s') == "--disparity-scale " ]] || fail "fish, options"
 else
     echo "NOTE: no fish here"
@@ -41,6 +48,7 @@ mkdir "$work/man"
 "$program" manual --into "$work/man"
 for command in $("$program" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]\+\) .*/\1/p'); do
     [[ -s $work/man/hexrelief-$command.1 ]] || fail "no page of $command"
+    grep -A 1 '^\.SH EXIT STATUS' "$work/man/hexrelief-$command.1" | grep -q TP || fail "no exit status of $command"
     cmp <("$program" manual "$command") "$work/man/hexrelief-$command.1"
 done
 if command -v man >/dev/null; then
