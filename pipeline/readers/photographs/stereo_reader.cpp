@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "pipeline/data/crop.h"
@@ -85,6 +86,30 @@ std::optional<Halves> own_halves(const codec::SourceFile& source) {
                       source.path.extension().string() + " have them"};
 }
 
+// Returns the layout that the last words of a name say, as in holiday-sbs.jpg; nullopt if they say none.
+std::optional<Halves> named_halves(const std::filesystem::path& path) {
+    static constexpr std::pair<std::string_view, StereoLayout> kWords[] = {
+        {"sbs-half", StereoLayout::half_side_by_side},
+        {"half-sbs", StereoLayout::half_side_by_side},
+        {"hsbs", StereoLayout::half_side_by_side},
+        {"sbs", StereoLayout::side_by_side},
+        {"side-by-side", StereoLayout::side_by_side},
+        {"left-right", StereoLayout::side_by_side},
+        {"over-under", StereoLayout::top_bottom},
+        {"top-bottom", StereoLayout::top_bottom},
+        {"tb", StereoLayout::top_bottom}};
+    // As if all words were parted by hyphens, and one stood before the first.
+    std::string name = "-" + path.stem().string();
+    for (char& c : name)
+        c = c == '_' || c == ' ' || c == '.' ? '-'
+            : c >= 'A' && c <= 'Z'           ? static_cast<char>(c - 'A' + 'a')
+                                             : c;
+    for (const auto& [words, layout] : kWords)
+        if (name.ends_with("-" + std::string(words)))
+            return Halves{layout, false, "left view first, by '" + std::string(words) + "' in the name"};
+    return std::nullopt;
+}
+
 Halves given_halves(const codec::SourceFile& source, const StereoFileConfig& config) {
     const auto own = own_halves(source);
     const bool is_right_first = config.right_first || (own && own->is_right_first);
@@ -152,6 +177,8 @@ StereoViews own_views(codec::SourceFile source, const codec::Codec& codec, Stere
     if (own) return halves_of(std::move(source), codec, *own, orientation);
     if (const auto second = codec::find_second_picture(source))
         return jpeg_pictures(source, *second, orientation);
+    if (const auto named = named_halves(source.path); named && layout != StereoLayout::mpo)
+        return halves_of(std::move(source), codec, *named, orientation);
     if (layout == StereoLayout::mpo)
         codec::refuse(source.path,
                       "it holds no second JPEG picture, as MPO files do; give --layout sbs or tb");

@@ -75,6 +75,18 @@ TEST(ReadStereoFile, JpsAndPnsHaveTheRightViewFirst) {
     }
 }
 
+TEST(ReadStereoFile, NamesMayTellTheLayout) {
+    const Folder folder;
+    const Bytes file = make_pgm(4, 4, 255, kSamples);
+    for (const char* const name : {"calf-left-right.pgm", "Card.SBS.pgm", "a side-by-side.pgm", "sbs.pgm"}) {
+        const StereoPair pair = read_stereo_file(folder.write(name, file), {}).views;
+        EXPECT_EQ(pair.left.pixels, (Bytes{0, 10, 40, 50, 80, 90, 120, 130})) << name;
+    }
+    EXPECT_EQ(read_stereo_file(folder.write("x_over-under.pgm", file), {}).views.right.at(0, 0)[0], 80);
+    EXPECT_EQ(read_stereo_file(folder.write("x_half-sbs.pgm", file), {}).views.left.width, 4);
+    EXPECT_THROW(read_stereo_file(folder.write("absbs.pgm", file), {}), Error) << "no word of its own";
+}
+
 TEST(ReadStereoFile, RefusesWhatCannotBeHalved) {
     const Bytes thin = make_pgm(1, 1, 255, Bytes(1, 1));
     EXPECT_CONTAINS(error_for(thin, {.layout = StereoLayout::side_by_side}), "no two halves");
