@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # install-packages.sh [tests|nightly]: the Debian 12 packages that the build needs; with `tests` also what the tests read results
-# back with, with `nightly` clang and clang-tidy besides. Needs root or sudo only where something is missing; touches nothing
+# back with, with `nightly` also clang-tidy, lintian and others. Needs root or sudo only where something is missing; touches nothing
 # otherwise.
 set -euo pipefail
 
@@ -26,7 +26,7 @@ if [[ ${1:-} == tests || ${1:-} == nightly ]]; then
     packages+=(python3-onnx python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
     [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
-    [[ $1 == tests ]] || packages+=(clang clang-tidy)
+    [[ $1 == tests ]] || packages+=(clang clang-tidy lintian pandoc)
 elif [[ $# -gt 0 ]]; then
     echo "usage: $0 [tests|nightly]" >&2
     exit 2

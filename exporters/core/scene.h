@@ -37,6 +37,16 @@ enum class StlUnit { metre, millimetre };
 // where programs that put models onto floors want it. automatic: base in .usdz.
 enum class FileOrigin { automatic, camera, base };
 
+// The axis that points up in .obj, .ply and in an .stl without a body. y: the camera looks along -Z, as in
+// SurfaceMesh; z: along +Y, as programs for CAD and maps have it.
+enum class UpAxis { y, z };
+inline Vec3f placed(const Vec3f& v, UpAxis up) {
+    return up == UpAxis::z ? Vec3f{v.x, -v.z, v.y} : v;
+}
+inline const char* axes_text(UpAxis up) {
+    return up == UpAxis::z ? "+Z up, camera looking along +Y" : "+Y up, camera looking along -Z";
+}
+
 // The contents of .stl and .3mf: the surface, or a body that stands on a flat base.
 enum class SolidKind { none, base };
 
@@ -73,6 +83,7 @@ struct ExportConfig {
     std::string copyright;  // for glTF's asset.copyright; may be empty
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;
+    UpAxis up = UpAxis::y;
     SolidKind solid = SolidKind::none;
     double solid_size_mm = 100;  // longer side of the base
     int lod = 1;                 // number of levels of detail, the scene's mesh included

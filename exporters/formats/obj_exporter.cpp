@@ -61,21 +61,24 @@ Places places_of(const std::vector<Vec3f>& positions) {
     return places;
 }
 
-std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
+std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator, UpAxis up,
                       const std::string& material_name) {
     const bool normals = !mesh.normals.empty(), texcoords = !mesh.texcoords.empty();
     std::string text;
     text.reserve(mesh.positions.size() * 90 + mesh.triangles.size() * 48 + 256);
-    text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
-            ", +Y up, camera looking along -Z\nmtllib " + material_name + "\no relief\n";
+    text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") + ", " + axes_text(up) +
+            "\nmtllib " + material_name + "\no relief\n";
     const Places places = places_of(mesh.positions);
     for (const std::uint32_t i : places.vertex) {
-        const Vec3f& p = mesh.positions[i];
+        const Vec3f p = placed(mesh.positions[i], up);
         append_line(text, "v", {p.x, p.y, p.z});
     }
     // OBJ has v = 0 at the bottom.
     for (const Vec2f& t : mesh.texcoords) append_line(text, "vt", {t.x, 1 - t.y});
-    for (const Vec3f& n : mesh.normals) append_line(text, "vn", {n.x, n.y, n.z});
+    for (const Vec3f& normal : mesh.normals) {
+        const Vec3f n = placed(normal, up);
+        append_line(text, "vn", {n.x, n.y, n.z});
+    }
     text += "usemtl relief\n";
     for (const Triangle& triangle : mesh.triangles) {
         text += 'f';
@@ -101,7 +104,8 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
     const std::filesystem::path image_path = texture_path(path, config);
     const TexturedMesh textured = textured_mesh(scene, config);
     const bool image = textured.textured;
-    files.write(path, mesh_text(textured.mesh, scene.generator, material_path.filename().string()));
+    files.write(path,
+                mesh_text(textured.mesh, scene.generator, config.up, material_path.filename().string()));
     files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
     if (image) files.write(image_path, encode_texture(scene, textured, config).bytes);
 }

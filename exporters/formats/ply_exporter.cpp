@@ -30,11 +30,11 @@ Colour sample(const Image& image, const Vec2f& texcoord) {
     return out;
 }
 
-std::string header(const Scene& scene, bool normals, bool colours) {
+std::string header(const Scene& scene, UpAxis up, bool normals, bool colours) {
     const SurfaceMesh& mesh = *scene.mesh;
     std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
-    text += std::string("comment ") + (mesh.metric ? "metres" : "relative units") +
-            ", +Y up, camera looking along -Z\n";
+    text +=
+        std::string("comment ") + (mesh.metric ? "metres" : "relative units") + ", " + axes_text(up) + "\n";
     if (!mesh.provenance.empty())
         text += "comment provenance: the cameras that saw a vertex, 0 both, 1 left, 2 right, 3 nobody\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
@@ -51,7 +51,7 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
     const SurfaceMesh& mesh = *scene.mesh;
     const bool normals = config.normals != NormalsKind::never && !mesh.normals.empty();
     const bool colours = scene.texture && config.texture != TextureFormat::none;
-    std::string bytes = header(scene, normals, colours);
+    std::string bytes = header(scene, config.up, normals, colours);
     const std::size_t vertex_size =
         12 + (normals ? 12 : 0) + (colours ? 3 : 0) + (mesh.provenance.empty() ? 0 : 1);
     const std::size_t start = bytes.size();
@@ -62,8 +62,12 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
         next += size;
     };
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        put(&mesh.positions[i], 12);
-        if (normals) put(&mesh.normals[i], 12);
+        const Vec3f position = placed(mesh.positions[i], config.up);
+        put(&position, 12);
+        if (normals) {
+            const Vec3f normal = placed(mesh.normals[i], config.up);
+            put(&normal, 12);
+        }
         if (colours) put(sample(*scene.texture, mesh.texcoords[i]).data(), 3);
         if (!mesh.provenance.empty()) put(&mesh.provenance[i], 1);
     }

@@ -41,7 +41,7 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
     for (const Triangle& triangle : mesh.triangles) {
         Vec3f corners[3];
         for (int i = 0; i < 3; ++i) {
-            const Vec3f& p = mesh.positions[triangle[i]];
+            const Vec3f p = placed(mesh.positions[triangle[i]], is_solid ? UpAxis::y : config.up);
             corners[i] = {p.x * scale, p.y * scale, p.z * scale};
         }
         const Vec3f normal = face_normal(corners[0], corners[1], corners[2]);

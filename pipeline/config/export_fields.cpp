@@ -58,6 +58,10 @@ std::vector<Field> export_fields() {
         choice("export.stl_unit", {"m", "mm"},
                "what 1 means in an .stl, which cannot say it; slicers take it for mm",
                MEMBER(exporting.stl_unit)),
+        choice("export.up", {"y", "z"},
+               "axis that points up in .obj, .ply and an .stl without a body; z is for programs of CAD and "
+               "maps; the other formats have one of their own",
+               MEMBER(exporting.up)),
         choice(
             "export.solid", {"none", "base"},
             "contents of .stl and .3mf: none = the surface; base = a closed body in mm on a flat base, for "

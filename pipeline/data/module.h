@@ -30,7 +30,9 @@ inline std::filesystem::path own_object() {
 inline std::filesystem::path module_folder(const std::filesystem::path& own) {
     namespace fs = std::filesystem;
     const fs::path build = HEXRELIEF_BUILD_FOLDER;
-    if (std::mismatch(build.begin(), build.end(), own.begin(), own.end()).first == build.end()) return build;
+    if (!build.empty() &&
+        std::mismatch(build.begin(), build.end(), own.begin(), own.end()).first == build.end())
+        return build;
     for (const fs::path place :
          {HEXRELIEF_PROGRAM_FOLDER, HEXRELIEF_LIBRARY_FOLDER, "lib/python*/dist-packages/hexrelief"}) {
         fs::path prefix = own;

@@ -6,6 +6,7 @@
 
 #include "exporters/mesh_formats.h"
 #include "mesher/mesher.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/stage_pictures.h"
@@ -38,12 +39,16 @@ exporters::PageContent page_content(const LeftView& view, const SurfaceResult& r
 
     add("relief", "The relief, seen from the side", relief.get());
 
+    const Bounds bounds = bounds_of(result.mesh.positions);  // the camera looks along -Z
+    const char* const unit = result.mesh.metric ? "m" : "relative";
     page.figures = {
+        {"Nearest", -bounds.high.z, 2, unit},
+        {"Farthest", -bounds.low.z, 2, unit},
+        {"Of the picture meshed", 100 * quality.coverage, 1, "%"},
+        {"Error, both views", quality.duo_rmse_near_px, 3, "px"},
+        {"Error, left view", quality.rmse_near_px, 3, "px"},
         {"Lattice vertices", static_cast<double>(lattice.positions.size()), 0, ""},
         {"%cost", result.quality.percent_cost, 2, ""},
-        {"Error, left view", quality.rmse_near_px, 3, "px"},
-        {"Error, both views", quality.duo_rmse_near_px, 3, "px"},
-        {"Coverage", 100 * quality.coverage, 1, "%"},
     };
     return page;
 }

@@ -361,6 +361,7 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     const Json defaults = config::config_json({});
     for (const char* const section : {"rectify", "depth", "mask", "confidence"})
         if (input[section] == defaults["input"][section]) input.erase(section);
+    parameters["export"].erase("up");  // of other formats
     Json& disparity = parameters["disparity"];
     if (disparity["working_px"] == defaults["disparity"]["working_px"]) disparity.erase("working_px");
     Json json;

@@ -23,7 +23,7 @@ hexrelief --version --verbose
 hexrelief run --left left.png --right right.png --calib calib.txt -o program.glb
 hexrelief demo /tmp/demo
 echo "libraries that came with the program: $(dpkg -l | grep -c '^ii  lib')"
-install ./libhexrelief0.1_*.deb ./python3-hexrelief_*.deb
+install ./libhexrelief0*.deb ./python3-hexrelief_*.deb
 cat >sample.py <<'PY'
 import hexrelief
 left, right = (hexrelief.read_picture(f"{side}.png") for side in ("left", "right"))
@@ -37,8 +37,9 @@ install ./libhexrelief-dev_*.deb g++ cmake ninja-build
 cmake -S consumer -B consumer-build -G Ninja >/dev/null
 cmake --build consumer-build >/dev/null
 consumer-build/consumer /packages consumer.glb
-dpkg -V hexrelief libhexrelief0.1 python3-hexrelief libhexrelief-dev
-apt-get -y -q purge hexrelief python3-hexrelief libhexrelief-dev libhexrelief0.1 >/dev/null 2>&1
+library=$(dpkg-query -W -f '${Package}' 'libhexrelief0*')
+dpkg -V hexrelief "$library" python3-hexrelief libhexrelief-dev
+apt-get -y -q purge hexrelief python3-hexrelief libhexrelief-dev "$library" >/dev/null 2>&1
 ! find / -xdev -name '*hexrelief*' -not -path '/packages/*' -not -path '/tmp/*' -not -path '/var/*' -not -path '/proc/*' | grep .
 echo "ALL PASSED"
 END

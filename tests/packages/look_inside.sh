@@ -12,7 +12,8 @@ fail() { echo "FAIL $*"; exit 1; }
 
 cpack --config "$build/CPackConfig.cmake" -G 'DEB;TGZ' -B "$work" -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip >"$work/log" 2>&1 ||
     { cat "$work/log"; exit 1; }
-expected="hexrelief libhexrelief-dev libhexrelief0.1"
+version=$(sed -n 's/^project(hexrelief VERSION \([0-9]*\.[0-9]*\).*/\1/p' "$sources/CMakeLists.txt")
+expected="hexrelief libhexrelief-dev libhexrelief$version"
 ! ls "$build"/python/hexrelief/_core*.so >/dev/null 2>&1 || expected+=" python3-hexrelief"
 ! ls "$build"/hexrelief-heif.so >/dev/null 2>&1 || expected+=" hexrelief-heif"
 ! ls "$build"/hexrelief-onnx >/dev/null 2>&1 || expected+=" hexrelief-onnx"
@@ -23,17 +24,18 @@ for name in $expected; do
     files=$(dpkg-deb -c "$deb" | awk '{print $6}')
     holds() { grep -q "^\./usr/$1" <<<"$files" || fail "$name does not hold $1: $files"; }
     [[ $(field Maintainer) == *@* && -n $(field Description) ]] || fail "$name: maintainer, description"
-    holds "share/doc/$name/copyright"
+    holds "share/doc/$name/copyright" && holds "share/doc/$name/changelog.gz"
     case $name in
     hexrelief)
         for file in bin/hexrelief share/man/man1/hexrelief-run.1 share/bash-completion/completions/hexrelief \
-            share/zsh/vendor-completions/_hexrelief share/fish/vendor_completions.d/hexrelief.fish; do holds $file; done
+            share/zsh/vendor-completions/_hexrelief share/fish/vendor_completions.d/hexrelief.fish \
+            share/doc/hexrelief/hexrelief.spdx.json; do holds $file; done
         [[ $(field Depends) == *libopencv-calib3d* && $(field Depends) != *contrib* ]] || fail "depends: $(field Depends)"
         ;;
-    libhexrelief0.1) holds 'lib/.*libhexrelief.so.0.1' ;;
+    libhexrelief0*) holds "lib/.*libhexrelief.so.$version" ;;
     libhexrelief-dev)
         holds include/hexrelief/hexrelief.h && holds '.*/libhexrelief.a' && holds '.*/hexreliefConfig.cmake'
-        [[ $(field Depends) == *libhexrelief0.1\ \(=* ]] || fail "depends: $(field Depends)"
+        [[ $(field Depends) == *libhexrelief$version\ \(=* ]] || fail "depends: $(field Depends)"
         ;;
     python3-hexrelief)
         holds lib/python3/dist-packages/hexrelief/__init__.py && holds 'lib/python3/dist-packages/hexrelief/_core'
@@ -43,6 +45,12 @@ for name in $expected; do
     hexrelief-onnx) holds lib/hexrelief/hexrelief-onnx ;;
     esac
     if grep -vE '^\./(usr/((bin|lib|include|share)/.*)?)?$' <<<"$files"; then fail "$name holds files elsewhere"; fi
+done
+
+# What was linked: the libraries that dpkg-shlibdeps sees stand in the list, and so does what pages hold.
+dpkg-deb --fsys-tarfile "$work"/hexrelief_*.deb | tar -xO ./usr/share/doc/hexrelief/hexrelief.spdx.json >"$work/spdx.json"
+for package in $(dpkg-deb -f "$work"/hexrelief_*.deb Depends | sed 's/([^)]*)//g; s/,/ /g') three meshoptimizer; do
+    grep -qF "\"name\": \"$package\"" "$work/spdx.json" || fail "hexrelief.spdx.json does not name $package"
 done
 
 mkdir "$work/elsewhere"

@@ -34,15 +34,15 @@ function addFigure(name, value) {
 // Of the level of detail that is shown.
 export function showFigures(facts, level) {
   byId('figures').replaceChildren();
+  for (const { name, value, decimals, unit } of facts.figures)
+    addFigure(name, value === null ? '–' : `${grouped(value, decimals)} ${unit}`);
   const { vertices, triangles } = facts.levels[level];
   addFigure('Vertices', grouped(vertices));
   addFigure('Triangles', grouped(triangles));
   const sizes = facts.bytes ?? {};
   if (sizes.plain) addFigure('Plain GLB, no texture', bytes(sizes.plain));
-  if (sizes.draco) addFigure('Draco', bytes(sizes.draco));
-  if (sizes.meshopt) addFigure('meshopt', bytes(sizes.meshopt));
-  for (const { name, value, decimals, unit } of facts.figures)
-    addFigure(name, value === null ? '–' : `${grouped(value, decimals)} ${unit}`);
+  if (sizes.draco) addFigure('With Draco', bytes(sizes.draco));
+  if (sizes.meshopt) addFigure('With meshopt', bytes(sizes.meshopt));
 }
 
 export function showLevels(facts) {

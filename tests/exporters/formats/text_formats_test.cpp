@@ -218,6 +218,32 @@ TEST(PlyFile, TheLastPropertyOfAVertexTellsWhichCamerasSawIt) {
         EXPECT_EQ(bytes.at(begin + 13 * i + 12), static_cast<char>(mesh.provenance[i])) << i;
 }
 
+TEST(UpAxis, ZTurnsPositionsAndNormalsAlike) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(4, 4);
+    ExportConfig config;
+    config.up = UpAxis::z;
+    for (const char* name : {"a.obj", "a.ply", "a.stl"})
+        export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / name);
+    const auto turned = [](const Vec3f& v) { return Vec3f{v.x, -v.z, v.y}; };
+    const ObjFile obj = read_obj(folder / "a.obj");
+    const std::string ply = contents(folder / "a.ply"), stl = contents(folder / "a.stl");
+    for (const std::string& text : {contents(folder / "a.obj"), ply})
+        EXPECT_NE(text.find("+Z up, camera looking along +Y\n"), std::string::npos);
+    ASSERT_EQ(obj.positions.size(), mesh.positions.size());
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        EXPECT_EQ(obj.positions[i], turned(mesh.positions[i]));
+        EXPECT_EQ(obj.normals[i], turned(mesh.normals[i]));
+        Vec3f vertex[2];
+        std::memcpy(vertex, ply.data() + ply.find("end_header\n") + 11 + 24 * i, 24);
+        EXPECT_EQ(vertex[0], turned(mesh.positions[i]));
+        EXPECT_EQ(vertex[1], turned(mesh.normals[i]));
+    }
+    Vec3f corner;
+    std::memcpy(&corner, stl.data() + 84 + 12, 12);
+    EXPECT_EQ(corner, turned(mesh.positions[mesh.triangles[0][0]]));
+}
+
 TEST(PlyFile, WithoutNormals) {
     const TemporaryFolder folder;
     SurfaceMesh mesh = sample_mesh(4, 4);
