@@ -25,7 +25,7 @@ struct Transcoder {
     jpeg_decompress_struct pixels = {};  // the source's pixels
     jpeg_decompress_struct source = {};  // its coefficients
     jpeg_compress_struct encoder = {};   // the part, encoded as the source is
-    jpeg_decompress_struct own = {};     // its coefficients
+    jpeg_decompress_struct own = {};     // its coefficients, of which some become the source's
     jpeg_compress_struct writer = {};
     jvirt_barray_ptr* coefficients = nullptr;  // the source's
     std::vector<std::uint8_t> row;
@@ -85,6 +85,12 @@ bool coefficients_step(Transcoder& coder) {
     return coder.errors.manager.num_warnings == 0;  // damaged data are grey
 }
 
+// Chooses the codes of the file that is returned.
+void finish_as(jpeg_compress_struct& writer, const jpeg_decompress_struct& source) {
+    writer.optimize_coding = TRUE;
+    if (source.progressive_mode) jpeg_simple_progression(&writer);
+}
+
 bool encode_step(Transcoder& coder, const Image& picture, const PixelRect& part) {
     if (setjmp(coder.errors.jump)) return false;
     jpeg_compress_struct& encoder = coder.encoder;
@@ -107,6 +113,7 @@ bool encode_step(Transcoder& coder, const Image& picture, const PixelRect& part)
         encoder.comp_info[c].h_samp_factor = source.comp_info[c].h_samp_factor;
         encoder.comp_info[c].v_samp_factor = source.comp_info[c].v_samp_factor;
     }
+    if (!coder.keeps_blocks) finish_as(encoder, source);
     jpeg_start_compress(&encoder, TRUE);
     while (encoder.next_scanline < encoder.image_height) {
         const int y = part.y + static_cast<int>(encoder.next_scanline);
@@ -143,12 +150,11 @@ bool write_step(Transcoder& coder, const PixelRect& part) {
     if (setjmp(coder.errors.jump)) return false;
     open(coder.own, coder.encoded.bytes);
     jvirt_barray_ptr* own = jpeg_read_coefficients(&coder.own);
-    for (int c = 0; coder.keeps_blocks && c < coder.own.num_components; ++c) take_blocks(coder, own, c, part);
+    for (int c = 0; c < coder.own.num_components; ++c) take_blocks(coder, own, c, part);
     jpeg_create_compress(&coder.writer);
     coder.writer.dest = &coder.written.manager;
     jpeg_copy_critical_parameters(&coder.own, &coder.writer);
-    coder.writer.optimize_coding = TRUE;
-    if (coder.source.progressive_mode) jpeg_simple_progression(&coder.writer);
+    finish_as(coder.writer, coder.source);
     jpeg_write_coefficients(&coder.writer, own);
     jpeg_finish_compress(&coder.writer);
     return true;
@@ -165,9 +171,10 @@ std::vector<std::uint8_t> encode_jpeg_as(const std::vector<std::uint8_t>& source
         coder.row.resize(static_cast<std::size_t>(coder.source.image_width) * picture.channels);
         if (!compare_step(coder, picture, part)) return {};
     }
-    if (!coefficients_step(coder) || !encode_step(coder, picture, part) || !write_step(coder, part))
-        return {};
-    return std::move(coder.written.bytes);
+    if (coder.keeps_blocks && !coefficients_step(coder)) return {};
+    if (!encode_step(coder, picture, part)) return {};
+    if (!coder.keeps_blocks) return std::move(coder.encoded.bytes);
+    return write_step(coder, part) ? std::move(coder.written.bytes) : std::vector<std::uint8_t>{};
 }
 
 }  // namespace hexrelief::exporters

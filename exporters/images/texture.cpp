@@ -6,6 +6,7 @@
 #include "exporters/images/image_writer.h"
 #include "exporters/images/jpeg_blocks.h"
 #include "exporters/images/resize.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -47,12 +48,14 @@ int capped(int side, const PixelRect& part, int max_px) {
 // has lost comes back at no quality.
 std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& texture,
                                             const TexturedMesh& mesh, int quality) {
-    std::vector<std::uint8_t> encoded = encode_jpeg(texture, quality);
-    if (!scene.texture_file) return encoded;
+    if (!scene.texture_file) return encode_jpeg(texture, quality);
     const bool is_scaled = texture.width != mesh.part.width || texture.height != mesh.part.height;
     const PixelRect whole{0, 0, texture.width, texture.height};
-    std::vector<std::uint8_t> kept = encode_jpeg_as(*scene.texture_file, is_scaled ? texture : *scene.texture,
-                                                    is_scaled ? whole : mesh.part);
+    auto keeping = start_work(scene.threads, [&] {
+        return encode_jpeg_as(*scene.texture_file, is_scaled ? texture : *scene.texture,
+                              is_scaled ? whole : mesh.part);
+    });
+    std::vector<std::uint8_t> encoded = encode_jpeg(texture, quality), kept = keeping.get();
     return kept.empty() || kept.size() > encoded.size() ? encoded : kept;
 }
 
@@ -138,7 +141,11 @@ Image texture_of(const Image& picture, const TexturedMesh& mesh) {
 }
 
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config) {
-    const Image texture = texture_of(*scene.texture, mesh);
+    const Image& picture = *scene.texture;
+    const bool is_whole = mesh.part.width == picture.width && mesh.part.height == picture.height &&
+                          mesh.width_px == picture.width && mesh.height_px == picture.height;
+    const Image part = is_whole ? Image{} : texture_of(picture, mesh);
+    const Image& texture = is_whole ? picture : part;
     switch (config.texture) {
         case TextureFormat::png:
             return {encode_png(texture), "image/png"};
