@@ -139,12 +139,12 @@ Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, 
         return out;
     }
     const EstimateConfig estimating{is_focal_known, config.is_rig};
-    Estimate& estimate = out.estimate = estimate_views(camera, matches, estimating);
+    Estimate& estimate = out.estimate = estimate_views(camera, matches, estimating, pool);
     out.reason = obstacle(estimate);
     if (out.reason.empty()) {
         std::vector<Match> again = look_again(estimate, left, right, pool);
         if (again.size() >= kLeastMatches) {
-            Estimate second = with_matches(estimate, std::move(again), estimating);
+            Estimate second = with_matches(estimate, std::move(again), estimating, pool);
             if (second.held_out.median_px < estimate.held_out.median_px && obstacle(second).empty())
                 estimate = std::move(second);
         }

@@ -139,11 +139,15 @@ std::vector<Corner> find_corners(const GreyPicture& picture, int count, ThreadPo
     if (std::min(width, height) <= 2 * kBorder_px) return {};
     const std::vector<std::int64_t> strengths = strengths_of(picture, pool);
     std::vector<std::vector<Peak>> cells(std::size_t{kCells} * kCells);
-    for (int y = kBorder_px; y < height - kBorder_px; ++y)
-        for (int x = kBorder_px; x < width - kBorder_px; ++x)
-            if (is_peak(strengths, width, x, y))
-                cells[static_cast<std::size_t>(y * kCells / height) * kCells + x * kCells / width].push_back(
-                    {strengths[static_cast<std::size_t>(y) * width + x], x, y});
+    for_rows(kCells, pool, [&](int row) {
+        const auto begin_of = [&](int r) { return (r * height + kCells - 1) / kCells; };
+        for (int y = std::max(kBorder_px, begin_of(row));
+             y < std::min(height - kBorder_px, begin_of(row + 1)); ++y)
+            for (int x = kBorder_px; x < width - kBorder_px; ++x)
+                if (is_peak(strengths, width, x, y))
+                    cells[static_cast<std::size_t>(row) * kCells + x * kCells / width].push_back(
+                        {strengths[static_cast<std::size_t>(y) * width + x], x, y});
+    });
     const std::size_t most = static_cast<std::size_t>(count) / cells.size() + 1;
     std::vector<Corner> corners;
     for (std::vector<Peak>& cell : cells) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <utility>
 
 #include "pipeline/alignment/median.h"
@@ -57,33 +57,47 @@ std::vector<double> offsets_of(const Views& views, const std::vector<Match>& mat
     return offsets;
 }
 
-// Finds orientation and parameters by the start with the least cost.
-void find_start(Estimate& estimate, const EstimateConfig& config) {
-    const Camera as_given = estimate.camera;
-    const std::vector<Match> matches = estimate.matches;
+// Finds orientation and parameters by the start with the least cost; of equal ones the first.
+void find_start(Estimate& estimate, const EstimateConfig& config, ThreadPool& pool) {
+    struct Orientation {
+        bool is_turned;
+        Camera camera;
+        std::vector<Match> all, some;
+    };
+    const Camera& given = estimate.camera;
+    std::vector<Orientation> orientations{{false, given, estimate.matches, {}}};
+    if (!config.is_rig)
+        orientations.push_back(
+            {true, {given.height, given.width, given.focal_px}, turned(estimate.matches, given), {}});
+    struct Attempt {
+        const Orientation& orientation;
+        Parameters start;
+        Fit fit = {};
+        double cost = 0;
+    };
+    std::vector<Attempt> attempts;
+    for (Orientation& orientation : orientations) {
+        orientation.some = at_most(orientation.all, kMostInStarts);
+        std::vector<Parameters> starts = starts_of(orientation.camera, orientation.some);
+        if (config.is_rig) starts.resize(1);
+        for (const Parameters& start : starts) attempts.push_back({orientation, start});
+    }
     // The focal length is held: far from the solution it would only be bent to what turns explain.
     const Prior prior = prior_of({true, config.is_rig}, false);
-    double least = std::numeric_limits<double>::infinity();
-    for (const bool is_turned : {false, true}) {
-        if (is_turned && config.is_rig) continue;
-        const Camera camera =
-            is_turned ? Camera{as_given.height, as_given.width, as_given.focal_px} : as_given;
-        const std::vector<Match> all = is_turned ? turned(matches, as_given) : matches;
-        const std::vector<Match> some = at_most(all, kMostInStarts);
-        std::vector<Parameters> starts = starts_of(camera, some);
-        if (config.is_rig) starts.resize(1);
-        for (const Parameters& start : starts) {
-            const Fit fit = fit_views(camera, some, prior, start);
-            const double cost =
-                row_cost(views_of(camera, fit.parameters), all) + (is_turned ? kQuarterTurnCost : 0);
-            if (!(cost < least)) continue;
-            least = cost;
-            estimate.is_quarter_turned = is_turned;
-            estimate.camera = camera;
-            estimate.matches = all;
-            estimate.fit = fit;
+    pool.parallel_for(attempts.size(), [&](std::size_t first, std::size_t last) {
+        for (Attempt& attempt : std::span(attempts).subspan(first, last - first)) {
+            const auto& [is_turned, camera, all, some] = attempt.orientation;
+            attempt.fit = fit_views(camera, some, prior, attempt.start);
+            attempt.cost =
+                row_cost(views_of(camera, attempt.fit.parameters), all) + (is_turned ? kQuarterTurnCost : 0);
         }
-    }
+    });
+    const Attempt& best = *std::min_element(
+        attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) { return a.cost < b.cost; });
+    estimate.is_quarter_turned = best.orientation.is_turned;
+    estimate.camera = best.orientation.camera;
+    estimate.matches = best.orientation.all;
+    estimate.fit = best.fit;
 }
 
 // True if the pictures' matches lie behind infinity by more than the fit may be wrong.
@@ -125,16 +139,17 @@ std::vector<double> Estimate::disparities() const {
     return out;
 }
 
-Estimate estimate_views(const Camera& camera, const std::vector<Match>& matches,
-                        const EstimateConfig& config) {
+Estimate estimate_views(const Camera& camera, const std::vector<Match>& matches, const EstimateConfig& config,
+                        ThreadPool& pool) {
     Estimate estimate;
     estimate.camera = camera;
     estimate.matches = matches;
-    find_start(estimate, config);
-    return with_matches(estimate, estimate.matches, config);
+    find_start(estimate, config, pool);
+    return with_matches(estimate, estimate.matches, config, pool);
 }
 
-Estimate with_matches(Estimate estimate, std::vector<Match> matches, const EstimateConfig& config) {
+Estimate with_matches(Estimate estimate, std::vector<Match> matches, const EstimateConfig& config,
+                      ThreadPool& pool) {
     estimate.matches = std::move(matches);
     estimate.is_exchanged = false;
     const std::vector<Match>& all = estimate.matches;
@@ -143,11 +158,14 @@ Estimate with_matches(Estimate estimate, std::vector<Match> matches, const Estim
     const auto fit_from_start = [&](const std::vector<Match>& to, const Prior& prior) {
         return fit_views(estimate.camera, to, prior, estimate.fit.parameters, kKnownWidth_px);
     };
-    const auto cost_held_out = [&](const Prior& prior) {
-        return row_cost(views_of(estimate.camera, fit_from_start(fitted, prior).parameters), held_out);
-    };
-    const bool has_radial =
-        cost_held_out(prior_of(config, true)) < kRadialGain * cost_held_out(prior_of(config, false));
+    double costs_held_out[2];  // without and with a radial term
+    pool.parallel_for(2, [&](std::size_t first, std::size_t last) {
+        for (std::size_t k = first; k < last; ++k)
+            costs_held_out[k] = row_cost(
+                views_of(estimate.camera, fit_from_start(fitted, prior_of(config, k == 1)).parameters),
+                held_out);
+    });
+    const bool has_radial = costs_held_out[1] < kRadialGain * costs_held_out[0];
     Prior prior = prior_of(config, has_radial);
 
     const auto take = [&](const Fit& fit) {

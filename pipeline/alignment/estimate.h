@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/alignment/fit.h"
 
 namespace hexrelief::alignment {
@@ -45,10 +46,11 @@ struct Estimate {
 // Finds the parameters that most matches agree with: from three starts, of the pictures as given and turned
 // by a quarter. Distortion is believed only if it lowers the offsets of matches that were not fitted. Needs
 // at least 16 matches.
-Estimate estimate_views(const Camera& camera, const std::vector<Match>& matches,
-                        const EstimateConfig& config);
+Estimate estimate_views(const Camera& camera, const std::vector<Match>& matches, const EstimateConfig& config,
+                        ThreadPool& pool);
 
 // Fits an estimate to other matches, given as its own are, beginning at its parameters.
-Estimate with_matches(Estimate estimate, std::vector<Match> matches, const EstimateConfig& config);
+Estimate with_matches(Estimate estimate, std::vector<Match> matches, const EstimateConfig& config,
+                      ThreadPool& pool);
 
 }  // namespace hexrelief::alignment

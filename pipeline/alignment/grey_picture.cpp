@@ -34,19 +34,18 @@ void grey_row(const Image& image, int y, std::vector<std::uint8_t>& row) {
         row[static_cast<std::size_t>(x)] = static_cast<std::uint8_t>((p[0] + 2 * p[1] + p[2] + 2) / 4);
 }
 
-// Adds `weight` times the reduced row to the sums.
-void add_row(const std::vector<std::uint8_t>& row, const std::vector<Cover>& covers, std::uint32_t whole,
-             std::uint64_t weight, std::vector<std::uint64_t>& sums) {
-    for (std::size_t i = 0; i < covers.size(); ++i) {
-        const Cover& c = covers[i];
-        std::uint32_t sum = c.first_part * row[static_cast<std::size_t>(c.first)];
-        if (c.last > c.first) {
-            std::uint32_t between = 0;
-            for (int x = c.first + 1; x < c.last; ++x) between += row[static_cast<std::size_t>(x)];
-            sum += whole * between + c.last_part * row[static_cast<std::size_t>(c.last)];
-        }
-        sums[i] += weight * sum;
-    }
+// Adds `weight` times the row to the sums of its columns.
+void add_row(const std::vector<std::uint8_t>& row, std::uint32_t weight, std::vector<std::uint32_t>& sums) {
+    for (std::size_t x = 0; x < row.size(); ++x) sums[x] += weight * row[x];
+}
+
+// Returns the sum over a reduced pixel's columns, of which whole ones count `whole`.
+std::uint64_t sum_of(const std::vector<std::uint32_t>& sums, const Cover& c, std::uint64_t whole) {
+    std::uint64_t sum = std::uint64_t{c.first_part} * sums[static_cast<std::size_t>(c.first)];
+    if (c.last == c.first) return sum;
+    std::uint64_t between = 0;
+    for (int x = c.first + 1; x < c.last; ++x) between += sums[static_cast<std::size_t>(x)];
+    return sum + whole * between + std::uint64_t{c.last_part} * sums[static_cast<std::size_t>(c.last)];
 }
 
 int rounded_share(int side, int longest, int longer_side) {
@@ -69,20 +68,21 @@ GreyPicture reduced_grey(const Image& image, int longest, ThreadPool& pool) {
         static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height);
     pool.parallel_for(rows.size(), [&](std::size_t first, std::size_t last) {
         std::vector<std::uint8_t> grey(static_cast<std::size_t>(image.width));
-        std::vector<std::uint64_t> sums;
+        std::vector<std::uint32_t> sums;  // of columns: at most 255 times the picture's height
         for (std::size_t i = first; i < last; ++i) {
             const Cover& cover = rows[i];
-            sums.assign(columns.size(), 0);
+            sums.assign(grey.size(), 0);
             for (int y = cover.first; y <= cover.last; ++y) {
-                const std::uint64_t weight = y == cover.first  ? cover.first_part
+                const std::uint32_t weight = y == cover.first  ? cover.first_part
                                              : y == cover.last ? cover.last_part
-                                                               : static_cast<std::uint64_t>(out.height);
+                                                               : static_cast<std::uint32_t>(out.height);
                 grey_row(image, y, grey);
-                add_row(grey, columns, static_cast<std::uint32_t>(out.width), weight, sums);
+                add_row(grey, weight, sums);
             }
             std::uint8_t* const to = out.row(static_cast<int>(i));
-            for (std::size_t x = 0; x < sums.size(); ++x)
-                to[x] = static_cast<std::uint8_t>((sums[x] + area / 2) / area);
+            for (std::size_t x = 0; x < columns.size(); ++x)
+                to[x] = static_cast<std::uint8_t>(
+                    (sum_of(sums, columns[x], static_cast<std::uint64_t>(out.width)) + area / 2) / area);
         }
     });
     return out;

@@ -99,23 +99,28 @@ std::uint8_t noise_at(int x, int y) {
     return static_cast<std::uint8_t>(v);
 }
 
-void fill_unknown(Resampled& view) {
+void fill_unknown(Resampled& view, ThreadPool& pool) {
     Image& image = view.image;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x)
-            if (!view.known[static_cast<std::size_t>(y) * image.width + x])
-                std::fill_n(image.at(x, y), image.channels, noise_at(x, y));
+    pool.parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t first, std::size_t last) {
+        for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y)
+            for (int x = 0; x < image.width; ++x)
+                if (!view.known[static_cast<std::size_t>(y) * image.width + x])
+                    std::fill_n(image.at(x, y), image.channels, noise_at(x, y));
+    });
 }
 
 // Sets to 0 the left pixels that the right view cannot show at disparities from 0 to `largest`.
 void drop_unseen(std::vector<std::uint8_t>& left, const std::vector<std::uint8_t>& right, int width,
-                 int largest) {
-    std::vector<int> before(static_cast<std::size_t>(width) + 1);  // right pixels known left of a column
-    for (std::size_t row = 0; row < left.size(); row += static_cast<std::size_t>(width)) {
-        for (int x = 0; x < width; ++x) before[x + 1] = before[x] + right[row + x];
-        for (int x = 0; x < width; ++x)
-            if (before[x + 1] == before[std::max(0, x - largest)]) left[row + x] = 0;
-    }
+                 int largest, ThreadPool& pool) {
+    const auto row_size = static_cast<std::size_t>(width);
+    pool.parallel_for(left.size() / row_size, [&](std::size_t first, std::size_t last) {
+        std::vector<int> before(row_size + 1);  // right pixels known left of a column
+        for (std::size_t row = first * row_size; row < last * row_size; row += row_size) {
+            for (int x = 0; x < width; ++x) before[x + 1] = before[x] + right[row + x];
+            for (int x = 0; x < width; ++x)
+                if (before[x + 1] == before[std::max(0, x - largest)]) left[row + x] = 0;
+        }
+    });
 }
 
 // Returns the disparity up to which a left pixel has to be seen by the right view: that of the nearest
@@ -153,9 +158,9 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
         const Image alpha{first.width, first.height, 1, first.alpha};
         left.image.alpha = resampled(alpha, in_left, canvas, cv::INTER_NEAREST, pool).image.pixels;
     }
-    fill_unknown(right);
+    fill_unknown(right, pool);
     drop_unseen(left.known, right.known, canvas.width,
-                static_cast<int>(reach_of(alignment.disparities, canvas.width)) + kBorder);
+                static_cast<int>(reach_of(alignment.disparities, canvas.width)) + kBorder, pool);
     erode(left.known, canvas.width, canvas.height);
     erode(right.known, canvas.width, canvas.height);
     return {{std::move(left.image), std::move(right.image)}, std::move(left.known), std::move(right.known)};

@@ -16,24 +16,27 @@ inline Image shrunk(const Image& image, int by) {
     Image out{side(image.width), side(image.height), image.channels, {}};
     const auto channels = static_cast<std::size_t>(image.channels);
     out.pixels.resize(static_cast<std::size_t>(out.width) * out.height * channels);
-    std::vector<std::uint32_t> sums(static_cast<std::size_t>(out.width) * channels);
+    std::vector<std::uint32_t> sums(static_cast<std::size_t>(image.width) * channels);  // of columns
     for (int y = 0; y < out.height; ++y) {
         std::fill(sums.begin(), sums.end(), 0);
         const int rows = std::min(by, image.height - y * by);
         for (int row = y * by; row < y * by + rows; ++row) {
-            const std::uint8_t* value = image.at(0, row);
-            for (int x = 0; x < image.width; x += by) {
-                std::uint32_t* const sum = &sums[static_cast<std::size_t>(x / by) * channels];
-                for (int i = std::min(by, image.width - x); i > 0; --i)
-                    for (std::size_t channel = 0; channel < channels; ++channel) sum[channel] += *value++;
-            }
+            const std::uint8_t* const values = image.at(0, row);
+            std::uint32_t* const sum = sums.data();
+            for (std::size_t i = 0, count = sums.size(); i < count; ++i) sum[i] += values[i];
         }
+        const std::uint32_t* column = sums.data();
         std::uint8_t* mean = out.at(0, y);
-        for (int x = 0; x < out.width; ++x) {
-            const auto pixels = static_cast<std::uint32_t>(rows * std::min(by, image.width - x * by));
-            for (std::size_t channel = 0; channel < channels; ++channel)
-                *mean++ = static_cast<std::uint8_t>(
-                    (sums[static_cast<std::size_t>(x) * channels + channel] + pixels / 2) / pixels);
+        for (int x = 0; x < image.width; x += by) {
+            const int columns = std::min(by, image.width - x);
+            const auto pixels = static_cast<std::uint32_t>(rows * columns);
+            for (std::size_t channel = 0; channel < channels; ++channel) {
+                std::uint32_t sum = pixels / 2;
+                for (int i = 0; i < columns; ++i)
+                    sum += column[static_cast<std::size_t>(i) * channels + channel];
+                *mean++ = static_cast<std::uint8_t>(sum / pixels);
+            }
+            column += static_cast<std::size_t>(columns) * channels;
         }
     }
     return out;

@@ -88,9 +88,12 @@ readers::PixelMask reduced(const readers::PixelMask& mask, int by) {
     const auto width = static_cast<std::size_t>(mask.width / by),
                height = static_cast<std::size_t>(mask.height / by);
     readers::PixelMask small{mask.width / by, mask.height / by, std::vector<std::uint8_t>(width * height, 1)};
-    for (std::size_t y = 0; y < height * by; ++y)
-        for (std::size_t x = 0; x < width * by; ++x)
-            small.kept[y / by * width + x / by] &= mask.kept[y * mask.width + x];
+    for (std::size_t y = 0; y < height * by; ++y) {
+        const std::uint8_t* kept = &mask.kept[y * mask.width];
+        std::uint8_t* const all = &small.kept[y / by * width];
+        for (std::size_t x = 0; x < width; ++x)
+            for (int i = 0; i < by; ++i) all[x] &= *kept++;
+    }
     return small;
 }
 
