@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
+
+#include "mesher/common/thread_pool.h"
+#include "mesher/common/uninitialized_vector.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -32,217 +34,294 @@ struct Line {
 
 // What continues behind a silhouette at each pixel.
 struct Continued {
-    std::vector<double> disparities;      // kNotCovered = nothing
-    std::vector<int> distances;           // from the silhouette, px
-    std::vector<std::size_t> colours_of;  // the pixels whose colours it has
+    Disparities disparities;              // kNotCovered = nothing
+    RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
+    RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
+    std::vector<std::uint32_t> pixels;    // that have something
 
-    explicit Continued(std::size_t pixels)
-        : disparities(pixels, kNotCovered), distances(pixels, INT32_MAX), colours_of(pixels) {}
+    explicit Continued(std::size_t count) : disparities(count), distances(count), colours_of(count) {}
 
     // The nearest silhouette decides; of two, the farther surface.
     void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
-        if (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])) return;
+        if (disparities[pixel] != kNotCovered &&
+            (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])))
+            return;
         disparities[pixel] = d;
         distances[pixel] = distance;
-        colours_of[pixel] = colour_of;
+        colours_of[pixel] = static_cast<std::uint32_t>(colour_of);
     }
 };
 
-// Number of pixels of the surface that ends at line(end), at most `most`.
-int reach_of(const std::vector<double>& front, const Line& line, int end, int most) {
-    int reach = 1;
+// Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
+// number, at most `most`.
+int reach_of(const Disparities& front, const Line& line, int end, int reach, int most) {
     while (reach < most && end - reach >= 0 &&
            std::abs(front[line(end - reach)] - front[line(end - reach + 1)]) <= kOneSurface_px)
         ++reach;
     return reach;
 }
 
-double slope_at(const std::vector<double>& front, const Line& line, int end, int reach) {
+double slope_at(const Disparities& front, const Line& line, int end, int reach) {
     const int span = std::min(reach - 1, kSlope_px);
     return span < 2
                ? 0
                : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
 }
 
-// Continues each surface of the line that ends before a nearer one.
-void continue_along(const std::vector<double>& front, const Line& line, double baselines, Continued& result) {
+// Continues the surface that ends at line(end) before a nearer one.
+void continue_from(const Disparities& front, const Line& line, int end, double baselines, Continued& result) {
     const int longest = line.count / kLongestShare;
-    for (int end = 0; end + 1 < line.count; ++end) {
-        const double far = front[line(end)];
-        double near = front[line(end + 1)];
-        if (far == kNotCovered || near - far <= kOneSurface_px) continue;
-        if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
-        const int reach = reach_of(front, line, end, longest + kSlope_px);
-        const double slope = slope_at(front, line, end, reach);
-        for (int k = 1; k <= longest && end + k < line.count; ++k) {
-            const std::size_t pixel = line(end + k);
-            const double d = std::min(far + slope * k, near);
-            if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
-            result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
-        }
+    const double far = front[line(end)];
+    double near = front[line(end + 1)];
+    if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
+    int reach = reach_of(front, line, end, 1, kSlope_px + 1);
+    const double slope = slope_at(front, line, end, reach);
+    for (int k = 1; k <= longest && end + k < line.count; ++k) {
+        const std::size_t pixel = line(end + k);
+        const double d = std::min(far + slope * k, near);
+        if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+        reach = reach_of(front, line, end, reach, k + kMixed);
+        result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
     }
 }
 
-Continued continued_in(const std::vector<double>& front, const ViewPlace& place, const Beyond& beyond) {
-    const int width = place.width, height = place.height;
+// Does this for each silhouette of some lines beside each other. They are walked together, because a column's
+// pixels are far apart in memory.
+void continue_along(const Disparities& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
+                    double baselines, Continued& result) {
+    for (int end = 0; end + 1 < first.count; ++end)
+        for (std::size_t k = 0; k < lines; ++k) {
+            const Line line{first.first + static_cast<std::ptrdiff_t>(k) * beside, first.step, first.count};
+            const double far = front[line(end)];
+            if (far != kNotCovered && front[line(end + 1)] - far > kOneSurface_px)
+                continue_from(front, line, end, baselines, result);
+        }
+}
+
+Continued continued_in(const Disparities& front, const OtherView& view, const Beyond& beyond,
+                       ThreadPool& pool) {
+    const int width = view.place.width, height = view.place.height;
     Continued result(front.size());
-    for (int y = 0; y < height; ++y) {
-        const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
-        if (beyond.left > 0) continue_along(front, {row, 1, width}, beyond.left, result);
-        if (beyond.right > 0) continue_along(front, {row + width - 1, -1, width}, beyond.right, result);
-    }
-    const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(height - 1) * width;
-    for (int x = 0; x < width; ++x) {
-        if (beyond.up > 0) continue_along(front, {x, width, height}, beyond.up, result);
-        if (beyond.down > 0) continue_along(front, {last + x, -width, height}, beyond.down, result);
+    pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
+            std::fill_n(result.disparities.begin() + row, width, kNotCovered);
+            if (beyond.left > 0) continue_along(front, {row, 1, width}, 0, 1, beyond.left, result);
+            if (beyond.right > 0)
+                continue_along(front, {row + width - 1, -1, width}, 0, 1, beyond.right, result);
+        }
+    });
+    pool.parallel_for(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
+        const auto top = static_cast<std::ptrdiff_t>(begin);
+        const std::ptrdiff_t bottom = top + static_cast<std::ptrdiff_t>(height - 1) * width;
+        if (beyond.up > 0) continue_along(front, {top, width, height}, 1, end - begin, beyond.up, result);
+        if (beyond.down > 0)
+            continue_along(front, {bottom, -width, height}, 1, end - begin, beyond.down, result);
+    });
+    for (std::size_t i = 0; i < front.size(); ++i) {
+        if (result.disparities[i] == kNotCovered) continue;
+        if (DisparityMap::known(view.missing.values[i]))
+            result.disparities[i] = kNotCovered;
+        else
+            result.pixels.push_back(static_cast<std::uint32_t>(i));
     }
     return result;
 }
 
-std::vector<std::size_t> pixels_of(const Continued& continued) {
-    std::vector<std::size_t> pixels;
-    for (std::size_t i = 0; i < continued.disparities.size(); ++i)
-        if (continued.disparities[i] != kNotCovered) pixels.push_back(i);
-    return pixels;
-}
-
 // Calls take(i) for the neighbours i of a pixel beside, above and below it.
 template <class Take>
-void for_four_neighbours(std::size_t pixel, const ViewPlace& place, const Take& take) {
-    const auto width = static_cast<std::size_t>(place.width);
-    if (pixel % width > 0) take(pixel - 1);
-    if (pixel % width + 1 < width) take(pixel + 1);
+void for_four_neighbours(std::uint32_t pixel, const ViewPlace& place, const Take& take) {
+    const auto width = static_cast<std::uint32_t>(place.width),
+               height = static_cast<std::uint32_t>(place.height);
+    const std::uint32_t column = pixel % width;
+    if (column > 0) take(pixel - 1);
+    if (column + 1 < width) take(pixel + 1);
     if (pixel >= width) take(pixel - width);
-    if (pixel + width < width * place.height) take(pixel + width);
+    if (pixel + width < width * height) take(pixel + width);
 }
 
 // Makes lines that continue one surface agree.
-void smooth(Continued& continued, const std::vector<double>& front, const ViewPlace& place) {
-    const std::vector<std::size_t> pixels = pixels_of(continued);
-    std::vector<double>& disparities = continued.disparities;
+void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool) {
+    const std::vector<std::uint32_t>& pixels = continued.pixels;
+    Disparities& disparities = continued.disparities;
     std::vector<double> smoothed(pixels.size());
-    for (int round = 0; round < kSmoothings; ++round) {
-        for (std::size_t i = 0; i < pixels.size(); ++i) {
-            const double own = disparities[pixels[i]];
-            double sum = own;
-            int count = 1;
-            for_four_neighbours(pixels[i], place, [&](std::size_t other) {
-                const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
-                if (std::abs(d - own) > kNeighbours_px) return;
-                sum += d;
-                ++count;
-            });
-            smoothed[i] = sum / count;
+    const auto smooth_at = [&](std::uint32_t pixel) {
+        const double own = disparities[pixel];
+        double sum = own;
+        int count = 1;
+        for_four_neighbours(pixel, place, [&](std::uint32_t other) {
+            const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
+            if (std::abs(d - own) > kNeighbours_px) return;
+            sum += d;
+            ++count;
+        });
+        return sum / count;
+    };
+    pool.run([&](int thread) {
+        const std::size_t begin = pool.share(pixels.size(), thread),
+                          end = pool.share(pixels.size(), thread + 1);
+        for (int round = 0; round < kSmoothings; ++round) {
+            for (std::size_t i = begin; i < end; ++i) smoothed[i] = smooth_at(pixels[i]);
+            pool.barrier();
+            for (std::size_t i = begin; i < end; ++i) disparities[pixels[i]] = smoothed[i];
+            pool.barrier();
         }
-        for (std::size_t i = 0; i < pixels.size(); ++i) disparities[pixels[i]] = smoothed[i];
-    }
+    });
 }
 
 // Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
-void spread_colours(Continued& continued, const OtherView& view, const std::vector<double>& front) {
-    std::vector<std::size_t> pixels = pixels_of(continued);
-    for (int round = 0; round < kSpread; ++round)
-        for (std::size_t from : std::exchange(pixels, {}))
-            for_four_neighbours(from, view.place, [&](std::size_t i) {
+void spread_colours(Continued& continued, const OtherView& view, const Disparities& front) {
+    std::size_t begin = 0;
+    for (int round = 0; round < kSpread; ++round) {
+        const std::size_t end = continued.pixels.size();
+        for (; begin < end; ++begin) {
+            const std::uint32_t from = continued.pixels[begin];
+            for_four_neighbours(from, view.place, [&](std::uint32_t i) {
                 if (continued.disparities[i] != kNotCovered || DisparityMap::known(view.missing.values[i]) ||
                     front[i] - continued.disparities[from] <= kOneSurface_px)
                     return;
                 continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];
-                pixels.push_back(i);
+                continued.pixels.push_back(i);
             });
+        }
+    }
 }
 
 // Paints what continues into a picture of any size, in colours averaged over the pixels of one surface around
 // each: lines that continue beside each other have colours from different distances.
-void paint(Image& picture, const ViewPlace& place, const Continued& continued) {
+void paint(Image& picture, const ViewPlace& place, const Continued& continued, ThreadPool& pool) {
     if (picture.empty()) return;
-    const Image before = picture;
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
-    const auto width = static_cast<std::size_t>(place.width);
-    for (const std::size_t pixel : pixels_of(continued)) {
+    const auto width = static_cast<std::uint32_t>(place.width);
+    // The colours are taken before any pixel is painted. A channel has 16 bits of a sum, the last 16 bits are
+    // the count.
+    constexpr int kBits = 16, kCount = 48;
+    RawVector<std::uint64_t> colours(continued.disparities.size());
+    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
+            const std::uint8_t* const colour =
+                picture.at(column(static_cast<int>(from % width)), row(static_cast<int>(from / width)));
+            colours[pixel] = std::uint64_t{1} << kCount;
+            for (int c = 0; c < picture.channels; ++c)
+                colours[pixel] |= std::uint64_t{colour[c]} << kBits * c;
+        }
+    });
+    const auto paint_at = [&](std::uint32_t pixel) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
-            continue;  // a smaller picture has no such pixel
-        int sums[4] = {}, count = 0;
-        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v)
-            for (int u = std::max(0, x - kSoft_px); u <= std::min(place.width - 1, x + kSoft_px); ++u) {
-                const std::size_t other = v * width + u;
-                if (!(std::abs(continued.disparities[other] - continued.disparities[pixel]) <=
-                      kNeighbours_px))
-                    continue;
-                const std::size_t from = continued.colours_of[other];
-                const std::uint8_t* const color =
-                    before.at(column(static_cast<int>(from % width)), row(static_cast<int>(from / width)));
-                for (int c = 0; c < picture.channels; ++c) sums[c] += color[c];
-                ++count;
-            }
+            return;  // a smaller picture has no such pixel
+        const double own = continued.disparities[pixel];
+        const int left = std::max(0, x - kSoft_px), right = std::min(place.width - 1, x + kSoft_px);
+        std::uint64_t sums = 0;
+        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v) {
+            const std::size_t line = static_cast<std::size_t>(v) * width;
+            for (std::size_t other = line + left; other <= line + right; ++other)
+                if (std::abs(continued.disparities[other] - own) <= kNeighbours_px) sums += colours[other];
+        }
+        const std::uint64_t count = sums >> kCount;
+        std::uint8_t mean[3] = {};
+        for (int c = 0; c < picture.channels; ++c)
+            mean[c] = static_cast<std::uint8_t>(((sums >> kBits * c & 0xffff) + count / 2) / count);
         for (int v = row(y); v < row(y + 1); ++v)
             for (int u = column(x); u < column(x + 1); ++u)
-                for (int c = 0; c < picture.channels; ++c)
-                    picture.at(u, v)[c] = static_cast<std::uint8_t>((sums[c] + count / 2) / count);
-    }
+                std::copy_n(mean, picture.channels, picture.at(u, v));
+    };
+    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) paint_at(continued.pixels[i]);
+    });
 }
 
-// Calls take(i) for the neighbours i of a pixel, in the order of rows.
+// Calls take(i) for a pixel and its neighbours i, in the order of rows.
 template <class Take>
-void for_neighbours(const DisparityMap& map, std::size_t pixel, const Take& take) {
-    const int x = static_cast<int>(pixel % map.width), y = static_cast<int>(pixel / map.width);
+void for_neighbours(const DisparityMap& map, std::uint32_t pixel, const Take& take) {
+    const auto width = static_cast<std::uint32_t>(map.width);
+    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+    const int left = std::max(0, x - 1), right = std::min(map.width - 1, x + 1);
     for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
-            take(static_cast<std::size_t>(v) * map.width + u);
+        for (int u = left; u <= right; ++u) take(static_cast<std::uint32_t>(v) * width + u);
 }
 
 // Returns the pixels of those regions that have fewer than `least` pixels. Neighbours that differ by more
 // than `step_px` are in two regions.
-std::vector<std::size_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
-    std::vector<char> visited(map.values.size());
-    std::vector<std::size_t> region, specks;
-    for (std::size_t seed = 0; seed < map.values.size(); ++seed) {
-        if (visited[seed] || !DisparityMap::known(map.values[seed])) continue;
+std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
+    enum : char { kUnseen, kSeen, kOfLarge };
+    std::vector<char> states(map.values.size(), kUnseen);
+    std::vector<std::uint32_t> region, specks;
+    for (std::uint32_t seed = 0; seed < states.size(); ++seed) {
+        if (!DisparityMap::known(map.values[seed]) || states[seed] != kUnseen) continue;
+        if (seed % map.width > 0 && states[seed - 1] == kOfLarge &&
+            std::abs(map.values[seed] - map.values[seed - 1]) <= step_px) {
+            states[seed] = kOfLarge;
+            continue;
+        }
         region.assign(1, seed);
-        visited[seed] = 1;
-        for (std::size_t next = 0; next < region.size(); ++next)
-            for_neighbours(map, region[next], [&](std::size_t i) {
-                if (visited[i] || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px)) return;
-                visited[i] = 1;
+        states[seed] = kSeen;
+        bool is_large = false;  // known as soon as there are enough pixels, or one of a large region
+        for (std::size_t next = 0; next < region.size() && !is_large; ++next) {
+            for_neighbours(map, region[next], [&](std::uint32_t i) {
+                if (states[i] == kSeen || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px))
+                    return;
+                is_large |= states[i] == kOfLarge;
+                if (states[i] == kOfLarge) return;
+                states[i] = kSeen;
                 region.push_back(i);
             });
-        if (region.size() < least) specks.insert(specks.end(), region.begin(), region.end());
+            is_large |= region.size() >= least;
+        }
+        if (is_large)
+            for (const std::uint32_t i : region) states[i] = kOfLarge;
+        else
+            specks.insert(specks.end(), region.begin(), region.end());
     }
     return specks;
 }
 
 // Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
 void merge_specks(DisparityMap& map) {
-    const DisparityMap before = map;
-    std::vector<std::size_t> open = specks_of(map, kLeastSurface, kOneSurface_px);
-    for (const std::size_t i : open) map.values[i] = kUnknownDisparity;
-    for (std::size_t left = open.size() + 1; left > open.size();) {
-        left = open.size();
-        const DisparityMap round = map;
-        std::erase_if(open, [&](std::size_t pixel) {
-            float& d = map.values[pixel];
-            for_neighbours(map, pixel, [&](std::size_t i) { d = std::min(d, round.values[i]); });
-            return DisparityMap::known(d);
+    struct Open {
+        std::uint32_t pixel;
+        float before, merged;
+    };
+    std::vector<Open> open;
+    for (const std::uint32_t i : specks_of(map, kLeastSurface, kOneSurface_px))
+        open.push_back({i, map.values[i], kUnknownDisparity});
+    for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
+    for (std::size_t merged = open.size(); merged > 0;) {
+        for (Open& o : open)
+            for_neighbours(map, o.pixel,
+                           [&](std::uint32_t i) { o.merged = std::min(o.merged, map.values[i]); });
+        merged = std::erase_if(open, [&](const Open& o) {
+            map.values[o.pixel] = o.merged;
+            return DisparityMap::known(o.merged);
         });
     }
-    for (const std::size_t i : open) map.values[i] = before.values[i];
-    for (const std::size_t i : specks_of(map, kLeastRegion, kOneSurface_px))
+    for (const Open& o : open) map.values[o.pixel] = o.before;
+    for (const std::uint32_t i : specks_of(map, kLeastRegion, kOneSurface_px))
         map.values[i] = kUnknownDisparity;
 }
 
-// Adds the covered pixels beside the known ones that lie on the same surface.
-void grow(DisparityMap& map, const std::vector<double>& covered) {
-    const DisparityMap before = map;
-    for (std::size_t i = 0; i < covered.size(); ++i) {
-        if (covered[i] == kNotCovered || DisparityMap::known(before.values[i])) continue;
-        bool joins = false;
-        for_neighbours(before, i, [&](std::size_t j) {
-            joins |= std::abs(before.values[j] - covered[i]) <= kOneSurface_px;
-        });
-        if (joins) map.values[i] = static_cast<float>(covered[i]);
+// Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
+void grow(DisparityMap& map, const Disparities& covered) {
+    std::vector<std::uint32_t> border, beside;
+    for (std::uint32_t i = 0; i < map.values.size(); ++i)
+        if (DisparityMap::known(map.values[i])) border.push_back(i);
+    for (int px = 0; px < kBorder_px; ++px) {
+        beside.clear();
+        for (const std::uint32_t from : border)
+            for_neighbours(map, from, [&](std::uint32_t i) {
+                if (covered[i] != kNotCovered && !DisparityMap::known(map.values[i]) &&
+                    std::abs(map.values[from] - covered[i]) <= kOneSurface_px)
+                    beside.push_back(i);
+            });
+        border.clear();
+        for (const std::uint32_t i : beside)
+            if (!DisparityMap::known(map.values[i])) {
+                map.values[i] = static_cast<float>(covered[i]);
+                border.push_back(i);
+            }
     }
 }
 
@@ -251,32 +330,33 @@ void grow(DisparityMap& map, const std::vector<double>& covered) {
 void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
                      const VisibleSurface& visible, int threads) {
     const ViewPlace& place = view.place;
-    std::vector<double> front = here.disparities;
-    for (std::size_t i = 0; i < front.size(); ++i)
-        if (DisparityMap::known(view.missing.values[i])) front[i] = view.missing.values[i];
-    Continued continued = continued_in(front, place, beyond);
-    for (std::size_t i = 0; i < front.size(); ++i)
-        if (DisparityMap::known(view.missing.values[i])) continued.disparities[i] = kNotCovered;
-    smooth(continued, front, place);
-    for_row_bands(place.height, threads, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < place.width; ++x) {
-                const std::size_t pixel = static_cast<std::size_t>(y) * place.width + x;
-                if (continued.disparities[pixel] == kNotCovered) continue;
-                const float d = behind({x + 0.5, y + 0.5, continued.disparities[pixel]}, place, visible);
-                view.missing.values[pixel] = view.map.values[pixel] = d;
-            }
+    ThreadPool pool(threads);
+    Disparities front(here.disparities.size());
+    pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            front[i] =
+                DisparityMap::known(view.missing.values[i]) ? view.missing.values[i] : here.disparities[i];
     });
-    for (const std::size_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
+    Continued continued = continued_in(front, view, beyond, pool);
+    smooth(continued, front, place, pool);
+    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pixel = continued.pixels[i];
+            const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
+            view.missing.values[pixel] = view.map.values[pixel] =
+                behind({x + 0.5, y + 0.5, continued.disparities[pixel]}, place, visible);
+        }
+    });
+    for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered) view.missing.values[i] = kUnknownDisparity;
     spread_colours(continued, view, front);
-    paint(view.color, place, continued);
-    paint(view.picture, place, continued);
+    paint(view.color, place, continued, pool);
+    paint(view.picture, place, continued, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here) {
     merge_specks(view.missing);
-    for (int px = 0; px < kBorder_px; ++px) grow(view.missing, here.disparities);
+    grow(view.missing, here.disparities);
 }
 
 }  // namespace hexrelief::stages

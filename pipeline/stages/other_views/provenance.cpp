@@ -20,17 +20,21 @@ bool is_seen(const SeenSurface& seen, const ViewPoint& in_left) {
 
 }  // namespace
 
-std::vector<Provenance> provenance_of(const SurfaceMesh& mesh, const std::vector<SeenSurface>& seen) {
-    std::vector<Provenance> result;
-    for (std::size_t i = 0; i < mesh.image_points.size(); ++i) {
-        const ViewPoint point{mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]};
-        const bool by_left = i < mesh.left_vertices() || is_seen(seen[0], point),
-                   by_right = seen.size() > 1 && is_seen(seen[1], point);
-        result.push_back(by_left && by_right ? Provenance::both
-                         : by_left           ? Provenance::left
-                         : by_right          ? Provenance::right
-                                             : Provenance::nobody);
-    }
+std::vector<Provenance> provenance_of(const SurfaceMesh& mesh, const std::vector<SeenSurface>& seen,
+                                      int threads) {
+    std::vector<Provenance> result(mesh.image_points.size());
+    for_row_bands(static_cast<int>(result.size()), threads, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const ViewPoint point{mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]};
+            const bool by_left =
+                           static_cast<std::size_t>(i) < mesh.left_vertices() || is_seen(seen[0], point),
+                       by_right = seen.size() > 1 && is_seen(seen[1], point);
+            result[i] = by_left && by_right ? Provenance::both
+                        : by_left           ? Provenance::left
+                        : by_right          ? Provenance::right
+                                            : Provenance::nobody;
+        }
+    });
     return result;
 }
 

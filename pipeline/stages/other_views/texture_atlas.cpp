@@ -15,9 +15,7 @@ struct Blocks {
     int columns, rows;
     std::vector<char> is_used;
 
-    bool at(int x_px, int y_px) const {
-        return is_used[static_cast<std::size_t>(y_px / kBlock_px) * columns + x_px / kBlock_px];
-    }
+    bool at(int column, int row) const { return is_used[static_cast<std::size_t>(row) * columns + column]; }
     void use(double x, double y) {
         const auto block = [](double at, int blocks) {
             return std::clamp(static_cast<int>(at / kBlock_px), 0, blocks - 1);
@@ -62,21 +60,28 @@ int whole_blocks(int px) {
 }
 
 void copy_pixel(const std::uint8_t* from, int from_channels, std::uint8_t* to, int to_channels) {
-    if (from_channels == to_channels)
-        std::copy_n(from, to_channels, to);
-    else if (from_channels == 1)
+    if (from_channels == 1)
         std::fill_n(to, to_channels, from[0]);
     else
         to[0] = static_cast<std::uint8_t>((from[0] + 2 * from[1] + from[2]) / 4);
 }
 
+// Copies the used blocks. The part begins with whole blocks.
 void copy_used(const Image& from, const Blocks& blocks, const PixelRect& part, Image& to, int to_x,
                int to_y) {
     for (int y = 0; y < part.height; ++y)
-        for (int x = 0; x < part.width; ++x)
-            if (blocks.at(part.x + x, part.y + y))
-                copy_pixel(from.at(part.x + x, part.y + y), from.channels, to.at(to_x + x, to_y + y),
-                           to.channels);
+        for (int x = 0; x < part.width; x += kBlock_px) {
+            if (!blocks.at((part.x + x) / kBlock_px, (part.y + y) / kBlock_px)) continue;
+            const int count = std::min(kBlock_px, part.width - x);
+            const std::uint8_t* source = from.at(part.x + x, part.y + y);
+            std::uint8_t* target = to.at(to_x + x, to_y + y);
+            if (from.channels == to.channels) {
+                std::copy_n(source, count * to.channels, target);
+                continue;
+            }
+            for (int i = 0; i < count; ++i, source += from.channels, target += to.channels)
+                copy_pixel(source, from.channels, target, to.channels);
+        }
 }
 
 }  // namespace
@@ -105,9 +110,12 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
         x += whole_blocks(part.width);
         shelf = std::max(shelf, whole_blocks(part.height));
     }
-    TextureAtlas atlas{{left.width, y + shelf, left.channels, left.pixels}, {}};
+    TextureAtlas atlas{{left.width, y + shelf, left.channels, {}}, {}};
     Image& picture = atlas.picture;
-    picture.pixels.resize(static_cast<std::size_t>(picture.width) * picture.height * picture.channels);
+    const std::size_t bytes = static_cast<std::size_t>(picture.width) * picture.height * picture.channels;
+    picture.pixels.reserve(bytes);
+    picture.pixels = left.pixels;
+    picture.pixels.resize(bytes);
     atlas.places.push_back({0, 0, static_cast<double>(left.width), static_cast<double>(left.height)});
     for (std::size_t i = 0; i < others.size(); ++i) {
         const Image& other = others[i].picture;

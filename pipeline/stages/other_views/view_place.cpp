@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
+
+#include "mesher/common/thread_pool.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -17,9 +20,19 @@ constexpr double kFarther_px = 1;     // of this view: a guess that is so much f
 constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
 constexpr double kMostPush_px = 1;    // what is farther in front lies beside a silhouette
 constexpr int kPushes = 3;
+constexpr double kEverything_px = std::numeric_limits<double>::infinity();
 constexpr double kSamples_per_px = 1.5;
 constexpr int kSplits = 2;  // of a triangle that is partly in front
 constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
+
+View view_from(const SurfaceMesh& mesh, const ViewPlace& place) {
+    View view{{}, &mesh.triangles, place.width, place.height};
+    view.points.reserve(mesh.image_points.size());
+    for (std::size_t i = 0; i < mesh.image_points.size(); ++i)
+        view.points.push_back(
+            place.from_left({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]}));
+    return view;
+}
 
 bool is_placed(const DisparityMesh& mesh, const Triangle& t) {
     return std::all_of(t.begin(), t.end(),
@@ -32,10 +45,10 @@ struct InFront {
     double little_px = 0;  // the same where it is in front by at most kMostPush_px
 };
 
-// Looks at points of a triangle of this view less than a pixel apart. Views of a point are linear in (x, y,
-// d).
+// Looks at points of a triangle of this view less than a pixel apart, until one is in front by more than
+// enough_px. Views of a point are linear in (x, y, d).
 InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& place,
-                 const VisibleSurface& surface) {
+                 const VisibleSurface& surface, double enough_px) {
     InFront result;
     for (const SeenSurface& seen : surface.seen) {
         const auto corner = [&](std::uint32_t v) {
@@ -45,19 +58,22 @@ InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& 
         const ViewPoint a = corner(t[0]), b = corner(t[1]), c = corner(t[2]);
         const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
                                          std::abs(c.y - a.y), std::abs(c.x - b.x), std::abs(c.y - b.y)});
-        const int steps = 1 + static_cast<int>(kSamples_per_px * longest), width = seen.place.width;
+        const int steps = 1 + static_cast<int>(kSamples_per_px * longest);
+        const int width = seen.place.width, height = seen.place.height;
         for (int i = 0; i <= steps; ++i)
             for (int j = 0; i + j <= steps; ++j) {
                 const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
                              w = 1 - u - v;
                 const double x = u * a.x + v * b.x + w * c.x, y = u * a.y + v * b.y + w * c.y;
-                if (!(x >= 0 && x < width && y >= 0 && y < seen.place.height)) continue;
+                if (!(x >= 0 && x < width && y >= 0 && y < height)) continue;
                 const double limit =
                     seen.disparities[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
-                if (limit == kNotCovered) continue;
-                const double d = seen.place.scale * (u * a.d + v * b.d + w * c.d - limit);
+                const double over = u * a.d + v * b.d + w * c.d - limit;
+                if (over <= 0 || limit == kNotCovered) continue;
+                const double d = seen.place.scale * over;
                 result.most_px = std::max(result.most_px, d);
                 if (d <= kMostPush_px) result.little_px = std::max(result.little_px, d);
+                if (d > enough_px) return result;
             }
     }
     return result;
@@ -66,17 +82,17 @@ InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& 
 // Moves the vertices of triangles that are a little in front of the surface away from the camera. Returns
 // what is in front afterwards.
 std::vector<InFront> push_back(DisparityMesh& mesh, const ViewPlace& place, const VisibleSurface& surface,
-                               int threads) {
+                               ThreadPool& pool) {
     const float least = static_cast<float>(surface.least_px / place.scale);
     std::vector<InFront> front(mesh.triangles.size());
     std::vector<float> pushes(mesh.points.size(), 1);  // > 0: the vertex was moved
     for (int round = 0;; ++round) {
-        for_row_bands(static_cast<int>(front.size()), threads, [&](int begin, int end) {
-            for (int i = begin; i < end; ++i) {
+        pool.parallel_for_chunks(front.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
                 const Triangle& t = mesh.triangles[i];
                 if (is_placed(mesh, t) &&
                     std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return pushes[v] > 0; }))
-                    front[i] = in_front(mesh, t, place, surface);
+                    front[i] = in_front(mesh, t, place, surface, kEverything_px);
             }
         });
         if (round == kPushes) return front;
@@ -97,20 +113,32 @@ using Middles = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>
 // could not be kept.
 template <class IsKept>
 std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middles& middles,
-                                   const IsKept& is_kept) {
-    const auto split = [&](std::size_t i, std::size_t k) {
-        const Triangle t = triangles[i];
-        const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-        const auto middle = middles.find(std::minmax(a, b));
-        if (middle == middles.end()) return false;
-        const Triangle first{a, middle->second, c}, second{middle->second, b, c};
-        if (!is_kept(first) || !is_kept(second)) return false;
-        triangles[i] = first;
-        triangles.push_back(second);
-        return true;
+                                   const IsKept& is_kept, ThreadPool& pool) {
+    const auto split = [&](Triangle& t) -> std::optional<Triangle> {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+            const auto middle = middles.find(std::minmax(a, b));
+            if (middle == middles.end()) continue;
+            const Triangle first{a, middle->second, c}, second{middle->second, b, c};
+            if (!is_kept(first) || !is_kept(second)) continue;
+            t = first;
+            return second;
+        }
+        return std::nullopt;
     };
-    for (std::size_t i = 0; i < triangles.size();)
-        if (!split(i, 0) && !split(i, 1) && !split(i, 2)) ++i;
+    // The second parts follow behind the triangles of a round, and are looked at in the next one.
+    for (std::size_t begin = 0; begin < triangles.size();) {
+        const std::size_t end = triangles.size();
+        std::vector<std::vector<Triangle>> second_parts(end - begin);
+        pool.parallel_for_chunks(end - begin, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i)
+                for (std::optional<Triangle> second; (second = split(triangles[begin + i]));)
+                    second_parts[i].push_back(*second);
+        });
+        for (const std::vector<Triangle>& parts : second_parts)
+            triangles.insert(triangles.end(), parts.begin(), parts.end());
+        begin = end;
+    }
     return triangles;
 }
 
@@ -156,12 +184,7 @@ double SeenSurface::limit_around(const ViewPoint& left_point, int radius) const 
 }
 
 SeenSurface see(const SurfaceMesh& mesh, const ViewPlace& place, int threads) {
-    View view{{}, &mesh.triangles, place.width, place.height};
-    view.points.reserve(mesh.image_points.size());
-    for (std::size_t i = 0; i < mesh.image_points.size(); ++i)
-        view.points.push_back(
-            place.from_left({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]}));
-    return {place, rasterise_disparity(view, threads)};
+    return {place, rasterise_disparity(view_from(mesh, place), threads)};
 }
 
 VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPlace>& cameras,
@@ -172,11 +195,8 @@ VisibleSurface visible_surface(const SurfaceMesh& mesh, const std::vector<ViewPl
 }
 
 void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads) {
-    for (SeenSurface& seen : surface.seen) {
-        const SeenSurface nearer = see(added, seen.place, threads);
-        for (std::size_t i = 0; i < nearer.disparities.size(); ++i)
-            seen.disparities[i] = std::max(seen.disparities[i], nearer.disparities[i]);
-    }
+    for (SeenSurface& seen : surface.seen)
+        rasterise_over(seen.disparities, view_from(added, seen.place), threads);
 }
 
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface) {
@@ -194,13 +214,17 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
 
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface,
                  int threads) {
-    for (std::size_t i = 0; i < cut_mesh.points.size(); ++i) {
-        const Vec2f& p = cut_mesh.points[i];
-        cut_mesh.disparities[i] = behind({p.x, p.y, cut_mesh.disparities[i]}, place, surface);
-    }
-    const std::vector<InFront> front = push_back(cut_mesh, place, surface, threads);
+    ThreadPool pool(threads);
+    pool.parallel_for(cut_mesh.points.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec2f& p = cut_mesh.points[i];
+            cut_mesh.disparities[i] = behind({p.x, p.y, cut_mesh.disparities[i]}, place, surface);
+        }
+    });
+    const std::vector<InFront> front = push_back(cut_mesh, place, surface, pool);
     const auto is_kept = [&](const Triangle& t) {
-        return is_placed(cut_mesh, t) && in_front(cut_mesh, t, place, surface).most_px <= kInFront_px;
+        return is_placed(cut_mesh, t) &&
+               in_front(cut_mesh, t, place, surface, kInFront_px).most_px <= kInFront_px;
     };
     Middles middles;
     const auto add_middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -215,7 +239,7 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
         return found->second;
     };
     cut_mesh.has_one_fan_per_vertex = false;
-    std::vector<Triangle> kept, parts, split;
+    std::vector<Triangle> kept, split;
     const auto split_in_four = [&](const Triangle& t) {
         const std::uint32_t ab = add_middle(t[0], t[1]), bc = add_middle(t[1], t[2]),
                             ca = add_middle(t[2], t[0]);
@@ -230,15 +254,19 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
             split_in_four(t);
     }
     for (int round = 1; round <= kSplits; ++round) {
-        parts = std::exchange(split, {});
-        for (const Triangle& t : parts) {
-            if (is_kept(t))
-                kept.push_back(t);
-            else if (round < kSplits && is_placed(cut_mesh, t))
-                split_in_four(t);
+        const std::vector<Triangle> parts = std::exchange(split, {});
+        std::vector<char> are_kept(parts.size());
+        pool.parallel_for_chunks(parts.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) are_kept[i] = is_kept(parts[i]);
+        });
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            if (are_kept[i])
+                kept.push_back(parts[i]);
+            else if (round < kSplits && is_placed(cut_mesh, parts[i]))
+                split_in_four(parts[i]);
         }
     }
-    cut_mesh.triangles = with_middles(std::move(kept), middles, is_kept);
+    cut_mesh.triangles = with_middles(std::move(kept), middles, is_kept, pool);
 }
 
 SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {
