@@ -98,9 +98,9 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
 }
 
 // Returns the view whose map, seen in a mirror, is given.
-OtherView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
-                     int threads) {
-    OtherView right{{}, stages::mirrored(std::move(mirrored)), {}, pair.views.right, pair.pictures.right};
+OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::FoundRange& range, int threads) {
+    OtherView right{
+        {}, stages::mirrored(std::move(mirrored)), {}, pair.views.right, std::move(pair.pictures.right)};
     for (Image* image : {&right.color, &right.picture})
         if (!image->empty()) matching::relight(*image, range.correction.light, threads);
     return right;
@@ -163,11 +163,11 @@ DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& h
     return map;
 }
 
-OtherView unmatched_right_view(const InputPair& pair, const stages::FoundRange& range, int threads) {
+OtherView unmatched_right_view(InputPair& pair, const stages::FoundRange& range, int threads) {
     return right_view({}, pair, range, threads);
 }
 
-OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+OtherView right_view_of_program(InputPair& pair, const stages::ViewMaps& maps,
                                 const stages::FoundRange& range, int threads) {
     const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left),
                                           maps.is_dense};
