@@ -16,7 +16,8 @@ inline constexpr int kJpegBlock_px = 16;
 // is progressive, scans, without its metadata. If the picture's top left is the source's, pixel by pixel, and
 // the part begins at multiples of kJpegBlock_px, the source's own blocks are used there, which loses nothing;
 // the picture may go on below it from the next multiple of kJpegBlock_px. Returns nothing if the source is no
-// JPEG of 8 bits in grey or YCbCr, as the picture is, or damaged. `part` lies within the picture.
+// JPEG of 8 bits in grey or YCbCr, as the picture is, or its blocks are damaged. `part` lies within the
+// picture.
 std::vector<std::uint8_t> encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
                                          const PixelRect& part);
 

@@ -29,23 +29,31 @@ std::vector<Cover> covers(int from, int to) {
 }  // namespace
 
 Image resized(const Image& image, int width, int height) {
+    const auto channels = static_cast<std::size_t>(image.channels);
     Image out{width, height, image.channels, {}};
-    out.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
+    out.pixels.reserve(static_cast<std::size_t>(width) * height * channels);
     const std::vector<Cover> columns = covers(image.width, width), rows = covers(image.height, height);
+    std::vector<double> sums(static_cast<std::size_t>(width) * channels);
     for (const Cover& row : rows) {
-        for (const Cover& column : columns) {
-            for (int channel = 0; channel < image.channels; ++channel) {
-                double sum = 0;
-                for (std::size_t y = 0; y < row.shares.size(); ++y) {
-                    double line = 0;
-                    for (std::size_t x = 0; x < column.shares.size(); ++x)
-                        line += column.shares[x] * image.at(column.first + static_cast<int>(x),
-                                                            row.first + static_cast<int>(y))[channel];
-                    sum += row.shares[y] * line;
+        std::fill(sums.begin(), sums.end(), 0.0);
+        int y = row.first;
+        for (const double share : row.shares) {
+            const std::uint8_t* const line = image.at(0, y++);
+            double* sum = sums.data();
+            for (const Cover& column : columns) {
+                const std::uint8_t* const first = line + static_cast<std::size_t>(column.first) * channels;
+                for (std::size_t channel = 0; channel < channels; ++channel) {
+                    const std::uint8_t* value = first + channel;
+                    double across = 0;
+                    for (const double part : column.shares) {
+                        across += part * *value;
+                        value += channels;
+                    }
+                    *sum++ += share * across;
                 }
-                out.pixels.push_back(static_cast<std::uint8_t>(std::lround(sum)));
             }
         }
+        for (const double sum : sums) out.pixels.push_back(static_cast<std::uint8_t>(std::lround(sum)));
     }
     return out;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/densify/plane_votes.h"
 #include "pipeline/densify/planes.h"
 #include "pipeline/densify/reach.h"
@@ -43,9 +44,10 @@ DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads)
 DisparityMap fill_holes(const DisparityMap& map, const Image& left, int threads) {
     ThreadPool pool(threads);
     std::vector<PlaneAt> planes = measurements_of(rims_of_holes(map));
+    auto by_colours = start_work(left.empty() ? 1 : threads,
+                                 [&] { return find_nearest(planes, map.width, map.height, left); });
     const NearestMeasurements around = find_nearest(planes, map.width, map.height, {});
-    const NearestMeasurements nearest =
-        left.empty() ? around : find_nearest(planes, map.width, map.height, left);
+    const NearestMeasurements nearest = left.empty() ? around : by_colours.get();
     fit_planes(planes, around, kHoleStride_px, pool);
     const std::vector<std::uint8_t> all(map.values.size(), 1);
     const SideInput sides{planes, around, smoothed(left, pool), kHoleStride_px};

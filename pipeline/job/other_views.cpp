@@ -57,10 +57,10 @@ OtherView copy_of_left(const LeftView& view) {
     return left;
 }
 
+// Sets the view's map to the surface, of which nothing is missing yet.
 void show(OtherView& view, const stages::SeenSurface& here) {
-    view.missing = {view.place.width, view.place.height, {}};
-    view.missing.values.assign(here.disparities.size(), kUnknownDisparity);
-    view.map = view.missing;
+    view.map = view.missing = {view.place.width, view.place.height,
+                               std::vector<float>(here.disparities.size(), kUnknownDisparity)};
     for (std::size_t i = 0; i < here.disparities.size(); ++i)
         if (here.disparities[i] != stages::kNotCovered)
             view.map.values[i] = static_cast<float>(here.disparities[i]);
@@ -98,9 +98,9 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
 }
 
 // Returns the view whose map, seen in a mirror, is given.
-OtherView right_view(DisparityMap mirrored, const InputPair& pair, const stages::FoundRange& range,
-                     int threads) {
-    OtherView right{{}, stages::mirrored(std::move(mirrored)), {}, pair.views.right, pair.pictures.right};
+OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::FoundRange& range, int threads) {
+    OtherView right{
+        {}, stages::mirrored(std::move(mirrored)), {}, pair.views.right, std::move(pair.pictures.right)};
     for (Image* image : {&right.color, &right.picture})
         if (!image->empty()) matching::relight(*image, range.correction.light, threads);
     return right;
@@ -122,22 +122,26 @@ void add_texture(SurfaceResult::OtherViews& others, const Image& left, SurfaceMe
 DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
                             int threads) {
     const int width = right.place.width, height = right.place.height;
-    DisparityMap map{width, height, std::vector<float>(here.disparities.size(), kUnknownDisparity)};
-    for (std::size_t i = 0; i < map.values.size(); ++i)
-        if (here.disparities[i] != stages::kNotCovered)
-            map.values[i] = static_cast<float>(here.disparities[i]);
-    for (int y = 0; y < height && left.density.background_px > 0; ++y)
-        for (int x = 0; x < width; ++x) {
+    DisparityMap map{width, height, std::vector<float>(here.disparities.size())};
+    const auto fill_row = [&](int y) {
+        const std::size_t row = static_cast<std::size_t>(y) * width;
+        const auto is_covered = [&](int x) { return here.disparities[row + x] != stages::kNotCovered; };
+        for (int x = 0; x < width; ++x)
+            map.values[row + x] =
+                is_covered(x) ? static_cast<float>(here.disparities[row + x]) : kUnknownDisparity;
+        for (int x = 0; x < width && left.density.background_px > 0; ++x) {
             const float d = left.meshed.at(x, y);
             if (!DisparityMap::known(d) || d >= left.density.background_px) continue;
             const double there = right.place.from_left({x + 0.5, y + 0.5, d}).x;
             if (!(there >= 0 && there < width)) continue;
-            const std::size_t pixel = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(there);
-            float& nearest = map.values[pixel];
-            if (here.disparities[pixel] == stages::kNotCovered &&
-                (!DisparityMap::known(nearest) || nearest < d))
+            float& nearest = map.values[row + static_cast<std::size_t>(there)];
+            if (!is_covered(static_cast<int>(there)) && (!DisparityMap::known(nearest) || nearest < d))
                 nearest = d;
         }
+    };
+    stages::for_row_bands(height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) fill_row(y);
+    });
     DisparityMap small{std::max(1, width / kFilled), std::max(1, height / kFilled), {}};
     for (int y = 0; y < small.height; ++y)
         for (int x = 0; x < small.width; ++x)
@@ -147,20 +151,23 @@ DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& h
     small = densify::fill_holes(
         small, right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height),
         threads);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            float& d = map.at(x, y);
-            if (!DisparityMap::known(d))
-                d = small.at(std::min(small.width - 1, x / kFilled), std::min(small.height - 1, y / kFilled));
-        }
+    stages::for_row_bands(height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width; ++x) {
+                float& d = map.at(x, y);
+                if (!DisparityMap::known(d))
+                    d = small.at(std::min(small.width - 1, x / kFilled),
+                                 std::min(small.height - 1, y / kFilled));
+            }
+    });
     return map;
 }
 
-OtherView unmatched_right_view(const InputPair& pair, const stages::FoundRange& range, int threads) {
+OtherView unmatched_right_view(InputPair& pair, const stages::FoundRange& range, int threads) {
     return right_view({}, pair, range, threads);
 }
 
-OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+OtherView right_view_of_program(InputPair& pair, const stages::ViewMaps& maps,
                                 const stages::FoundRange& range, int threads) {
     const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left),
                                           maps.is_dense};

@@ -6,11 +6,12 @@
 
 namespace hexrelief::job {
 
-// Returns the right view of a pair, its picture in the left one's light. It has no map yet.
-stages::OtherView unmatched_right_view(const InputPair& pair, const stages::FoundRange& range, int threads);
+// Returns the right view of a pair, its picture in the left one's light. It has no map yet. The picture at
+// its original size is moved out of the pair.
+stages::OtherView unmatched_right_view(InputPair& pair, const stages::FoundRange& range, int threads);
 
-// Returns the same with its map, by both views' maps of a program of the user's.
-stages::OtherView right_view_of_program(const InputPair& pair, const stages::ViewMaps& maps,
+// Does the same with its map, by both views' maps of a program of the user's.
+stages::OtherView right_view_of_program(InputPair& pair, const stages::ViewMaps& maps,
                                         const stages::FoundRange& range, int threads);
 
 // Adds the place of the right view, and its mask; makes its map, if it has one, fit the left view's: counted

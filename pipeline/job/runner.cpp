@@ -124,7 +124,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
     if (config.run.backend != config::BackendChoice::automatic) starting = start(config.run.backend);
     Relief relief;
     RunInput& input = relief.input = log.stage("input", [&] { return read_source(request, threads, log); });
-    const InputPair* const pair = input.pair();
+    InputPair* const pair = std::get_if<InputPair>(&input.views);
     const BackendDecision decision = choose_backend(
         {input.calibration.width, input.calibration.height, pair != nullptr, threads, request.jobs}, config);
     if (!starting.valid()) starting = start(decision.choice);

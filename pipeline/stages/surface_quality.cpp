@@ -118,9 +118,8 @@ SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityM
         left.points.push_back({x, y, d});
         right.points.push_back({x - d, y, d});
     }
-    const std::vector<double> strict = rasterise_disparity(left, threads),
-                              seen = rasterise_disparity(right, threads);
-    std::vector<double> slack = strict;
+    const Disparities strict = rasterise_disparity(left, threads), seen = rasterise_disparity(right, threads);
+    Disparities slack = strict;
     fill_within(slack, wanted, left, kBorderSlack_px, threads);
     const std::vector<float> hidden = hidden_from_left(map, threads);
 

@@ -133,21 +133,31 @@ void for_row_bands(int height, int threads, const std::function<void(int, int)>&
     });
 }
 
-std::vector<double> rasterise_disparity(const View& view, int threads) {
-    std::vector<double> shown(static_cast<std::size_t>(view.width) * view.height, kNotCovered);
-    rasterise_over(shown, view, threads);
+namespace {
+
+void rasterise_rows(Disparities& shown, const View& view, int begin, int end) {
+    for (const Triangle& t : *view.triangles)
+        for_rows_of(view, t, begin, end, 1, [&](const Filler& filler, int y) {
+            const PixelRun run = filler.run(y, view.width);
+            double* const row = &shown[static_cast<std::size_t>(y) * view.width + run.x];
+            for (int i = 0; i < run.count; ++i) row[i] = std::max(row[i], run.disparity(i));
+        });
+}
+
+}  // namespace
+
+Disparities rasterise_disparity(const View& view, int threads) {
+    Disparities shown(static_cast<std::size_t>(view.width) * view.height);
+    for_row_bands(view.height, threads, [&](int begin, int end) {
+        const auto row = [&](int y) { return shown.begin() + static_cast<std::ptrdiff_t>(y) * view.width; };
+        std::fill(row(begin), row(end), kNotCovered);
+        rasterise_rows(shown, view, begin, end);
+    });
     return shown;
 }
 
-void rasterise_over(std::vector<double>& shown, const View& view, int threads) {
-    for_row_bands(view.height, threads, [&](int begin, int end) {
-        for (const Triangle& t : *view.triangles)
-            for_rows_of(view, t, begin, end, 1, [&](const Filler& filler, int y) {
-                const PixelRun run = filler.run(y, view.width);
-                double* const row = &shown[static_cast<std::size_t>(y) * view.width + run.x];
-                for (int i = 0; i < run.count; ++i) row[i] = std::max(row[i], run.disparity(i));
-            });
-    });
+void rasterise_over(Disparities& shown, const View& view, int threads) {
+    for_row_bands(view.height, threads, [&](int begin, int end) { rasterise_rows(shown, view, begin, end); });
 }
 
 void scan_pixels(const View& view, int row_step, const std::function<void(const PixelRun&)>& take) {
@@ -158,8 +168,8 @@ void scan_pixels(const View& view, int row_step, const std::function<void(const 
         });
 }
 
-void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, const View& view,
-                 double slack_px, int threads) {
+void fill_within(Disparities& covered, const std::vector<char>& wanted, const View& view, double slack_px,
+                 int threads) {
     std::vector<char> open(covered.size());
     for (std::size_t i = 0; i < open.size(); ++i) open[i] = wanted[i] && covered[i] == kNotCovered;
     std::vector<double> best(covered.size(), slack_px * slack_px);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "mesher/common/uninitialized_vector.h"
 #include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief::stages {
@@ -24,13 +25,14 @@ struct View {
 };
 
 inline constexpr double kNotCovered = -std::numeric_limits<double>::infinity();
+using Disparities = RawVector<double>;
 
 // Returns one disparity per pixel, row-major: the largest of all triangles that contain the pixel's centre,
 // their edges included; kNotCovered if none does. Disparity is linear over a triangle, which is exact for
 // planes in space. The result is the same for any number of threads (>= 1).
-std::vector<double> rasterise_disparity(const View& view, int threads);
+Disparities rasterise_disparity(const View& view, int threads);
 // Raises the disparities that such triangles show so far, of the same size, to those of more triangles.
-void rasterise_over(std::vector<double>& shown, const View& view, int threads);
+void rasterise_over(Disparities& shown, const View& view, int threads);
 
 // The pixels x .. x + count - 1 of row y whose centres lie in a triangle.
 struct PixelRun {
@@ -47,8 +49,8 @@ void scan_pixels(const View& view, int row_step, const std::function<void(const 
 // Fills pixels near the triangles: each pixel of `wanted` (row-major, one value per pixel) that `covered`
 // leaves open, but whose centre is within slack_px (at most 1) of a triangle, gets the disparity of the
 // nearest point of all triangles; the largest disparity if several points are equally near.
-void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, const View& view,
-                 double slack_px, int threads);
+void fill_within(Disparities& covered, const std::vector<char>& wanted, const View& view, double slack_px,
+                 int threads);
 
 // Calls work(first_row, last_row + 1) for bands of rows on `threads` threads; returns when all are done.
 void for_row_bands(int height, int threads, const std::function<void(int, int)>& work);

@@ -1,7 +1,6 @@
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -33,12 +32,9 @@ struct Line {
     std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
 };
 
-// The nearest surface at each pixel of a view so far.
-using Front = RawVector<double>;
-
 // What continues behind a silhouette at each pixel.
 struct Continued {
-    RawVector<double> disparities;        // kNotCovered = nothing
+    Disparities disparities;              // kNotCovered = nothing
     RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
     RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
     std::vector<std::uint32_t> pixels;    // that have something
@@ -58,14 +54,14 @@ struct Continued {
 
 // Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
 // number, at most `most`.
-int reach_of(const Front& front, const Line& line, int end, int reach, int most) {
+int reach_of(const Disparities& front, const Line& line, int end, int reach, int most) {
     while (reach < most && end - reach >= 0 &&
            std::abs(front[line(end - reach)] - front[line(end - reach + 1)]) <= kOneSurface_px)
         ++reach;
     return reach;
 }
 
-double slope_at(const Front& front, const Line& line, int end, int reach) {
+double slope_at(const Disparities& front, const Line& line, int end, int reach) {
     const int span = std::min(reach - 1, kSlope_px);
     return span < 2
                ? 0
@@ -73,7 +69,7 @@ double slope_at(const Front& front, const Line& line, int end, int reach) {
 }
 
 // Continues the surface that ends at line(end) before a nearer one.
-void continue_from(const Front& front, const Line& line, int end, double baselines, Continued& result) {
+void continue_from(const Disparities& front, const Line& line, int end, double baselines, Continued& result) {
     const int longest = line.count / kLongestShare;
     const double far = front[line(end)];
     double near = front[line(end + 1)];
@@ -91,7 +87,7 @@ void continue_from(const Front& front, const Line& line, int end, double baselin
 
 // Does this for each silhouette of some lines beside each other. They are walked together, because a column's
 // pixels are far apart in memory.
-void continue_along(const Front& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
+void continue_along(const Disparities& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
                     double baselines, Continued& result) {
     for (int end = 0; end + 1 < first.count; ++end)
         for (std::size_t k = 0; k < lines; ++k) {
@@ -102,7 +98,8 @@ void continue_along(const Front& front, const Line& first, std::ptrdiff_t beside
         }
 }
 
-Continued continued_in(const Front& front, const OtherView& view, const Beyond& beyond, ThreadPool& pool) {
+Continued continued_in(const Disparities& front, const OtherView& view, const Beyond& beyond,
+                       ThreadPool& pool) {
     const int width = view.place.width, height = view.place.height;
     Continued result(front.size());
     pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
@@ -144,9 +141,9 @@ void for_four_neighbours(std::uint32_t pixel, const ViewPlace& place, const Take
 }
 
 // Makes lines that continue one surface agree.
-void smooth(Continued& continued, const Front& front, const ViewPlace& place, ThreadPool& pool) {
+void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool) {
     const std::vector<std::uint32_t>& pixels = continued.pixels;
-    RawVector<double>& disparities = continued.disparities;
+    Disparities& disparities = continued.disparities;
     std::vector<double> smoothed(pixels.size());
     const auto smooth_at = [&](std::uint32_t pixel) {
         const double own = disparities[pixel];
@@ -173,7 +170,7 @@ void smooth(Continued& continued, const Front& front, const ViewPlace& place, Th
 }
 
 // Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
-void spread_colours(Continued& continued, const OtherView& view, const Front& front) {
+void spread_colours(Continued& continued, const OtherView& view, const Disparities& front) {
     std::size_t begin = 0;
     for (int round = 0; round < kSpread; ++round) {
         const std::size_t end = continued.pixels.size();
@@ -198,34 +195,39 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, T
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
     const auto width = static_cast<std::uint32_t>(place.width);
-    // The colours are taken before any pixel is painted.
-    RawVector<std::array<std::uint8_t, 4>> colours(continued.disparities.size());
+    // The colours are taken before any pixel is painted. A channel has 16 bits of a sum, the last 16 bits are
+    // the count.
+    constexpr int kBits = 16, kCount = 48;
+    RawVector<std::uint64_t> colours(continued.disparities.size());
     pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t from = continued.colours_of[continued.pixels[i]];
-            const int x = static_cast<int>(from % width), y = static_cast<int>(from / width);
-            std::copy_n(picture.at(column(x), row(y)), picture.channels,
-                        colours[continued.pixels[i]].begin());
+            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
+            const std::uint8_t* const colour =
+                picture.at(column(static_cast<int>(from % width)), row(static_cast<int>(from / width)));
+            colours[pixel] = std::uint64_t{1} << kCount;
+            for (int c = 0; c < picture.channels; ++c)
+                colours[pixel] |= std::uint64_t{colour[c]} << kBits * c;
         }
     });
     const auto paint_at = [&](std::uint32_t pixel) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
             return;  // a smaller picture has no such pixel
-        int sums[4] = {}, count = 0;
-        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v)
-            for (int u = std::max(0, x - kSoft_px); u <= std::min(place.width - 1, x + kSoft_px); ++u) {
-                const std::size_t other = static_cast<std::size_t>(v) * width + u;
-                if (!(std::abs(continued.disparities[other] - continued.disparities[pixel]) <=
-                      kNeighbours_px))
-                    continue;
-                for (int c = 0; c < picture.channels; ++c) sums[c] += colours[other][c];
-                ++count;
-            }
+        const double own = continued.disparities[pixel];
+        const int left = std::max(0, x - kSoft_px), right = std::min(place.width - 1, x + kSoft_px);
+        std::uint64_t sums = 0;
+        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v) {
+            const std::size_t line = static_cast<std::size_t>(v) * width;
+            for (std::size_t other = line + left; other <= line + right; ++other)
+                if (std::abs(continued.disparities[other] - own) <= kNeighbours_px) sums += colours[other];
+        }
+        const std::uint64_t count = sums >> kCount;
+        std::uint8_t mean[3] = {};
+        for (int c = 0; c < picture.channels; ++c)
+            mean[c] = static_cast<std::uint8_t>(((sums >> kBits * c & 0xffff) + count / 2) / count);
         for (int v = row(y); v < row(y + 1); ++v)
             for (int u = column(x); u < column(x + 1); ++u)
-                for (int c = 0; c < picture.channels; ++c)
-                    picture.at(u, v)[c] = static_cast<std::uint8_t>((sums[c] + count / 2) / count);
+                std::copy_n(mean, picture.channels, picture.at(u, v));
     };
     pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) paint_at(continued.pixels[i]);
@@ -250,6 +252,11 @@ std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least,
     std::vector<std::uint32_t> region, specks;
     for (std::uint32_t seed = 0; seed < states.size(); ++seed) {
         if (!DisparityMap::known(map.values[seed]) || states[seed] != kUnseen) continue;
+        if (seed % map.width > 0 && states[seed - 1] == kOfLarge &&
+            std::abs(map.values[seed] - map.values[seed - 1]) <= step_px) {
+            states[seed] = kOfLarge;
+            continue;
+        }
         region.assign(1, seed);
         states[seed] = kSeen;
         bool is_large = false;  // known as soon as there are enough pixels, or one of a large region
@@ -297,7 +304,7 @@ void merge_specks(DisparityMap& map) {
 }
 
 // Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
-void grow(DisparityMap& map, const std::vector<double>& covered) {
+void grow(DisparityMap& map, const Disparities& covered) {
     std::vector<std::uint32_t> border, beside;
     for (std::uint32_t i = 0; i < map.values.size(); ++i)
         if (DisparityMap::known(map.values[i])) border.push_back(i);
@@ -324,7 +331,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                      const VisibleSurface& visible, int threads) {
     const ViewPlace& place = view.place;
     ThreadPool pool(threads);
-    Front front(here.disparities.size());
+    Disparities front(here.disparities.size());
     pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             front[i] =

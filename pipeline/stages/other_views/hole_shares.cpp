@@ -87,7 +87,7 @@ double open_share(const std::vector<ViewPoint>& points, const SurfaceMesh& mesh,
             p.x *= kSamples;
             p.y = (p.y - top) * kSamples;
         }
-        const std::vector<double> samples = rasterise_disparity(band, threads);
+        const Disparities samples = rasterise_disparity(band, threads);
         for (int y = 0; y < rows; ++y)
             for (int x = 0; x < map.width; ++x) {
                 if (!is_inside(x, top + y)) continue;

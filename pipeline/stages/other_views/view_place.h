@@ -32,7 +32,7 @@ Calibration camera_at(const ViewPlace& place, const Calibration& left);
 // What a surface shows in a view: per pixel, row-major, its disparity in this view's px or kNotCovered.
 struct SeenSurface {
     ViewPlace place;
-    std::vector<double> disparities;
+    Disparities disparities;
 
     // Returns the largest disparity, in px of the left view, at which the left view's point is not in front
     // of the surface here; +infinity if the view does not show the surface there.

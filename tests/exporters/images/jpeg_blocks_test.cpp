@@ -150,8 +150,10 @@ TEST(JpegBlocks, OtherFilesGiveNothing) {
     EXPECT_TRUE(encode_jpeg_as({}, color, whole(color)).empty());
     EXPECT_TRUE(encode_jpeg_as(encode_png(color), color, whole(color)).empty());
     EXPECT_TRUE(encode_jpeg_as(jpeg, grey, whole(grey)).empty());
-    jpeg.resize(jpeg.size() / 2);
-    EXPECT_TRUE(encode_jpeg_as(jpeg, color, whole(color)).empty());
+    const Image blurred = decoded(jpeg);
+    jpeg.resize(jpeg.size() - 40);  // within its last row of blocks
+    const PixelRect above{0, 0, 40, 16};
+    EXPECT_TRUE(encode_jpeg_as(jpeg, blurred, above).empty());
 }
 
 TEST(JpegBlocks, ATextureTakesNoMoreBytesThanItsFile) {

@@ -63,12 +63,12 @@ class WholeMap : public testing::Test {
         request.report = folder_ / "a.json";
         return run_job(request);
     }
-    static std::vector<double> seen(const SurfaceMesh& mesh, double right, double up = 0) {
+    static stages::Disparities seen(const SurfaceMesh& mesh, double right, double up = 0) {
         return stages::see(mesh, {right, up, up == 0 ? 0.0 : kWall, 1, kWidth, kHeight}, 2).disparities;
     }
     // Returns the share of the pixels of the wall's own field that show nothing from there.
     static double holes(const SurfaceMesh& mesh, double right, double up = 0) {
-        const std::vector<double> disparities = seen(mesh, right, up);
+        const stages::Disparities disparities = seen(mesh, right, up);
         int open = 0, all = 0;
         for (int y = 0; y < kHeight; ++y)
             for (int x = 20; x < kWidth - 20; ++x, ++all)
@@ -114,7 +114,7 @@ TEST_F(WholeMap, NothingIsInFrontOfWhatTheCamerasSee) {
         const SurfaceMesh mesh = run({}, with_right).relief->surface.mesh;
         EXPECT_GT(mesh.triangles.size(), mesh.left_triangles());
         EXPECT_EQ(seen(mesh, 0), seen(left_part(mesh), 0));
-        const std::vector<double> all = seen(mesh, 1), left = seen(left_part(mesh), 1);
+        const stages::Disparities all = seen(mesh, 1), left = seen(left_part(mesh), 1);
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (left[i] == stages::kNotCovered) continue;
             ASSERT_EQ(all[i], left[i]) << i % kWidth << " " << i / kWidth;

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstddef>
+#include <tuple>
 
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/other_view.h"
+#include "pipeline/stages/other_views/provenance.h"
 #include "pipeline/stages/other_views/texture_atlas.h"
 #include "pipeline/stages/surface.h"
 
@@ -204,6 +206,45 @@ TEST(OtherView, TheMirroredPairHasTheRightCameraOnTheLeft) {
     EXPECT_EQ(mirror.right.pixels, (std::vector<std::uint8_t>{2, 1}));
     EXPECT_EQ(mirror.right.alpha, (std::vector<std::uint8_t>{6, 5}));
     EXPECT_EQ(mirrored(DisparityMap{3, 1, {1, 2, 3}}).values, (std::vector<float>{3, 2, 1}));
+}
+
+// A sheet of the right view at all disparities, whose triangles are partly in front of what cameras see.
+DisparityMesh wavy_sheet() {
+    constexpr std::uint32_t kColumns = 21, kRows = 9;
+    DisparityMesh sheet;
+    for (std::uint32_t row = 0; row < kRows; ++row)
+        for (std::uint32_t column = 0; column < kColumns; ++column) {
+            const auto at = static_cast<std::uint32_t>(sheet.points.size());
+            sheet.points.push_back({column * 4.5f, row * 4.5f});
+            sheet.disparities.push_back(3 + static_cast<float>(7 * column + 5 * row) / 12);
+            if (row == 0 || column == 0) continue;
+            sheet.triangles.push_back({at - kColumns - 1, at - 1, at - kColumns});
+            sheet.triangles.push_back({at - kColumns, at - 1, at});
+        }
+    return sheet;
+}
+
+TEST(OtherView, IsTheSameOnAnyNumberOfThreads) {
+    const auto made_by = [](int threads) {
+        VisibleSurface visible =
+            visible_surface(left_surface(), {place_at(0), place_at(1)}, kWall - 1, threads);
+        OtherView view = left_view(visible.seen[0]);
+        continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1}, visible, threads);
+        join_to_surface(view, visible.seen[0]);
+        DisparityMesh sheet = wavy_sheet();
+        keep_behind(sheet, place_at(1), visible, threads);
+        SurfaceMesh added = left_surface();
+        for (const Vec2f& p : sheet.points) added.image_points.push_back(p);
+        added.disparities.insert(added.disparities.end(), sheet.disparities.begin(), sheet.disparities.end());
+        const std::vector<Provenance> provenance = provenance_of(added, visible.seen, threads);
+        cover(visible, left_surface(), threads);
+        return std::tuple(view.missing.values, view.color.pixels, view.picture.pixels, sheet.points,
+                          sheet.disparities, sheet.triangles, provenance, visible.seen[1].disparities);
+    };
+    const auto alone = made_by(1);
+    EXPECT_GT(std::get<5>(alone).size(), wavy_sheet().triangles.size()) << "some are split";
+    EXPECT_EQ(made_by(2), alone);
+    EXPECT_EQ(made_by(7), alone);
 }
 
 TEST(TextureAtlas, EachViewFindsItsPixels) {
