@@ -9,6 +9,8 @@
 #include <map>
 #include <utility>
 
+#include "pipeline/data/union_find.h"
+
 namespace hexrelief::stages {
 namespace {
 
@@ -18,8 +20,9 @@ constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
 constexpr double kMostPush_px = 1;    // what is farther in front lies beside a silhouette
 constexpr int kPushes = 3;
 constexpr double kSamples_per_px = 1.5;
-constexpr int kSplits = 2;  // of a triangle that is partly in front
-constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
+constexpr int kSplits = 2;              // of a triangle that is partly in front
+constexpr int kMoves = 8;               // a vertex that moves is before another place of the surface
+constexpr double kLeastPiece_px2 = 20;  // in the view; nobody would miss a smaller one
 
 bool is_placed(const DisparityMesh& mesh, const Triangle& t) {
     return std::all_of(t.begin(), t.end(),
@@ -112,6 +115,25 @@ std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middle
     for (std::size_t i = 0; i < triangles.size();)
         if (!split(i, 0) && !split(i, 1) && !split(i, 2)) ++i;
     return triangles;
+}
+
+// Returns the triangles of those pieces, joined by vertices, whose area in the view is at least least_px2.
+std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangles,
+                                           const std::vector<Vec2f>& points, double least_px2) {
+    UnionFind pieces(points.size());
+    for (const Triangle& t : triangles) {
+        pieces.join(t[0], t[1]);
+        pieces.join(t[0], t[2]);
+    }
+    std::vector<double> areas_px2(points.size());
+    for (const Triangle& t : triangles) {
+        const Vec2f &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+        areas_px2[pieces.find(t[0])] += std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
+    }
+    std::vector<Triangle> kept;
+    for (const Triangle& t : triangles)
+        if (areas_px2[pieces.find(t[0])] >= least_px2) kept.push_back(t);
+    return kept;
 }
 
 }  // namespace
@@ -238,7 +260,8 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                 split_in_four(t);
         }
     }
-    cut_mesh.triangles = with_middles(std::move(kept), middles, is_kept);
+    cut_mesh.triangles = without_small_pieces(with_middles(std::move(kept), middles, is_kept),
+                                              cut_mesh.points, kLeastPiece_px2);
 }
 
 SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {
