@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Prints the table of holes in BENCHMARKS.md: Middlebury's pairs at the defaults, the left view alone and with what it does not see.
+"""Prints the table of holes in BENCHMARKS.md: Middlebury's pairs at the defaults, the left view alone and whole.
 
 usage: hole_table.py DIR [PROGRAM]
 DIR holds Middlebury's sets as `hexrelief bench` wants them, with images, and middlebury2014-quarter/Piano. PROGRAM is
@@ -67,7 +67,8 @@ def main():
     for name, left in PAIRS.items():
         with tempfile.TemporaryDirectory() as folder:
             alone, both = (measure(program, os.path.join(data, left), folder, views) for views in ("left", "both"))
-        figures = [f"{alone[key]:.{digits}f} -> {both[key]:.{digits}f}" for key, digits in (("right", 2), ("above", 2), ("psnr", 1))]
+        figures = [f"{alone[key]:.{digits}f} -> {both[key]:.{digits}f}"
+                   for key, digits in (("right", 2), ("above", 2), ("psnr", 1))]
         figures += [f"{both[key] / alone[key]:.2f}" for key in ("triangles", "bytes")]
         print(f"| {name} | {' | '.join(figures)} |", flush=True)
 
