@@ -49,22 +49,33 @@ def project(positions, pivot, angle):
     return turned[:, 0] / depth, -turned[:, 1] / depth, depth
 
 
-def draw(obj, angle, frame):
+# Mixes the texture's four pixels around each place (0 to 1, row 0 on top).
+def bilinear(texture, across, down):
+    high, wide = texture.shape[:2]
+    x, y = np.clip(across * wide - 0.5, 0, wide - 1), np.clip(down * high - 0.5, 0, high - 1)
+    left, top = x.astype(int), y.astype(int)
+    right, bottom = np.minimum(left + 1, wide - 1), np.minimum(top + 1, high - 1)
+    u, v = (x - left)[..., None], (y - top)[..., None]
+    upper = texture[top, left] * (1 - u) + texture[top, right] * u
+    return upper * (1 - v) + (texture[bottom, left] * (1 - u) + texture[bottom, right] * u) * v
+
+
+# Returns the picture inside the frame, and the inverse depth of each of its pixels, 0 where there is no triangle.
+def draw_with_depth(obj, angle, frame, height):
     positions, texcoords, triangles, texture = obj
     x0, y0, x1, y1, pivot = frame
-    scale = HEIGHT_PX / (y1 - y0)
+    scale = height / (y1 - y0)
     width = round((x1 - x0) * scale)
     u, v, depth = project(positions, pivot, angle)
     px, py = (u - x0) * scale, (v - y0) * scale
-    picture = np.full((HEIGHT_PX, width, 3), BACKDROP, np.uint8)
-    nearest = np.zeros((HEIGHT_PX, width))  # 1 / depth
-    high, wide = texture.shape[:2]
+    picture = np.full((height, width, 3), BACKDROP, np.uint8)
+    nearest = np.zeros((height, width))
     for t in triangles[np.all(depth[triangles] > 0, axis=1)]:
         ax, bx, cx = px[t]
         ay, by, cy = py[t]
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         left, right = max(0, math.ceil(min(ax, bx, cx) - 0.5)), min(width - 1, math.floor(max(ax, bx, cx) - 0.5))
-        top, bottom = max(0, math.ceil(min(ay, by, cy) - 0.5)), min(HEIGHT_PX - 1, math.floor(max(ay, by, cy) - 0.5))
+        top, bottom = max(0, math.ceil(min(ay, by, cy) - 0.5)), min(height - 1, math.floor(max(ay, by, cy) - 0.5))
         if area == 0 or left > right or top > bottom:
             continue
         x = np.arange(left, right + 1)[None, :] + 0.5
@@ -77,11 +88,13 @@ def draw(obj, angle, frame):
         seen = (la >= 0) & (lb >= 0) & (lc >= 0) & (inverse > here)
         weights = np.stack([la / depth[t[0]], lb / depth[t[1]], lc / depth[t[2]]], -1)[seen] / inverse[seen][:, None]
         at = weights @ texcoords[t]
-        column = np.clip((at[:, 0] * wide).astype(int), 0, wide - 1)
-        row = np.clip(((1 - at[:, 1]) * high).astype(int), 0, high - 1)
         here[seen] = inverse[seen]
-        picture[top:bottom + 1, left:right + 1][seen] = texture[row, column]
-    return picture
+        picture[top:bottom + 1, left:right + 1][seen] = np.rint(bilinear(texture, at[:, 0], 1 - at[:, 1]))
+    return picture, nearest
+
+
+def draw(obj, angle, frame):
+    return draw_with_depth(obj, angle, frame, HEIGHT_PX)[0]
 
 
 def views(path, angle_deg):

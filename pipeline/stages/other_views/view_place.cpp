@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/data/union_find.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -22,8 +23,9 @@ constexpr double kMostPush_px = 1;    // what is farther in front lies beside a 
 constexpr int kPushes = 3;
 constexpr double kEverything_px = std::numeric_limits<double>::infinity();
 constexpr double kSamples_per_px = 1.5;
-constexpr int kSplits = 2;  // of a triangle that is partly in front
-constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
+constexpr int kSplits = 2;              // of a triangle that is partly in front
+constexpr int kMoves = 8;               // a vertex that moves is before another place of the surface
+constexpr double kLeastPiece_px2 = 20;  // in the view; nobody would miss a smaller one
 
 View view_from(const SurfaceMesh& mesh, const ViewPlace& place) {
     View view{{}, &mesh.triangles, place.width, place.height};
@@ -140,6 +142,25 @@ std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middle
         begin = end;
     }
     return triangles;
+}
+
+// Returns the triangles of those pieces, joined by vertices, whose area in the view is at least least_px2.
+std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangles,
+                                           const std::vector<Vec2f>& points, double least_px2) {
+    UnionFind pieces(points.size());
+    for (const Triangle& t : triangles) {
+        pieces.join(t[0], t[1]);
+        pieces.join(t[0], t[2]);
+    }
+    std::vector<double> areas_px2(points.size());
+    for (const Triangle& t : triangles) {
+        const Vec2f &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+        areas_px2[pieces.find(t[0])] += std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
+    }
+    std::vector<Triangle> kept;
+    for (const Triangle& t : triangles)
+        if (areas_px2[pieces.find(t[0])] >= least_px2) kept.push_back(t);
+    return kept;
 }
 
 }  // namespace
@@ -266,7 +287,8 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                 split_in_four(parts[i]);
         }
     }
-    cut_mesh.triangles = with_middles(std::move(kept), middles, is_kept, pool);
+    cut_mesh.triangles = without_small_pieces(with_middles(std::move(kept), middles, is_kept, pool),
+                                              cut_mesh.points, kLeastPiece_px2);
 }
 
 SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {

@@ -59,8 +59,8 @@ void cover(VisibleSurface& surface, const SurfaceMesh& added, int threads);
 float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surface);
 
 // Moves the vertices of a cut mesh of this view so, and those of triangles that are in front of the surface
-// by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, and
-// those that are too far.
+// by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, those
+// that are too far, and pieces of less than 20 square pixels of this view.
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface, int threads);
 
 // Returns a surface of this view in the left camera's space. Its image points and disparities are the left

@@ -7,6 +7,7 @@
 
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/union_find.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/stages/other_views/view_place.h"
 #include "tests/pipeline/process.h"
@@ -96,6 +97,22 @@ TEST_F(WholeMap, WhatNobodySawContinuesBehindTheBox) {
         EXPECT_GT(holes(left, 0, up), 0.01) << up;
         EXPECT_LT(holes(whole, 0, up), 0.002) << up;
     }
+}
+
+TEST_F(WholeMap, WhatNobodySawHasNoSilhouettesOfItsOwn) {
+    // The wall's lower half is 4 px nearer: a silhouette, but not behind the box.
+    for (std::size_t i = kWidth * kHeight / 2; i < scene_.left.size(); ++i)
+        if (scene_.left[i] == kWall) scene_.left[i] += 4;
+    const SurfaceMesh mesh = run({}).relief->surface.mesh;
+    const std::vector<Triangle> hidden(
+        mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.left_triangles()), mesh.triangles.end());
+    UnionFind pieces(mesh.positions.size());
+    for (const Triangle& t : hidden) {
+        pieces.join(t[0], t[1]);
+        pieces.join(t[0], t[2]);
+    }
+    for (const Triangle& t : hidden) ASSERT_EQ(pieces.find(t[0]), pieces.find(hidden[0][0]));
+    EXPECT_FALSE(hidden.empty());
 }
 
 TEST_F(WholeMap, TheReportTellsTheHoles) {

@@ -191,6 +191,17 @@ TEST(OtherView, NoVertexLiesOnTheEdgeOfATriangleBesideASplitOne) {
         }
 }
 
+TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
+    DisparityMesh sheet;  // behind all: pieces of 18, of twice 12.5 and of 24.5 square pixels
+    sheet.points = {{5, 5},   {11, 5},  {5, 11}, {15, 5}, {20, 5},
+                    {15, 10}, {20, 10}, {25, 5}, {32, 5}, {25, 12}};
+    sheet.disparities.assign(sheet.points.size(), 2);
+    sheet.triangles = {{0, 2, 1}, {3, 5, 4}, {4, 5, 6}, {7, 9, 8}};
+    keep_behind(sheet, place_at(0), visible, 2);
+    EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}, {4, 5, 6}, {7, 9, 8}}));
+}
+
 TEST(OtherView, APointBehindEverythingIsUnknown) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall, kThreads);
     EXPECT_EQ(behind({30, 20, kWall - 2.0}, place_at(1), visible), kUnknownDisparity);
