@@ -84,6 +84,7 @@ struct ExportConfig {
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;
     UpAxis up = UpAxis::y;
+    bool ply_texcoords = false;  // s t in .ply, which has no texture beside it
     SolidKind solid = SolidKind::none;
     double solid_size_mm = 100;  // longer side of the base
     int lod = 1;                 // number of levels of detail, the scene's mesh included

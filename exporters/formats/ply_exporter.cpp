@@ -30,7 +30,7 @@ Colour sample(const Image& image, const Vec2f& texcoord) {
     return out;
 }
 
-std::string header(const Scene& scene, UpAxis up, bool normals, bool colours) {
+std::string header(const Scene& scene, UpAxis up, bool normals, bool texcoords, bool colours) {
     const SurfaceMesh& mesh = *scene.mesh;
     std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
     text +=
@@ -40,6 +40,7 @@ std::string header(const Scene& scene, UpAxis up, bool normals, bool colours) {
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
     text += "property float x\nproperty float y\nproperty float z\n";
     if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
+    if (texcoords) text += "property float s\nproperty float t\n";
     if (colours) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     if (!mesh.provenance.empty()) text += "property uchar provenance\n";
     text += "element face " + std::to_string(mesh.triangles.size()) + "\n";
@@ -51,9 +52,10 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
     const SurfaceMesh& mesh = *scene.mesh;
     const bool normals = config.normals != NormalsKind::never && !mesh.normals.empty();
     const bool colours = scene.texture && config.texture != TextureFormat::none;
-    std::string bytes = header(scene, config.up, normals, colours);
+    const bool texcoords = config.ply_texcoords && config.texcoords && !mesh.texcoords.empty();
+    std::string bytes = header(scene, config.up, normals, texcoords, colours);
     const std::size_t vertex_size =
-        12 + (normals ? 12 : 0) + (colours ? 3 : 0) + (mesh.provenance.empty() ? 0 : 1);
+        12 + (normals ? 12 : 0) + (texcoords ? 8 : 0) + (colours ? 3 : 0) + (mesh.provenance.empty() ? 0 : 1);
     const std::size_t start = bytes.size();
     bytes.resize(start + vertex_size * mesh.positions.size() + 13 * mesh.triangles.size());
     char* next = bytes.data() + start;
@@ -67,6 +69,10 @@ void write_ply(const Scene& scene, const ExportConfig& config, const std::filesy
         if (normals) {
             const Vec3f normal = placed(mesh.normals[i], config.up);
             put(&normal, 12);
+        }
+        if (texcoords) {
+            const Vec2f st{mesh.texcoords[i].x, 1 - mesh.texcoords[i].y};
+            put(&st, 8);
         }
         if (colours) put(sample(*scene.texture, mesh.texcoords[i]).data(), 3);
         if (!mesh.provenance.empty()) put(&mesh.provenance[i], 1);

@@ -62,6 +62,10 @@ std::vector<Field> export_fields() {
                "axis that points up in .obj, .ply and an .stl without a body; z is for programs of CAD and "
                "maps; the other formats have one of their own",
                MEMBER(exporting.up)),
+        flag("export.ply_texcoords",
+             "texture coordinates s, t in .ply, t = 0 at the bottom, of the texture that an .obj has with "
+             "export.texture_crop=false",
+             MEMBER(exporting.ply_texcoords)),
         choice(
             "export.solid", {"none", "base"},
             "contents of .stl and .3mf: none = the surface; base = a closed body in mm on a flat base, for "

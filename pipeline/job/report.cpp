@@ -361,7 +361,8 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     const Json defaults = config::config_json({});
     for (const char* const section : {"rectify", "depth", "mask", "confidence"})
         if (input[section] == defaults["input"][section]) input.erase(section);
-    parameters["export"].erase("up");  // of other formats
+    for (const char* const key : {"up", "ply_texcoords"})
+        parameters["export"].erase(key);  // of other formats
     Json& disparity = parameters["disparity"];
     if (disparity["working_px"] == defaults["disparity"]["working_px"]) disparity.erase("working_px");
     Json json;

@@ -244,6 +244,23 @@ TEST(UpAxis, ZTurnsPositionsAndNormalsAlike) {
     EXPECT_EQ(corner, turned(mesh.positions[mesh.triangles[0][0]]));
 }
 
+TEST(PlyFile, HasTextureCoordinatesOnRequest) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(4, 4);
+    ExportConfig config;
+    config.normals = NormalsKind::never;
+    config.ply_texcoords = true;
+    export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / "a.ply");
+    const std::string bytes = contents(folder / "a.ply");
+    const std::size_t begin = bytes.find("property float s\nproperty float t\nelement face");
+    ASSERT_NE(begin, std::string::npos);
+    for (std::size_t i = 0; i < mesh.texcoords.size(); ++i) {
+        Vec2f st;
+        std::memcpy(&st, bytes.data() + bytes.find("end_header\n") + 11 + 20 * i + 12, 8);
+        EXPECT_EQ(st, (Vec2f{mesh.texcoords[i].x, 1 - mesh.texcoords[i].y})) << i;
+    }
+}
+
 TEST(PlyFile, WithoutNormals) {
     const TemporaryFolder folder;
     SurfaceMesh mesh = sample_mesh(4, 4);
