@@ -21,8 +21,8 @@ using stages::ViewPlace;
 
 constexpr int kReduced = 4;               // what continues behind the left view's silhouettes is smooth
 constexpr double kCoarser = 3.5;          // spacing of the other views: what has no match has little detail
-constexpr double kUncut_px = 1000;        // steps of what no camera saw, which has no silhouettes
-constexpr double kHiddenStep_px = 6;      // the same if the right camera, which has no view, sees some of it
+constexpr double kHiddenStep_px = 20;     // a higher one is cut in what no camera saw
+constexpr double kShownStep_px = 6;       // the same if the right camera, which has no view, sees some of it
 constexpr int kFilled = 3;                // holes of the right view are filled at a third of its size
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
@@ -89,7 +89,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     coarse.spacing_px = std::min(kCoarser * coarse.spacing_px, std::min(width, height) / kFittingSpacings);
     const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     SurfaceConfig surface = config.surface;
-    if (other.place.right == 0) surface.least_discontinuity_px = left.right ? kUncut_px : kHiddenStep_px;
+    if (other.place.right == 0) surface.least_discontinuity_px = left.right ? kHiddenStep_px : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
     stages::keep_behind(cut, other.place, visible, backend.threads());
     if (cut.triangles.empty()) return {};
