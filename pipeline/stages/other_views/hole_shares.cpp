@@ -1,6 +1,7 @@
 #include "pipeline/stages/other_views/hole_shares.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -79,7 +80,7 @@ Field field_of(int lines, int count, const Place& place) {
 template <class IsInside>
 double open_share(const std::vector<ViewPoint>& points, const SurfaceMesh& mesh, const DisparityMap& map,
                   const IsInside& is_inside, int threads) {
-    long long inside = 0, open = 0;
+    std::atomic<long long> all_inside{0}, all_open{0};
     for (int top = 0; top < map.height; top += kBand) {
         const int rows = std::min(kBand, map.height - top);
         View band{points, &mesh.triangles, map.width * kSamples, rows * kSamples};
@@ -88,18 +89,23 @@ double open_share(const std::vector<ViewPoint>& points, const SurfaceMesh& mesh,
             p.y = (p.y - top) * kSamples;
         }
         const Disparities samples = rasterise_disparity(band, threads);
-        for (int y = 0; y < rows; ++y)
-            for (int x = 0; x < map.width; ++x) {
-                if (!is_inside(x, top + y)) continue;
-                int covered = 0;
-                for (int v = y * kSamples; v < (y + 1) * kSamples; ++v)
-                    for (int u = x * kSamples; u < (x + 1) * kSamples; ++u)
-                        covered += samples[static_cast<std::size_t>(v) * band.width + u] != kNotCovered;
-                ++inside;
-                open += 2 * covered < kSamples * kSamples;
-            }
+        for_row_bands(rows, threads, [&](int begin, int end) {
+            long long inside = 0, open = 0;
+            for (int y = begin; y < end; ++y)
+                for (int x = 0; x < map.width; ++x) {
+                    if (!is_inside(x, top + y)) continue;
+                    int covered = 0;
+                    for (int v = y * kSamples; v < (y + 1) * kSamples; ++v)
+                        for (int u = x * kSamples; u < (x + 1) * kSamples; ++u)
+                            covered += samples[static_cast<std::size_t>(v) * band.width + u] != kNotCovered;
+                    ++inside;
+                    open += 2 * covered < kSamples * kSamples;
+                }
+            all_inside += inside;
+            all_open += open;
+        });
     }
-    return inside == 0 ? 0 : static_cast<double>(open) / static_cast<double>(inside);
+    return all_inside == 0 ? 0 : static_cast<double>(all_open) / static_cast<double>(all_inside);
 }
 
 }  // namespace
