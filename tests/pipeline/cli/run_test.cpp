@@ -152,10 +152,11 @@ TEST(Run, ReportFollowsTheSchema) {
                         "--seed", "7", "--threads", "2", "--set", "mesh.spacing_px=8"}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
-    expect_keys(report, {"schema",    "hexrelief", "backend",   "backend_reason",   "device",  "threads",
-                         "seed",      "config",    "input",     "foreground_share", "picture", "depth_range",
-                         "disparity", "stages",    "mesh",      "surface",          "budget",  "outputs",
-                         "warnings",  "seconds",   "peak_bytes"});
+    expect_keys(report, {"schema",        "hexrelief", "backend",     "backend_reason", "device",
+                         "threads",       "seed",      "config",      "input",          "foreground_share",
+                         "background_px", "picture",   "depth_range", "disparity",      "stages",
+                         "mesh",          "surface",   "budget",      "outputs",        "warnings",
+                         "seconds",       "peak_bytes"});
     EXPECT_TRUE(report["budget"].is_null());
     EXPECT_EQ(report["schema"], 1);
     EXPECT_EQ(report["hexrelief"]["version"], HEXRELIEF_VERSION);
