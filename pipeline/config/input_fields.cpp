@@ -131,7 +131,7 @@ std::vector<Field> input_fields() {
             "input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
             "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
             "squeezed to half of that side; auto = by the file: spatial HEIC, two JPEG pictures as in MPO, "
-            ".jps, or the last words of its name, such as sbs, left-right, over-under",
+            ".jps, or words of its name, such as sbs, left-right, over-under",
             MEMBER(input.stereo.layout), {"--layout"}),
         flag("input.stereo.right_first", "the right view is on the left, or above, as for crossed eyes",
              MEMBER(input.stereo.right_first)),

@@ -86,7 +86,7 @@ std::optional<Halves> own_halves(const codec::SourceFile& source) {
                       source.path.extension().string() + " have them"};
 }
 
-// Returns the layout that the last words of a name say, as in holiday-sbs.jpg; nullopt if they say none.
+// Returns the layout that words of a name say, as in holiday-sbs.jpg; nullopt if they say none.
 std::optional<Halves> named_halves(const std::filesystem::path& path) {
     static constexpr std::pair<std::string_view, StereoLayout> kWords[] = {
         {"sbs-half", StereoLayout::half_side_by_side},
@@ -98,14 +98,14 @@ std::optional<Halves> named_halves(const std::filesystem::path& path) {
         {"over-under", StereoLayout::top_bottom},
         {"top-bottom", StereoLayout::top_bottom},
         {"tb", StereoLayout::top_bottom}};
-    // As if all words were parted by hyphens, and one stood before the first.
-    std::string name = "-" + path.stem().string();
+    // As if all words were parted by hyphens, and one stood at both ends.
+    std::string name = "-" + path.stem().string() + "-";
     for (char& c : name)
         c = c == '_' || c == ' ' || c == '.' ? '-'
             : c >= 'A' && c <= 'Z'           ? static_cast<char>(c - 'A' + 'a')
                                              : c;
     for (const auto& [words, layout] : kWords)
-        if (name.ends_with("-" + std::string(words)))
+        if (name.find("-" + std::string(words) + "-") != std::string::npos)
             return Halves{layout, false, "left view first, by '" + std::string(words) + "' in the name"};
     return std::nullopt;
 }

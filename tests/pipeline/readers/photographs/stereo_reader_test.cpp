@@ -78,7 +78,8 @@ TEST(ReadStereoFile, JpsAndPnsHaveTheRightViewFirst) {
 TEST(ReadStereoFile, NamesMayTellTheLayout) {
     const Folder folder;
     const Bytes file = make_pgm(4, 4, 255, kSamples);
-    for (const char* const name : {"calf-left-right.pgm", "Card.SBS.pgm", "a side-by-side.pgm", "sbs.pgm"}) {
+    for (const char* const name :
+         {"calf-left-right.pgm", "Card.SBS.pgm", "a side-by-side 960.pgm", "sbs.pgm"}) {
         const StereoPair pair = read_stereo_file(folder.write(name, file), {}).views;
         EXPECT_EQ(pair.left.pixels, (Bytes{0, 10, 40, 50, 80, 90, 120, 130})) << name;
     }
