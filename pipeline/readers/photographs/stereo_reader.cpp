@@ -67,6 +67,7 @@ struct Halves {
     StereoLayout layout;
     bool is_right_first;
     std::string told;
+    bool may_be_squeezed = false;  // the picture's shape decides
 };
 
 // Returns the layout and order of the file's own word or name; nullopt if it has none.
@@ -106,7 +107,8 @@ std::optional<Halves> named_halves(const std::filesystem::path& path) {
                                              : c;
     for (const auto& [words, layout] : kWords)
         if (name.find("-" + std::string(words) + "-") != std::string::npos)
-            return Halves{layout, false, "left view first, by '" + std::string(words) + "' in the name"};
+            return Halves{layout, false, "left view first, by '" + std::string(words) + "' in the name",
+                          layout == StereoLayout::side_by_side || layout == StereoLayout::top_bottom};
     return std::nullopt;
 }
 
@@ -118,10 +120,20 @@ Halves given_halves(const codec::SourceFile& source, const StereoFileConfig& con
                 " view first" + (is_right_first && !config.right_first ? ": " + own->told : "")};
 }
 
-StereoViews halves_of(codec::SourceFile source, const codec::Codec& codec, const Halves& halves,
-                      int orientation) {
+// True if the picture has about the sides of a screen, 16 to 9: two views of that shape would be twice as
+// long.
+bool is_screen(const Image& image) {
+    return 10 * image.width >= 17 * image.height && 20 * image.width <= 37 * image.height;
+}
+
+StereoViews halves_of(codec::SourceFile source, const codec::Codec& codec, Halves halves, int orientation) {
     const std::filesystem::path path = source.path;
     Image image = upright(image_of(codec.decode(std::exchange(source, {})), path), orientation);
+    if (halves.may_be_squeezed && is_screen(image)) {
+        halves.layout = halves.layout == StereoLayout::top_bottom ? StereoLayout::half_top_bottom
+                                                                  : StereoLayout::half_side_by_side;
+        halves.told += ", squeezed, as both fill one screen";
+    }
     StereoViews read{halved(path, std::move(image), halves.layout), {}, halves.told, halves.is_right_first};
     if (halves.is_right_first) std::swap(read.views.left, read.views.right);
     return read;

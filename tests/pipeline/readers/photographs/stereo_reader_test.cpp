@@ -85,6 +85,11 @@ TEST(ReadStereoFile, NamesMayTellTheLayout) {
     }
     EXPECT_EQ(read_stereo_file(folder.write("x_over-under.pgm", file), {}).views.right.at(0, 0)[0], 80);
     EXPECT_EQ(read_stereo_file(folder.write("x_half-sbs.pgm", file), {}).views.left.width, 4);
+    const Bytes screen = make_pgm(16, 9, 255, Bytes(16 * 9, 7));
+    EXPECT_EQ(read_stereo_file(folder.write("film-sbs.pgm", screen), {}).views.left.width, 16) << "squeezed";
+    EXPECT_EQ(read_stereo_file(folder.write("film.pgm", screen), {.layout = StereoLayout::side_by_side})
+                  .views.left.width,
+              8);
     EXPECT_THROW(read_stereo_file(folder.write("absbs.pgm", file), {}), Error) << "no word of its own";
 }
 
