@@ -6,7 +6,7 @@ set -uo pipefail
 root=$1
 compiler=$2
 includes=${3:-}
-public=(cuda_matcher.h cuda_mesher.h paper/som.h)
+public=(cuda_matcher.h cuda_mesher.h)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0

@@ -10,7 +10,6 @@
 #include "findings_table.h"
 #include "middlebury_scenes.h"
 #include "mistakes.h"
-#include "tests/pipeline/checks/patterns.h"
 #include "pipeline/checks/check_camera.h"
 #include "pipeline/checks/check_map.h"
 #include "pipeline/checks/check_pair.h"
@@ -19,6 +18,7 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
 #include "pipeline/data/error.h"
+#include "tests/pipeline/checks/patterns.h"
 
 namespace hexrelief::checks::mistakes {
 namespace {
