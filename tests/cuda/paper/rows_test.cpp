@@ -109,12 +109,12 @@ TEST(BenchPaperRows, JsonHoldsWhatApplies) {
 }
 
 TEST(BenchPaperRows, TextHasTheHeadingsColumns) {
-    const std::string text = row_text(paper_row()), headings = headings();
+    const std::string text = row_text(paper_row()), heads = headings();
     for (const char* part : {"blocks", "conesM", "1000x500", "multiple", "64/8/256", "inf", "300.0",
                              "250.0 - 500.0", "10.000/20.000/40.000", "600.00"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
-    EXPECT_EQ(std::count(headings.begin(), headings.end(), '\n'), 2);
-    EXPECT_EQ(headings.find('\n') + 1 + text.size(), headings.size()) << "columns line up";
+    EXPECT_EQ(std::count(heads.begin(), heads.end(), '\n'), 2);
+    EXPECT_EQ(heads.find('\n') + 1 + text.size(), heads.size()) << "columns line up";
 }
 
 }  // namespace
