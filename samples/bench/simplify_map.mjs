@@ -23,7 +23,7 @@ function readPfm(path) {
     return { width: +width, height: +height, values };
 }
 
-// Unknown pixels take the farther of their row's nearest known disparities, as the uniform grid of `bench rd` does.
+// Unknown pixels take the farther of their row's nearest known disparities, as the uniform grid of rd.py does.
 function filled({ width, height, values }) {
     const out = values.slice();
     for (let y = 0; y < height; ++y) {

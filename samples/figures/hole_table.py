@@ -2,7 +2,7 @@
 """Prints the table of holes in BENCHMARKS.md: Middlebury's pairs at the defaults, the left view alone and whole.
 
 usage: hole_table.py DIR [PROGRAM]
-DIR holds Middlebury's sets as `hexrelief bench` wants them, with images, and middlebury2014-quarter/Piano. PROGRAM is
+DIR holds Middlebury's sets as BENCHMARKS.md lists them, with images, and middlebury2014-quarter/Piano. PROGRAM is
 build/hexrelief by default. Needs what side_views.py needs."""
 import json
 import math
