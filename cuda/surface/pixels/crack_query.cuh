@@ -234,7 +234,7 @@ struct WarpQuery : GroupQuery {
                 if (!(seen[k].flags & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight)))
                     continue;
                 const step::Crack c{x[k], y[k], down};
-                const std::uint64_t rank = order.rank(c, step::distance2_to(pixels, c, p));
+                const std::uint64_t rank = order.rank(c, step::distance2_to(c, p));
                 if (rank < first.rank) first = {rank, seen[k].entry(down)};
             }
         }

@@ -55,7 +55,7 @@ step::Crack CrackQuery::nearest_crack(const Vec2f& p, float reach_px) const {
             if (!step::tile_matters(tiles, w, p, order.distance2(first))) continue;
             for (int y = w.y0; y <= w.y1; ++y)
                 each_crack(pixels, y, w.x0, w.x1 + 1, [&](const step::Crack& c) {
-                    first = std::min(first, order.rank(c, step::distance2_to(pixels, c, p)));
+                    first = std::min(first, order.rank(c, step::distance2_to(c, p)));
                 });
         }
     return first == none ? step::Crack{-1, -1, 0} : order.crack(first);

@@ -36,7 +36,7 @@ HEXRELIEF_HD PixelWindow window_around(const PixelView& map, const Vec2f& p, flo
 }
 
 // Returns the squared distance of a crack edge's midpoint from p, px2.
-HEXRELIEF_HD float distance2_to(const PixelView& map, const Crack& c, const Vec2f& p) {
+HEXRELIEF_HD float distance2_to(const Crack& c, const Vec2f& p) {
     const Middle middle = crack_middle(c);
     const float dx = middle.x - p.x, dy = middle.y - p.y;
     return dx * dx + dy * dy;
