@@ -1,6 +1,7 @@
 // The thresholds of the surface stage, for the CPU and the device, with their units.
-// mesher/surface/EXPERIMENTS.md has the figures by which most of them were chosen. "Error" below is the
-// report's duo_rmse_near_px divided by that of the best other program at the same number of bytes.
+// mesher/surface/EXPERIMENTS.md has the figures by which they were chosen, and lists the guards, which may be
+// halved or doubled without effect. "Error" below is the report's duo_rmse_near_px divided by that of the
+// best other program at the same number of bytes.
 #pragma once
 
 #include <cstdint>
@@ -87,7 +88,7 @@ inline constexpr float kSilhouetteMargin_px = 0.05f;
 inline constexpr float kSilhouetteBeyondWeight = 2;  // weight of crack edges at which that margin is violated
 // Weight of staying in place, relative to a crack edge's. 0.1, 0.3, 0.6, 1: error 0.80, 0.80, 0.83, 0.84.
 inline constexpr double kSilhouetteStayWeight = 0.3;
-inline constexpr double kSilhouetteLeastShape = 0.2;  // least shape of a triangle, unless it was worse before
+inline constexpr double kSilhouetteLeastShape = 0.1;  // least shape of a triangle, unless it was worse before
 inline constexpr double kSilhouetteRest_px = 0.03;    // a vertex that would move less than this stays
 // px: at low half-occlusion steps the silhouette is inset by this much into the nearer surface. The
 // strip beside it that only the right camera sees is a few pixels wide, and an error of the

@@ -119,7 +119,7 @@ void move_where_free(const std::vector<Vec2f>& targets, PlaneMesh& mesh) {
     for (const Triangle& t : mesh.triangles) {
         const std::array<Vec2f, 3> from{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
         const std::array<Vec2f, 3> to{targets[t[0]], targets[t[1]], targets[t[2]]};
-        const std::array<bool, 3> free = free_corners(from, to, 0.2);
+        const std::array<bool, 3> free = free_corners(from, to, 0.1);
         for (int k = 0; k < 3; ++k)
             if (!free[k]) held[t[k]] = true;
     }
