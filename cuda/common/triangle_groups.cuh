@@ -6,8 +6,8 @@
 
 #include "cuda/common/grid.cuh"
 #include "cuda/common/warp_reduce.cuh"
-#include "mesher/common/host_device.h"
 #include "mesher/surface/topology/rasterize_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::cuda {
 

@@ -11,7 +11,7 @@
 #include "mesher/balance/line_search_step.h"
 #include "mesher/balance/plan.h"
 #include "mesher/balance/triangle_distortion_step.h"
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 
 namespace hexrelief::balance {
 namespace {

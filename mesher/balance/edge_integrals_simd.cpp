@@ -1,6 +1,6 @@
 #include "mesher/balance/edge_integrals_simd.h"
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 
 namespace hexrelief::balance {
 namespace {

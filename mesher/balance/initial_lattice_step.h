@@ -5,8 +5,8 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
 #include "mesher/som/outline_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -2,7 +2,7 @@
 // spacing, and the axial coordinates are q = column - (row - (row & 1)) / 2, r = row.
 #pragma once
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mesher/common/lattice_step.h"
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::quality {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
 #include "mesher/som/cell_matrix_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

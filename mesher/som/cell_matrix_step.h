@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -5,11 +5,11 @@
 #include <exception>
 
 #include "mesher/common/lattice_step.h"
-#include "mesher/common/simd.h"
 #include "mesher/som/best_matching_unit_step.h"
 #include "mesher/som/cell_matrix_step.h"
 #include "mesher/som/learning_step.h"
 #include "mesher/som/philox_step.h"
+#include "pipeline/base/simd.h"
 
 namespace hexrelief::som {
 namespace {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mesher/common/progress_function.h"
-#include "mesher/common/thread_pool.h"
 #include "mesher/som/level_plan.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::som {
 

@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

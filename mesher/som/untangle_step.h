@@ -2,9 +2,9 @@
 // move to the mean of their neighbours, until no triangle is folded.
 #pragma once
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/outline_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/image.h"
 
 namespace hexrelief::alignment {

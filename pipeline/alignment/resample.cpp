@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::alignment {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
 #include "pipeline/alignment/estimate.h"
 #include "pipeline/alignment/grey_picture.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::alignment {
 

@@ -9,7 +9,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
-#include "pipeline/stamp/stamp.h"
+#include "pipeline/job/stamp/stamp.h"
 
 namespace hexrelief::batch {
 namespace {
@@ -37,13 +37,13 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends&
     job::RunRequest request = rules.parse(unit.words);
     if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
     request.jobs = rules.jobs;
-    const stamp::UnitState state = stamp::stamp_request(request);
-    if (!rules.force && state == stamp::UnitState::current) {
+    const job::UnitState state = job::stamp_request(request);
+    if (!rules.force && state == job::UnitState::current) {
         result.outcome = UnitOutcome::up_to_date;
     } else if (rules.dry_run) {
         result.outcome = UnitOutcome::would_run;
-        result.message = state == stamp::UnitState::missing ? "no result yet"
-                         : state == stamp::UnitState::changed
+        result.message = state == job::UnitState::missing ? "no result yet"
+                         : state == job::UnitState::changed
                              ? "its inputs, configuration, version or outputs changed"
                              : "up to date, but --force is given";
     } else {

@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/gallery/gallery.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/gallery/gallery.h"
 
 namespace hexrelief::cli {
 
@@ -24,7 +24,7 @@ void add_gallery_command(Command& program) {
         "  hexrelief gallery out");
     command.set_action([options] {
         const auto path = options->output.empty() ? options->folder / "index.html" : options->output;
-        const std::size_t results = gallery::write_gallery(options->folder, path);
+        const std::size_t results = cli::write_gallery(options->folder, path);
         std::printf("%s lists %zu result%s\n", printable(path.string()).c_str(), results,
                     results == 1 ? "" : "s");
         end_telling();

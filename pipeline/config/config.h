@@ -47,7 +47,7 @@ struct InputConfig {
     // Turns pictures as their EXIF orientation says; a map's picture only if that makes it fit the map.
     bool exif_orientation = true;
     readers::DisparityFileConfig disparity;
-    // Applies to supplied maps of disparities or depths (pipeline/densify).
+    // Applies to supplied maps of disparities or depths (pipeline/stages/densify).
     Densification densify = Densification::automatic;
     readers::DepthFileConfig depth;
     readers::MaskConfig mask;

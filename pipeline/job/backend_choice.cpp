@@ -1,5 +1,5 @@
-#include "pipeline/budget/budget.h"
 #include "pipeline/job/backend.h"
+#include "pipeline/job/budget/budget.h"
 #include "pipeline/job/log/run_log.h"
 
 namespace hexrelief::job {
@@ -23,7 +23,7 @@ double estimated_cpu_seconds(const RunSize& size, const config::Config& config) 
     const double disparities = searched > 0 ? searched : size.width / kWidthPerDisparity;
     const double spacing = config.mesh.spacing_px;
     const bool on_device = size.is_pair && config.disparity.method == stages::DisparityMethod::sgm;
-    const double solves = budget::has_budget(config.budget) ? kBudgetSolves : 1;
+    const double solves = job::has_budget(config.budget) ? kBudgetSolves : 1;
     const double one_thread_s = (on_device ? pixels * disparities * kPixelAndDisparity_s : 0) +
                                 solves * (pixels * kPixel_s + pixels / (spacing * spacing) * kVertex_s);
     return one_thread_s * (kSerialShare + (1 - kSerialShare) / size.threads);

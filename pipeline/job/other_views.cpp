@@ -6,10 +6,10 @@
 
 #include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
-#include "pipeline/densify/densify.h"
-#include "pipeline/dequantize/dequantize.h"
-#include "pipeline/dequantize/noise.h"
 #include "pipeline/job/matchers/given_maps.h"
+#include "pipeline/stages/densify/densify.h"
+#include "pipeline/stages/dequantize/dequantize.h"
+#include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/provenance.h"
 
@@ -152,7 +152,7 @@ DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& h
             small.values.push_back(
                 map.at(std::min(width - 1, kFilled * x), std::min(height - 1, kFilled * y)));
     if (std::none_of(small.values.begin(), small.values.end(), DisparityMap::known)) return map;
-    small = densify::fill_holes(
+    small = stages::fill_holes(
         small, right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height),
         threads);
     stages::for_row_bands(height, threads, [&](int begin, int end) {
@@ -193,7 +193,7 @@ void complete_right_view(OtherView& right, const LeftView& left, const Disparity
     }
     drop_background(right, left.density.background_px);
     if (const auto& noise = disparity.noise; noise.noise_px > 0)
-        right.map = dequantize::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
+        right.map = stages::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
 }
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,

@@ -4,9 +4,9 @@
 
 #include "exporters/exporter.h"
 #include "exporters/images/image_writer.h"
+#include "pipeline/job/pictures/stage_pictures.h"
 #include "pipeline/job/report.h"
 #include "pipeline/job/tolerance.h"
-#include "pipeline/pictures/stage_pictures.h"
 
 namespace hexrelief::job {
 
@@ -78,18 +78,18 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
 void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder,
                  files::OutputSet& files, int threads, const RunLog& log) {
     files.make_folder(folder);
-    const pictures::StageResults results{&view.meshed,
-                                         &view.density,
-                                         &result.lattice,
-                                         &result.mesh,
-                                         view.color.empty() ? nullptr : &view.color,
-                                         result.texture(view),
-                                         result.config.mesh.seed,
-                                         threads};
+    const job::StageResults results{&view.meshed,
+                                    &view.density,
+                                    &result.lattice,
+                                    &result.mesh,
+                                    view.color.empty() ? nullptr : &view.color,
+                                    result.texture(view),
+                                    result.config.mesh.seed,
+                                    threads};
     double done = 0;
-    for (const fs::path& name : pictures::stage_file_names()) {
-        files.files().write(folder / name, pictures::encode_stage_file(results, name));
-        log.progress(++done / static_cast<double>(pictures::stage_file_names().size()));
+    for (const fs::path& name : job::stage_file_names()) {
+        files.files().write(folder / name, job::encode_stage_file(results, name));
+        log.progress(++done / static_cast<double>(job::stage_file_names().size()));
     }
 }
 

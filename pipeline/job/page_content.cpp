@@ -8,9 +8,9 @@
 #include "mesher/mesher.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/start_work.h"
-#include "pipeline/pictures/relief_picture.h"
-#include "pipeline/pictures/stage_pictures.h"
-#include "pipeline/pictures/weights_picture.h"
+#include "pipeline/job/pictures/relief_picture.h"
+#include "pipeline/job/pictures/stage_pictures.h"
+#include "pipeline/job/pictures/weights_picture.h"
 
 namespace hexrelief::job {
 
@@ -24,18 +24,18 @@ exporters::PageContent page_content(const LeftView& view, const SurfaceResult& r
                                     const stages::SurfaceQuality& quality, int threads) {
     const HexMesh2D& lattice = result.lattice;
     std::future<Image> relief =
-        start_work(threads, [&] { return pictures::render_relief(result.mesh, result.texture(view)); });
-    const Image disparities = pictures::disparity_picture(view.meshed);
+        start_work(threads, [&] { return job::render_relief(result.mesh, result.texture(view)); });
+    const Image disparities = job::disparity_picture(view.meshed);
     exporters::PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {
         page.pictures.push_back({name, label, std::move(image)});
     };
     add("disparity", "Disparities, yellow is near", disparities);
-    add("density", "Density that the lattice is adapted to", pictures::density_picture(view.density));
+    add("density", "Density that the lattice is adapted to", job::density_picture(view.density));
     add("mesh2d", "The adapted lattice",
-        pictures::mesh_picture(lattice, view.color.empty() ? disparities : view.color));
+        job::mesh_picture(lattice, view.color.empty() ? disparities : view.color));
     add("weights", "How equal its honeycomb cells are",
-        pictures::weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
+        job::weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
 
     add("relief", "The relief, seen from the side", relief.get());
 

@@ -217,7 +217,7 @@ Json levels_json(const RunReport& report) {
     return json;
 }
 
-Json budget_json(const budget::BudgetResult& budget) {
+Json budget_json(const job::BudgetResult& budget) {
     if (budget.kind.empty()) return nullptr;
     Json json;
     json["kind"] = budget.kind;

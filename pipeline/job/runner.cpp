@@ -206,8 +206,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     if (relief.right)
         complete_right_view(*relief.right, relief.view(), relief.disparity,
                             pair ? pair->right_mask : readers::PixelMask{}, backend.threads());
-    relief.surface = budget::has_budget(config.budget) ? meet_budget(view, config, outputs, backend, log)
-                                                       : make_surface(view, config, backend, log);
+    relief.surface = job::has_budget(config.budget) ? meet_budget(view, config, outputs, backend, log)
+                                                    : make_surface(view, config, backend, log);
     warn_of_inversions(relief.surface.quality, log);
     return relief;
 }

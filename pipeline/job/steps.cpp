@@ -9,16 +9,16 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
-#include "pipeline/densify/blurred_steps.h"
-#include "pipeline/densify/densify.h"
-#include "pipeline/densify/sparsity.h"
-#include "pipeline/dequantize/dequantize.h"
-#include "pipeline/dequantize/noise.h"
-#include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/other_views.h"
 #include "pipeline/job/tolerance.h"
+#include "pipeline/stages/densify/blurred_steps.h"
+#include "pipeline/stages/densify/densify.h"
+#include "pipeline/stages/densify/sparsity.h"
+#include "pipeline/stages/dequantize/dequantize.h"
+#include "pipeline/stages/dequantize/noise.h"
+#include "pipeline/stages/dequantize/quantum.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
 #include "pipeline/stages/surface.h"
@@ -136,7 +136,7 @@ DisparityResult disparities_of_program(const StereoPair& pair, const stages::Vie
 }
 
 DisparityMap sharpen_map(DisparityMap map, const Image& left, int threads, const RunLog& log) {
-    densify::SharpenedMap sharp = densify::sharpen_steps(std::move(map), left, threads);
+    stages::SharpenedMap sharp = stages::sharpen_steps(std::move(map), left, threads);
     if (sharp.blurred_share > 0)
         log.decide("disparity: steps are blurred; " + fixed(100 * sharp.blurred_share, 1) +
                    " % of the pixels lie on them, and are cut along the picture's edges");
@@ -146,7 +146,7 @@ DisparityMap sharpen_map(DisparityMap map, const Image& left, int threads, const
 void sharpen_maps(stages::ViewMaps& maps, const StereoPair& pair, int threads, const RunLog& log) {
     if (!maps.is_dense) return;
     maps.left = sharpen_map(std::move(maps.left), pair.left, threads, log);
-    maps.right = densify::sharpen_steps(std::move(maps.right), pair.right, threads).map;
+    maps.right = stages::sharpen_steps(std::move(maps.right), pair.right, threads).map;
 }
 
 DisparityMap check_map(DisparityMap map, StereoPair pair, const stages::DisparityConfig& config, int threads,
@@ -215,27 +215,27 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
 
 DisparityMap densify_map(DisparityMap map, const Image& left, const readers::PixelMask& mask, int threads,
                          RunLog& log) {
-    const densify::Sparsity sparsity = densify::measure_sparsity(map);
+    const stages::Sparsity sparsity = stages::measure_sparsity(map);
     if (!sparsity.is_sparse()) return map;
     DisparityMap dense = log.stage("densify", [&] {
-        DisparityMap filled = densify::densify(map, left, threads);
+        DisparityMap filled = stages::densify(map, left, threads);
         hide(filled, mask);
         return filled;
     });
     const auto percent = [](double share) { return fixed(100 * share, 1) + " %"; };
     log.decide("densify: " + percent(sparsity.known_share) +
                " of the pixels are known, with unknown ones between them; " +
-               percent(densify::measure_sparsity(dense).known_share) + " are known when filled" +
+               percent(stages::measure_sparsity(dense).known_share) + " are known when filled" +
                (left.empty() ? "" : ", by the picture's colours"));
     return dense;
 }
 
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log) {
     DisparityResult result{std::move(map), std::nullopt};
-    const double quantum_px = dequantize::find_quantum_px(result.map);
+    const double quantum_px = stages::find_quantum_px(result.map);
     if (quantum_px == 0 || (max_error_px > 0 && max_error_px < quantum_px)) return result;
     result.quantum_px = quantum_px;
-    result.smooth = dequantize::dequantize(result.map, quantum_px, threads);
+    result.smooth = stages::dequantize(result.map, quantum_px, threads);
     log.decide("disparity: smoothed within its steps of " + fixed(quantum_px, 3) + " px");
     return result;
 }
@@ -249,7 +249,7 @@ void fill_map(DisparityResult& disparity, const Image& left, const readers::Pixe
     if (left.empty() || unknown == 0 ||
         static_cast<double>(unknown) > kMostUnknown * static_cast<double>(all))
         return;
-    DisparityMap filled = densify::fill_holes(meshed, left, threads);
+    DisparityMap filled = stages::fill_holes(meshed, left, threads);
     hide(filled, mask);
     std::vector<PixelOrigin>& origins = disparity.map.origins;
     disparity.has_filled_holes = origins.empty();
@@ -266,10 +266,10 @@ void fill_map(DisparityResult& disparity, const Image& left, const readers::Pixe
 
 void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log) {
     if (!disparity.matched) return;
-    const auto noise = dequantize::smoothing_for(dequantize::find_noise_px(disparity.map), is_relief);
+    const auto noise = stages::smoothing_for(stages::find_noise_px(disparity.map), is_relief);
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
-    disparity.map = dequantize::dequantize(disparity.map, noise.quantum_px, threads, noise.smoothness);
+    disparity.map = stages::dequantize(disparity.map, noise.quantum_px, threads, noise.smoothness);
     log.decide("disparity: smoothed within its noise of " + fixed(noise.noise_px, 3) + " px");
 }
 

@@ -8,18 +8,18 @@
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "pipeline/budget/budget.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
-#include "pipeline/dequantize/noise.h"
 #include "pipeline/job/backend.h"
+#include "pipeline/job/budget/budget.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/log/run_log.h"
 #include "pipeline/readers/depth/mask_reader.h"
+#include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/disparity.h"
 #include "pipeline/stages/disparity_range.h"
 #include "pipeline/stages/other_views/other_view.h"
@@ -36,7 +36,7 @@ struct DisparityResult {
     double quantum_px = 0;                           // quantisation step that was smoothed; 0 = none
     DisparityMap smooth = {};                        // the map without these steps; empty = no steps
     double support = 0;                              // of a matched map by its pair (checks/pair_support.h)
-    dequantize::NoiseSmoothing noise = {};           // of a matched map
+    stages::NoiseSmoothing noise = {};               // of a matched map
     std::optional<stages::Backdrop> backdrop = {};   // of a matched map; none = it has no end
     bool has_filled_holes = false;  // the map's filled pixels are holes of the one that was supplied
 
@@ -75,7 +75,7 @@ struct SurfaceResult {
     std::shared_ptr<const OtherViews> others;  // null = the mesh is that of the left view only
     Bounds bounds, left_bounds;                // of the mesh, and of its part that the left camera sees
     DeviceFigures device;
-    budget::BudgetResult budget;  // result of the search for the spacing; no kind = no budget
+    job::BudgetResult budget;  // result of the search for the spacing; no kind = no budget
 
     // Depths of that part along the left camera's axis, in metres or relative units.
     double nearest() const { return -static_cast<double>(left_bounds.high.z); }
@@ -104,7 +104,7 @@ DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& co
 DisparityResult disparities_of_program(const StereoPair& pair, const stages::ViewMaps& maps,
                                        const stages::DisparityConfig& config, int threads);
 
-// Returns a supplied map whose blurred steps are cut along the picture's edges (densify::sharpen_steps()).
+// Returns a supplied map whose blurred steps are cut along the picture's edges (stages::sharpen_steps()).
 DisparityMap sharpen_map(DisparityMap map, const Image& left, int threads, const RunLog& log);
 // Does that to both views' maps of a matcher, if they are dense.
 void sharpen_maps(stages::ViewMaps& maps, const StereoPair& pair, int threads, const RunLog& log);

@@ -11,11 +11,11 @@
 #include "pipeline/job/report.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
+#include "pipeline/job/stamp/stamp.h"
 #include "pipeline/library/conversions.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/stamp/stamp.h"
 
 namespace hexrelief {
 namespace {
@@ -236,7 +236,7 @@ RunSummary run(const FileRequest& files, const Options& options) {
     job::RunRequest request = library::request_of(files, options);
     if (files.update) {
         job::check_request(request);
-        if (stamp::stamp_request(request) == stamp::UnitState::current) return {.is_up_to_date = true};
+        if (job::stamp_request(request) == job::UnitState::current) return {.is_up_to_date = true};
     }
     job::RunLog log;
     tell_caller(options, log);

@@ -105,7 +105,7 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
 RunSummary summary_of(const job::RunReport& report) {
     const job::Relief& relief = *report.relief;
     const job::SurfaceResult& surface = relief.surface;
-    const budget::BudgetResult& budget = surface.budget;
+    const job::BudgetResult& budget = surface.budget;
     RunSummary summary;
     for (const job::OutputFile& file : report.outputs) summary.outputs.push_back({file.path, file.bytes});
     summary.width = relief.disparity.map.width;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/matcher.h"
 

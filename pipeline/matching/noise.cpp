@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/matcher.h"

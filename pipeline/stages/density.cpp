@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density_detail.h"
 

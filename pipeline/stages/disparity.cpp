@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/sgbm.h"
 

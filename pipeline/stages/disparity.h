@@ -56,7 +56,7 @@ struct DisparityConfig {
     double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
     // Pixels without a match stay unknown, or get disparities on the planes of the matches around them.
     DisparityFill fill = DisparityFill::planes;
-    // For supplied maps only (pipeline/dequantize).
+    // For supplied maps only (pipeline/stages/dequantize).
     Dequantization dequantize = Dequantization::automatic;
 
     // Of command only: a line of words, which no shell reads. command is run for each view; {left}, {right},

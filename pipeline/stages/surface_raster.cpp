@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::stages {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "mesher/common/uninitialized_vector.h"
+#include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief::stages {

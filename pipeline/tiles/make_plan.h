@@ -11,7 +11,7 @@ namespace hexrelief::tiles {
 
 struct PlanRequest {
     std::filesystem::path map, color, folder;  // color may be empty
-    std::optional<windows::RawMapLayout> raw;
+    std::optional<readers::RawMapLayout> raw;
     int tile_vertices = 512;  // along a side
     config::Config config;    // checked and complete
 };

@@ -78,7 +78,7 @@ mesh_tiles::TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
 }
 
 void solve_coarser(const TilePlan& plan, const TileNumber& tile,
-                   const std::vector<mesh_tiles::TileMesh>& parts, const windows::PictureWindows* picture,
+                   const std::vector<mesh_tiles::TileMesh>& parts, const readers::PictureWindows* picture,
                    int threads) {
     std::vector<mesh_tiles::TileMesh> children;
     for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
@@ -138,8 +138,8 @@ std::size_t add_missing(const TilePlan& plan, const TileNumber& tile, LevelJobs&
 }
 
 void solve_coarser_levels(const TilePlan& plan, int threads, job::RunLog& log) {
-    const std::unique_ptr<windows::PictureWindows> picture =
-        plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path);
+    const std::unique_ptr<readers::PictureWindows> picture =
+        plan.color.path.empty() ? nullptr : readers::PictureWindows::open(plan.color.path);
     LevelJobs all;
     add_missing(plan, {0, 0, 0}, all);
     std::vector<mesh_tiles::TileMesh> simplified(all.jobs.size());

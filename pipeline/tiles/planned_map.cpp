@@ -22,8 +22,8 @@ int tiles_end(const mesh_tiles::MapRect& window) {
 }  // namespace
 
 PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
-    : map_(windows::MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
-      picture_(plan.color.path.empty() ? nullptr : windows::PictureWindows::open(plan.color.path)),
+    : map_(readers::MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
+      picture_(plan.color.path.empty() ? nullptr : readers::PictureWindows::open(plan.color.path)),
       has_transparent_(picture_ && picture_->has_alpha() && plan.config.input.mask.alpha) {
     if (picture_ && (picture_->width() != width() || picture_->height() != height()))
         throw Error(ErrorKind::input, plan.color.path.string() + ": is " +

@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "mesher/tiles/lattice_tiles.h"
+#include "pipeline/readers/windows/map_windows.h"
+#include "pipeline/readers/windows/picture_windows.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/tiles/tile_plan.h"
-#include "pipeline/windows/map_windows.h"
-#include "pipeline/windows/picture_windows.h"
 
 namespace hexrelief::tiles {
 
@@ -22,7 +22,7 @@ class PlannedMap {
 
     int width() const { return map_->width(); }
     int height() const { return map_->height(); }
-    const windows::PictureWindows* picture() const { return picture_.get(); }  // null if none is kept
+    const readers::PictureWindows* picture() const { return picture_.get(); }  // null if none is kept
     // Returns a window's disparities, rounded by rounded_disparities() and read by `threads` threads; unknown
     // where the picture is transparent if input.mask.alpha is set. Any number of threads may call. Throws
     // what MapWindows::read() and PictureWindows::read() throw.
@@ -35,8 +35,8 @@ class PlannedMap {
     void read_in_strips(const mesh_tiles::MapRect& window, int strips,
                         const std::function<void(int strip, const stages::MapWindow& part)>& take) const;
     void hide_transparent(const mesh_tiles::MapRect& window, DisparityMap& map) const;
-    std::unique_ptr<windows::MapWindows> map_;
-    std::unique_ptr<windows::PictureWindows> picture_;
+    std::unique_ptr<readers::MapWindows> map_;
+    std::unique_ptr<readers::PictureWindows> picture_;
     bool has_transparent_ = false;
 };
 

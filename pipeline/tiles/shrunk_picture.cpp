@@ -6,7 +6,7 @@
 
 namespace hexrelief::tiles {
 
-Image shrunk_picture(const windows::PictureWindows& picture, const mesh_tiles::MapRect& part, int by) {
+Image shrunk_picture(const readers::PictureWindows& picture, const mesh_tiles::MapRect& part, int by) {
     Image out{0, 0, picture.channels(), {}};
     const int band_rows = std::max(by, (1 << 24) / std::max(1, part.width) / by * by);
     for (int y = 0; y < part.height; y += band_rows) {

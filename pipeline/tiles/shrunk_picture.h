@@ -2,12 +2,12 @@
 #pragma once
 
 #include "mesher/tiles/lattice_tiles.h"
-#include "pipeline/windows/picture_windows.h"
+#include "pipeline/readers/windows/picture_windows.h"
 
 namespace hexrelief::tiles {
 
 // Returns the means over squares of by x by px. x and y of the part are multiples of `by`; it may end within
 // a square. Memory: the result, and a band of the part.
-Image shrunk_picture(const windows::PictureWindows& picture, const mesh_tiles::MapRect& part, int by);
+Image shrunk_picture(const readers::PictureWindows& picture, const mesh_tiles::MapRect& part, int by);
 
 }  // namespace hexrelief::tiles

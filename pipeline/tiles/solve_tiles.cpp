@@ -107,7 +107,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
         mesh_tiles::window_of(block, mesh_tiles::kTileMargin_px, plan.width, plan.height);
     const DisparityMap map = context.map.read(window);
     Image color;
-    if (const windows::PictureWindows* const picture = context.map.picture())
+    if (const readers::PictureWindows* const picture = context.map.picture())
         color = picture->read(window.x, window.y, window.width, window.height);
     mesh_tiles::TileSurfaceInput input{window, &map, plan.density.background_px, {}};
     input.whole.cell_px = double(plan.width) * plan.height / (double(plan.columns) * plan.rows);

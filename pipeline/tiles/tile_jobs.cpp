@@ -9,7 +9,7 @@
 #include <mutex>
 #include <set>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::tiles {
 namespace {

@@ -53,16 +53,16 @@ PlannedFile file_of(const Json& json) {
     return {json.at("path").get<std::string>(), json.at("bytes"), json.at("modified_ns")};
 }
 
-Json raw_json(const windows::RawMapLayout& raw) {
+Json raw_json(const readers::RawMapLayout& raw) {
     return {{"width", raw.width},
             {"height", raw.height},
-            {"sample", raw.sample == windows::MapSample::uint16 ? "uint16" : "float32"},
+            {"sample", raw.sample == readers::MapSample::uint16 ? "uint16" : "float32"},
             {"big_endian", raw.is_big_endian}};
 }
 
-windows::RawMapLayout raw_of(const Json& json) {
+readers::RawMapLayout raw_of(const Json& json) {
     return {json.at("width"), json.at("height"),
-            json.at("sample") == "uint16" ? windows::MapSample::uint16 : windows::MapSample::float32,
+            json.at("sample") == "uint16" ? readers::MapSample::uint16 : readers::MapSample::float32,
             json.at("big_endian")};
 }
 

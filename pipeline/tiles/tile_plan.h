@@ -12,8 +12,8 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/readers/windows/map_windows.h"
 #include "pipeline/stages/density.h"
-#include "pipeline/windows/map_windows.h"
 
 namespace hexrelief::tiles {
 
@@ -42,7 +42,7 @@ struct TilePlan {
     std::filesystem::path folder;
     std::string stamp;  // SHA-256 of everything that the tiles' bytes depend on
     PlannedFile map, color;
-    std::optional<windows::RawMapLayout> raw;
+    std::optional<readers::RawMapLayout> raw;
     config::Config config;    // effective; after read_plan(), run.backend and run.threads have their defaults
     Calibration calibration;  // of the map; cx and cy are multiples of 1/1024 px
     int width = 0, height = 0;

@@ -26,8 +26,8 @@
 #include "pipeline/readers/photographs/contained_pictures.h"
 #include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/stereo_reader.h"
-#include "pipeline/windows/map_windows.h"
-#include "pipeline/windows/picture_windows.h"
+#include "pipeline/readers/windows/map_windows.h"
+#include "pipeline/readers/windows/picture_windows.h"
 
 namespace hexrelief::fuzz {
 namespace {
@@ -107,10 +107,10 @@ void read_corners(const Windows& file) {
 }
 
 void read_windows(Bytes bytes, const std::string&) {
-    attempt([&] { windows::parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
+    attempt([&] { readers::parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
     attempt(
-        [&] { read_corners(*windows::MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
-    attempt([&] { read_corners(*windows::PictureWindows::open(file_of(bytes, ""), kLimits)); });
+        [&] { read_corners(*readers::MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
+    attempt([&] { read_corners(*readers::PictureWindows::open(file_of(bytes, ""), kLimits)); });
 }
 
 void read_calibrations(Bytes bytes, const std::string&) {

@@ -167,12 +167,10 @@ std::string file_name(const std::string& path) {
 
 std::string namespace_of(const std::string& path) {
     // The others have the names of their folders.
-    static const std::map<std::string, std::string> kOthers = {{"pipeline/data", ""},
-                                                               {"mesher/common", ""},
-                                                               {"mesher/tiles", "mesh_tiles"},
-                                                               {"cuda/paper", "paper"},
-                                                               {"exporters/inspect", "inspect"},
-                                                               {"exporters/tileset", "tileset"}};
+    static const std::map<std::string, std::string> kOthers = {
+        {"pipeline/data", ""},           {"mesher/common", ""},   {"pipeline/base", ""},
+        {"mesher/tiles", "mesh_tiles"},  {"cuda/paper", "paper"}, {"exporters/inspect", "inspect"},
+        {"exporters/tileset", "tileset"}};
     static const std::regex folders("(tests/)?(\\w+)/((\\w+)/)?.*");
     std::smatch parts;
     if (!std::regex_match(path, parts, folders)) return "hexrelief";

@@ -31,9 +31,9 @@ TEST(House, HeadersHaveNamesOfTheirOwn) {
 
 // The tests above must be able to fail.
 TEST(House, TypesOfOneNameAreNoticed) {
-    const SourceFile one{"pipeline/densify/a.h",
+    const SourceFile one{"pipeline/stages/densify/a.h",
                          {"#define STRUCT struct Macro {}",
-                          "namespace hexrelief::densify {",
+                          "namespace hexrelief::stages {",
                           "struct Ahead;  // struct Comment {};",
                           "struct VoteInput { struct Inner {}; };",
                           "enum class Kind : int { none };",
@@ -57,14 +57,14 @@ TEST(House, TypesOfOneNameAreNoticed) {
                           "}",
                           "}"}};
     EXPECT_EQ(defined_types(one),
-              (Strings{"hexrelief::densify::VoteInput", "hexrelief::densify::Kind",
-                       "hexrelief::densify::Grid", "hexrelief::densify::Block", "hexrelief::densify::Row",
-                       "hexrelief::densify::Public", "hexrelief::densify::deep::Deep"}));
+              (Strings{"hexrelief::stages::VoteInput", "hexrelief::stages::Kind", "hexrelief::stages::Grid",
+                       "hexrelief::stages::Block", "hexrelief::stages::Row", "hexrelief::stages::Public",
+                       "hexrelief::stages::deep::Deep"}));
     const auto defining = [](const std::string& path, const std::string& space) {
         return SourceFile{path, {"namespace " + space + " {", "struct VoteInput {};", "}"}};
     };
     EXPECT_EQ(types_defined_twice({one, defining("b.h", "hexrelief::matching")}).size(), 0u);
-    EXPECT_EQ(types_defined_twice({one, defining("b.h", "hexrelief::densify")}).size(), 1u);
+    EXPECT_EQ(types_defined_twice({one, defining("b.h", "hexrelief::stages")}).size(), 1u);
 }
 
 TEST(House, ForeignNamespacesAreNoticed) {
@@ -93,7 +93,7 @@ TEST(House, HeadersOfOneNameAreNoticed) {
     const auto alike = [](const std::string& one, const std::string& other) {
         return headers_named_alike({{one, {}}, {other, {}}}).size();
     };
-    EXPECT_EQ(alike("pipeline/densify/votes.h", "pipeline/matching/refine/votes.h"), 1u);
+    EXPECT_EQ(alike("pipeline/stages/densify/votes.h", "pipeline/matching/refine/votes.h"), 1u);
     EXPECT_EQ(alike("cuda/matching/refine/votes.h", "pipeline/matching/refine/votes.h"), 0u) << "twins";
     EXPECT_EQ(alike("mesher/balance/balance.h", "cuda/som/balance.h"), 1u);
     EXPECT_EQ(alike("mesher/balance/balance.cpp", "pipeline/job/balance.cpp"), 0u) << "no headers";

@@ -6,11 +6,11 @@
 #include <limits>
 #include <span>
 
-#include "mesher/common/simd.h"
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
+#include "pipeline/base/simd.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/counting_sort.h"
 
 namespace hexrelief::surface {

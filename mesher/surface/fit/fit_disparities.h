@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::surface {
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {

@@ -1,9 +1,9 @@
 // Computes a triangle's sums from its pixels' moments, without reading the pixels again.
 #pragma once
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -1,9 +1,9 @@
 // Insets silhouettes at high depth discontinuities into their own surfaces.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/cut_vertices.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::surface {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <span>
 
-#include "mesher/common/simd.h"
 #include "mesher/surface/pixels/eight_flags.h"
+#include "pipeline/base/simd.h"
 
 namespace hexrelief::surface {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/common/block_allocator.h"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
+#include "pipeline/base/block_allocator.h"
 
 namespace hexrelief::surface {
 

@@ -4,10 +4,10 @@
 #include <limits>
 #include <numeric>
 
-#include "mesher/common/simd.h"
 #include "mesher/surface/pixels/eight_flags.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/surface/pixels/speckles.h"
+#include "pipeline/base/simd.h"
 
 namespace hexrelief::surface {
 namespace {

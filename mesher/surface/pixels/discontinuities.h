@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "mesher/common/surface_config.h"
-#include "mesher/common/thread_pool.h"
-#include "mesher/common/uninitialized_vector.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/geometry.h"
 

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/discontinuities.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::surface {
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
 #include "mesher/surface/topology/label_triangles_step.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
 

@@ -7,14 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "mesher/common/block_allocator.h"
-#include "mesher/common/thread_pool.h"
-#include "mesher/common/uninitialized_vector.h"
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/edge_votes_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/triangle_components.h"
+#include "pipeline/base/block_allocator.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/base/uninitialized_vector.h"
 
 namespace hexrelief::surface {
 

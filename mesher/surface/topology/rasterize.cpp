@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 
 namespace hexrelief::surface {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::surface {

@@ -4,10 +4,10 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/lattice_step.h"
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/topology/triangle_shape_step.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 

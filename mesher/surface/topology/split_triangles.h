@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
-#include "mesher/common/uninitialized_vector.h"
 #include "mesher/surface/pixels/discontinuities.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 

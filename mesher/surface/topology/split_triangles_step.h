@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {

@@ -11,8 +11,8 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
-#include "pipeline/windows/map_writer.h"
-#include "pipeline/windows/terrain.h"
+#include "pipeline/readers/windows/map_writer.h"
+#include "pipeline/readers/windows/terrain.h"
 
 namespace hexrelief::cli {
 namespace {
@@ -41,9 +41,9 @@ int make_map(const MakeMapOptions& options) {
     files::install_interrupt_handling();
     files::OutputSet outputs;
     outputs.place(options.output);
-    windows::MapWriter writer(outputs.files(), options.output, width, height);
+    readers::MapWriter writer(outputs.files(), options.output, width, height);
     const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    windows::write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
+    readers::write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
                            options.threads > 0 ? options.threads : all);
     writer.finish();
     outputs.commit();

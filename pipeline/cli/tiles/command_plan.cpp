@@ -25,7 +25,7 @@ int plan_tiles(const PlanOptions& options) {
     tiles::PlanRequest request{
         options.map, options.color,         options.folder,
         {},          options.tile_vertices, library::config_of(options.config, {}, {"--disparity"})};
-    if (!options.raw.empty()) request.raw = windows::parse_raw_map_layout(options.raw);
+    if (!options.raw.empty()) request.raw = readers::parse_raw_map_layout(options.raw);
     files::check_writable_folder(options.folder);
     std::vector<std::filesystem::path> read(options.config.config.begin(), options.config.config.end());
     read.insert(read.end(), {options.map, options.color, request.config.input.calibration.file});

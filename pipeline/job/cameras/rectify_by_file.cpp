@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "pipeline/alignment/rectify/rectify.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
-#include "pipeline/rectify/rectify.h"
 #include "pipeline/stages/disparity_range.h"
 
 namespace hexrelief::job {
@@ -80,7 +80,7 @@ FileRectification rectify_by_file(StereoPair& views, const config::InputConfig& 
                                                        never ? readers::Rectify::never : config.rectify);
     if (!file) return {};
     const StereoCalibration cameras = scaled_to(file->calibration, size, config.file);
-    rectify::RectifiedPair rectified = rectify::rectify(views, cameras, threads);
+    alignment::RectifiedPair rectified = alignment::rectify(views, cameras, threads);
     FileRectification done;
     const std::string files = config.file + (file->other.empty() ? "" : " and " + file->other.string());
     if (file->is_rectified && config.rectify == readers::Rectify::automatic) {
@@ -96,7 +96,7 @@ FileRectification rectify_by_file(StereoPair& views, const config::InputConfig& 
     }
     for (const std::string& told : file->told) done.warnings.push_back(config.file + ": " + told);
     if (const Image alpha{size.width, size.height, 1, views.left.alpha}; !alpha.empty())
-        rectified.pair.left.alpha = rectify::rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
+        rectified.pair.left.alpha = alignment::rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
     views = std::move(rectified.pair);
     done.is_done = true;
     done.calibration = rectified.calibration;

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
 #include "pipeline/matching/common/bordered_raster.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/common/color_step.h"
 

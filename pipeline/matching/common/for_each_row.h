@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::matching {
 

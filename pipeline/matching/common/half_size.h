@@ -1,7 +1,7 @@
 // Reduces pictures to half their size.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/image.h"
 
 namespace hexrelief::matching {

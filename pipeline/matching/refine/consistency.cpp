@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 #include "pipeline/data/union_find.h"
 #include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/consistency_step.h"

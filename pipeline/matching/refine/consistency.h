@@ -1,7 +1,7 @@
 // Selects the trusted matches among both views' winners.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::matching {

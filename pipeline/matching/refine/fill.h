@@ -1,7 +1,7 @@
 // Fills unknown pixels from the matches around them.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/refine/slopes.h"

@@ -1,7 +1,7 @@
 // Adds the matches at half size to those at full size.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/refine/consistency.h"
 
 namespace hexrelief::matching {

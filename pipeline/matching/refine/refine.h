@@ -1,7 +1,7 @@
 // Turns both views' disparities into one map that is dense, smooth on surfaces and sharp between them.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/refine/frame_segments.h"

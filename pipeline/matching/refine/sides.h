@@ -1,7 +1,7 @@
 // Corrects pixels at discontinuities that match better on the neighbouring surface.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 
 namespace hexrelief::matching {

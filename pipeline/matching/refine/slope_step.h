@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/matching/common/halves_step.h"
 
 namespace hexrelief::step {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 #include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/slope_step.h"
 

@@ -1,7 +1,7 @@
 // The slopes of the surfaces of a disparity map.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/bordered_raster.h"
 
 namespace hexrelief::matching {

@@ -1,7 +1,7 @@
 // Smooths the unevenness that matching leaves on surfaces.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_planes.h"
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/slope_step.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/match_color_step.h"
 #include "pipeline/matching/refine/vote_step.h"

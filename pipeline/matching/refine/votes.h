@@ -1,7 +1,7 @@
 // Weighted medians that align discontinuities with the picture's colours.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/slopes.h"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 
 namespace hexrelief::matching {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/sgm/costs.h"
 #include "pipeline/matching/sgm/window_step.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"

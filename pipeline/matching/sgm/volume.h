@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/large_array.h"
 

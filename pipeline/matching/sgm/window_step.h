@@ -2,7 +2,7 @@
 // as Rothermel et al. 2012 do for SGM).
 #pragma once
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/volume.h"
 

@@ -1,7 +1,7 @@
 // Chooses the disparities that are searched at each pixel.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/sgm/volume.h"
 
 namespace hexrelief::matching {

@@ -1,7 +1,7 @@
 // Sub-pixel refinement of a pixel's best disparity.
 #pragma once
 
-#include "mesher/common/host_device.h"
+#include "pipeline/base/host_device.h"
 #include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/path_step.h"
 

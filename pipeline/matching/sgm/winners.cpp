@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "mesher/common/simd.h"
+#include "pipeline/base/simd.h"
 #include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/sgm/window_step.h"
 #include "pipeline/matching/sgm/winner_step.h"

@@ -1,7 +1,7 @@
 // The best disparity of each pixel, in both views.
 #pragma once
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/volume.h"

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/thread_pool.h"
-#include "mesher/common/uninitialized_vector.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/base/uninitialized_vector.h"
 
 namespace hexrelief::stages {
 namespace {

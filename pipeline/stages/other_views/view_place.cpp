@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "mesher/common/thread_pool.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/union_find.h"
 
 namespace hexrelief::stages {

@@ -12,8 +12,8 @@
 #include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
+#include "pipeline/readers/windows/map_writer.h"
 #include "pipeline/tiles/matching/whole_range.h"
-#include "pipeline/windows/map_writer.h"
 
 namespace hexrelief::tiles {
 namespace {
@@ -37,7 +37,7 @@ void check_request(const MatchRequest& request) {
 }
 
 // Returns the calibration for the pair's pictures.
-Calibration camera_of(const MatchRequest& request, const windows::PictureWindows& left) {
+Calibration camera_of(const MatchRequest& request, const readers::PictureWindows& left) {
     const job::ViewSize size{left.width(), left.height()};
     return job::resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
         .calibration;
@@ -128,12 +128,12 @@ class TiledMatcher {
 TiledMatch match_in_tiles(const MatchRequest& request, job::Backend& backend, job::RunLog& log) {
     check_request(request);
     const readers::ReaderLimits& limits = request.config.limits.reading;
-    const auto left = windows::PictureWindows::open(request.left, limits);
-    const auto right = windows::PictureWindows::open(request.right, limits);
+    const auto left = readers::PictureWindows::open(request.left, limits);
+    const auto right = readers::PictureWindows::open(request.right, limits);
     const PairWindows pair{*left, *right};
     files::OutputSet outputs;
     outputs.place(request.map);
-    windows::MapWriter writer(outputs.files(), request.map, left->width(), left->height());
+    readers::MapWriter writer(outputs.files(), request.map, left->width(), left->height());
     const stages::FoundRange range = log.stage("range", [&] {
         return find_range_of_whole(pair, camera_of(request, *left), request.config.disparity,
                                    backend.threads(), log);

@@ -46,7 +46,7 @@ int num_disparities_of_whole(int shrunk_end_px, int by, const stages::DisparityC
 stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibration& calibration,
                                        const stages::DisparityConfig& config, int threads, job::RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
-    const auto sizes_of = [](const windows::PictureWindows& picture) {
+    const auto sizes_of = [](const readers::PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
     };
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
@@ -65,7 +65,7 @@ stages::FoundRange find_range_of_whole(const PairWindows& pair, const Calibratio
         stages::FoundRange small = stages::find_range(shrunk_pair(pair, by, threads), {}, shrunk, threads);
         shrunk_end_px = small.config.min_disparity_px + small.config.num_disparities_px;
         const PixelRect middle = stages::middle_of(width, height);
-        const auto read = [&](const windows::PictureWindows& picture) {
+        const auto read = [&](const readers::PictureWindows& picture) {
             return picture.read(middle.x, middle.y, middle.width, middle.height);
         };
         whole.correction = stages::find_correction(small.coarse, read(pair.left), read(pair.right));

@@ -4,13 +4,13 @@
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/job/log/run_log.h"
+#include "pipeline/readers/windows/picture_windows.h"
 #include "pipeline/stages/disparity.h"
-#include "pipeline/windows/picture_windows.h"
 
 namespace hexrelief::tiles {
 
 struct PairWindows {
-    const windows::PictureWindows &left, &right;
+    const readers::PictureWindows &left, &right;
 };
 
 // Returns the configuration's range, else the calibration's, else the range found in the whole pair,

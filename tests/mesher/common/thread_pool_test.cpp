@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/quality/quality.h"
+#include "pipeline/base/thread_pool.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/alignment/rectify/rectify.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/rectify/rectify.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::job {

@@ -266,8 +266,8 @@ TEST(MatchTiles, TransparentPixelsAreUnknown) {
 // The range is that of the calibration, else that of the pair as a whole; for a larger pair, nearly so.
 TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     const PairFolder folder(400, 300);
-    const auto left = windows::PictureWindows::open(folder / "left.pgm"),
-               right = windows::PictureWindows::open(folder / "right.pgm");
+    const auto left = readers::PictureWindows::open(folder / "left.pgm"),
+               right = readers::PictureWindows::open(folder / "right.pgm");
     std::vector<std::string> told;
     job::RunLog log;
     log.decides = [&](const std::string& decision) { told.push_back(decision); };
@@ -298,8 +298,8 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     };
     write_pnm(folder / "left.pgm", enlarged(folder.made.pair.left));
     write_pnm(folder / "right.pgm", enlarged(folder.made.pair.right));
-    const auto left = windows::PictureWindows::open(folder / "left.pgm"),
-               right = windows::PictureWindows::open(folder / "right.pgm");
+    const auto left = readers::PictureWindows::open(folder / "left.pgm"),
+               right = readers::PictureWindows::open(folder / "right.pgm");
     std::string told;
     job::RunLog log;
     log.decides = [&](const std::string& decision) { told = decision; };

@@ -19,6 +19,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/windows/map_writer.h"
 #include "pipeline/stages/surface.h"
 #include "pipeline/tiles/make_plan.h"
 #include "pipeline/tiles/merge_tiles.h"
@@ -26,7 +27,6 @@
 #include "pipeline/tiles/solve_tiles.h"
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_output.h"
-#include "pipeline/windows/map_writer.h"
 #include "tests/mesher/busy_map.h"
 #include "tests/pipeline/process.h"
 #include "tests/pipeline/tiles/glb_reading.h"
@@ -47,7 +47,7 @@ constexpr int kTall_px = 372;
 void write_map(const std::string& path, const DisparityMap& map) {
     files::OutputSet files;
     files.place(path);
-    windows::MapWriter writer(files.files(), path, map.width, map.height, 64);
+    readers::MapWriter writer(files.files(), path, map.width, map.height, 64);
     writer.write(map.values.data(), map.height);
     writer.finish();
     files.commit();

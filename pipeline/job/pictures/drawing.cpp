@@ -1,0 +1,75 @@
+#include "pipeline/job/pictures/drawing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hexrelief::job {
+
+Image blank_picture(int width, int height, Rgb colour) {
+    Image picture{width, height, 3, {}};
+    picture.pixels.resize(static_cast<std::size_t>(width) * height * 3);
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] = colour[i % 3];
+    return picture;
+}
+
+Image enlarge_to_rgb(const Image& image, int factor) {
+    Image picture = blank_picture(image.width * factor, image.height * factor, {0, 0, 0});
+    for (int y = 0; y < picture.height; ++y) {
+        for (int x = 0; x < picture.width; ++x) {
+            const std::uint8_t* from = image.at(x / factor, y / factor);
+            for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = from[image.channels == 1 ? 0 : c];
+        }
+    }
+    return picture;
+}
+
+void blend_pixel(Image& picture, int x, int y, Rgb colour, float opacity) {
+    if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || opacity <= 0) return;
+    std::uint8_t* pixel = picture.at(x, y);
+    for (int c = 0; c < 3; ++c)
+        pixel[c] = static_cast<std::uint8_t>(
+            std::lround(pixel[c] + (colour[c] - pixel[c]) * std::min(opacity, 1.0f)));
+}
+
+void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, float opacity) {
+    const float reach = 0.5f * width_px + 0.5f;  // half the line, and half a pixel of decreasing coverage
+    const int x0 = std::max(0, static_cast<int>(std::floor(std::min(a.x, b.x) - reach)));
+    const int x1 = std::min(picture.width - 1, static_cast<int>(std::floor(std::max(a.x, b.x) + reach)));
+    const int y0 = std::max(0, static_cast<int>(std::floor(std::min(a.y, b.y) - reach)));
+    const int y1 = std::min(picture.height - 1, static_cast<int>(std::floor(std::max(a.y, b.y) + reach)));
+    const float dx = b.x - a.x, dy = b.y - a.y;
+    const float length2 = dx * dx + dy * dy;
+    for (int y = y0; y <= y1; ++y) {
+        for (int x = x0; x <= x1; ++x) {
+            const float px = x + 0.5f - a.x, py = y + 0.5f - a.y;
+            const float t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0f, 1.0f) : 0.0f;
+            const float ex = px - t * dx, ey = py - t * dy;
+            const float distance2 = ex * ex + ey * ey;
+            if (distance2 >= reach * reach) continue;
+            blend_pixel(picture, x, y, colour, opacity * std::min(1.0f, reach - std::sqrt(distance2)));
+        }
+    }
+}
+
+void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float opacity) {
+    draw_segment(picture, centre, centre, colour, 2 * radius_px, opacity);
+}
+
+Image shrink(const Image& picture, int factor) {
+    Image small{picture.width / factor, picture.height / factor, picture.channels, {}};
+    small.pixels.resize(static_cast<std::size_t>(small.width) * small.height * small.channels);
+    for (int y = 0; y < small.height; ++y) {
+        for (int x = 0; x < small.width; ++x) {
+            for (int c = 0; c < small.channels; ++c) {
+                int sum = 0;
+                for (int j = 0; j < factor; ++j)
+                    for (int i = 0; i < factor; ++i) sum += picture.at(x * factor + i, y * factor + j)[c];
+                small.at(x, y)[c] =
+                    static_cast<std::uint8_t>((sum + factor * factor / 2) / (factor * factor));
+            }
+        }
+    }
+    return small;
+}
+
+}  // namespace hexrelief::job

@@ -1,0 +1,25 @@
+// Anti-aliased drawing on 8-bit colour pictures. Coordinates are in px; the centre of pixel (x,
+// y) is at +0.5.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "pipeline/data/geometry.h"
+#include "pipeline/data/image.h"
+
+namespace hexrelief::job {
+
+using Rgb = std::array<std::uint8_t, 3>;
+
+Image blank_picture(int width, int height, Rgb colour);
+// Returns a picture of three channels from one of one or three, each pixel repeated factor x factor times.
+Image enlarge_to_rgb(const Image& image, int factor);
+// Draws a pixel, a line or a disc with opacity 0..1; parts outside the picture are ignored.
+void blend_pixel(Image& picture, int x, int y, Rgb colour, float opacity);
+void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, float opacity);
+void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float opacity);
+// Returns the means of factor x factor blocks; the sides must be multiples of factor.
+Image shrink(const Image& picture, int factor);
+
+}  // namespace hexrelief::job

@@ -1,0 +1,176 @@
+#include "pipeline/job/pictures/stage_pictures.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include "exporters/images/image_writer.h"
+#include "mesher/mesher.h"
+#include "pipeline/job/pictures/drawing.h"
+#include "pipeline/job/pictures/relief_picture.h"
+#include "pipeline/job/pictures/weights_picture.h"
+
+namespace hexrelief::job {
+namespace {
+
+constexpr int kSamples = 10000;
+constexpr int kSmallSide_px = 900;  // narrower pictures are drawn twice as large
+
+int scale_of(int width) {
+    return width < kSmallSide_px ? 2 : 1;
+}
+
+// Returns a colour of the map. Lightness rises evenly along the anchors; the hue goes from blue over green to
+// yellow, which the colour-blind can distinguish.
+Rgb heat_colour(float share) {
+    static constexpr float anchors[7][3] = {{24, 18, 77},   {33, 62, 128},  {25, 104, 140}, {26, 145, 136},
+                                            {72, 182, 107}, {157, 212, 66}, {250, 230, 70}};
+    const float at = std::clamp(share, 0.0f, 1.0f) * 6;
+    const int low = std::min(5, static_cast<int>(at));
+    Rgb colour{};
+    for (int c = 0; c < 3; ++c)
+        colour[c] = static_cast<std::uint8_t>(
+            std::lround(anchors[low][c] + (at - low) * (anchors[low + 1][c] - anchors[low][c])));
+    return colour;
+}
+
+// Returns a number uniform in [0, 1) that depends only on its arguments: draw `draw` of sample `index`.
+double uniform(std::uint64_t seed, std::uint64_t index, std::uint64_t draw) {
+    std::uint64_t x =
+        seed * 0x9e3779b97f4a7c15ull + index * 0xd1b54a32d192ed03ull + draw * 0x8cb92ba72f3d8dd7ull;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    x ^= x >> 31;
+    return static_cast<double>(x >> 11) * 0x1.0p-53;
+}
+
+void append_number(std::string& text, float value) {
+    char buffer[32];
+    text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
+
+Image samples_picture(const DensityMap& density, std::uint64_t seed) {
+    const int scale = scale_of(density.width);
+    Image picture = blank_picture(density.width * scale, density.height * scale, {255, 255, 255});
+    for (const Vec2f& point : sample_points(density, kSamples, seed))
+        draw_disc(picture, {point.x * scale, point.y * scale}, {0, 0, 0}, 0.9f, 1.0f);
+    return picture;
+}
+
+}  // namespace
+
+Image disparity_picture(const DisparityMap& map) {
+    float least = kUnknownDisparity, largest = -kUnknownDisparity;
+    for (const float d : map.values) {
+        if (!DisparityMap::known(d)) continue;
+        least = std::min(least, d);
+        largest = std::max(largest, d);
+    }
+    const float span = largest > least ? largest - least : 1.0f;
+    Image picture = blank_picture(map.width, map.height, {0, 0, 0});
+    for (std::size_t i = 0; i < map.values.size(); ++i) {
+        if (!DisparityMap::known(map.values[i])) continue;
+        const Rgb colour = heat_colour((map.values[i] - least) / span);
+        std::copy(colour.begin(), colour.end(), picture.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+    return picture;
+}
+
+Image density_picture(const DensityMap& density) {
+    Image picture{density.width, density.height, 1, {}};
+    picture.pixels.resize(density.values.size());
+    const float largest =
+        density.values.empty() ? 0 : *std::max_element(density.values.begin(), density.values.end());
+    for (std::size_t i = 0; i < density.values.size() && largest > 0; ++i)
+        picture.pixels[i] =
+            static_cast<std::uint8_t>(std::lround(255 * std::pow(density.values[i] / largest, 1 / 2.2f)));
+    return picture;
+}
+
+std::vector<Vec2f> sample_points(const DensityMap& density, int count, std::uint64_t seed) {
+    std::vector<double> sums(density.values.size());
+    double total = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = total += density.values[i];
+    std::vector<Vec2f> points;
+    if (!(total > 0)) return points;
+    points.reserve(static_cast<std::size_t>(count));
+    for (int i = 0; i < count; ++i) {
+        const auto slot = std::upper_bound(sums.begin(), sums.end(), uniform(seed, i, 0) * total);
+        const auto pixel = static_cast<int>(std::min(slot, sums.end() - 1) - sums.begin());
+        const int x = pixel % density.width, y = pixel / density.width;
+        points.push_back(
+            {static_cast<float>(x + uniform(seed, i, 1)), static_cast<float>(y + uniform(seed, i, 2))});
+    }
+    return points;
+}
+
+Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop) {
+    const int scale = scale_of(backdrop.width);
+    Image picture = enlarge_to_rgb(backdrop, scale);
+    for (std::uint8_t& sample : picture.pixels)
+        sample = static_cast<std::uint8_t>(sample * 7 / 10);  // darkened, so that the lines stand out
+    const auto edge = [&](int c0, int r0, int c1, int r1) {
+        if (c1 < 0 || c1 >= mesh.columns || r1 >= mesh.rows) return;
+        const Vec2f a = mesh.at(c0, r0), b = mesh.at(c1, r1);
+        const float s = static_cast<float>(scale);
+        draw_segment(picture, {a.x * s, a.y * s}, {b.x * s, b.y * s}, {255, 214, 64}, 1.0f, 0.85f);
+    };
+    for (int row = 0; row < mesh.rows; ++row) {
+        const int shift = row & 1;  // odd rows are half a spacing to the right
+        for (int column = 0; column < mesh.columns; ++column) {
+            edge(column, row, column + 1, row);
+            edge(column, row, column - 1 + shift, row + 1);
+            edge(column, row, column + shift, row + 1);
+        }
+    }
+    return picture;
+}
+
+std::string mesh_obj(const HexMesh2D& mesh) {
+    std::string text = "# lattice " + std::to_string(mesh.columns) + " x " + std::to_string(mesh.rows) +
+                       ", row-major, px of the left image, x right, y down\n";
+    text.reserve(text.size() + mesh.positions.size() * 56);
+    for (const Vec2f& p : mesh.positions) {
+        text += "v ";
+        append_number(text, p.x);
+        text += ' ';
+        append_number(text, p.y);
+        text += " 0\n";
+    }
+    for (int row = 0; row + 1 < mesh.rows; ++row)
+        for (int column = 0; column + 1 < mesh.columns; ++column)
+            for (const Triangle& t : quad_triangles(mesh.columns, column, row))
+                text += "f " + std::to_string(t[0] + 1) + ' ' + std::to_string(t[1] + 1) + ' ' +
+                        std::to_string(t[2] + 1) + '\n';
+    return text;
+}
+
+const std::vector<std::filesystem::path>& stage_file_names() {
+    static const std::vector<std::filesystem::path> names = {"disparity.pfm", "disparity.png", "density.pfm",
+                                                             "density.png",   "samples.png",   "mesh2d.obj",
+                                                             "mesh2d.png",    "weights.png",   "relief.png"};
+    return names;
+}
+
+std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const std::filesystem::path& name) {
+    const DisparityMap& map = *results.map;
+    const DensityMap& density = *results.density;
+    if (name == "disparity.pfm") return exporters::encode_pfm(map.width, map.height, map.values);
+    if (name == "disparity.png") return exporters::encode_png(disparity_picture(map));
+    if (name == "density.pfm") return exporters::encode_pfm(density.width, density.height, density.values);
+    if (name == "density.png") return exporters::encode_png(density_picture(density));
+    if (name == "samples.png") return exporters::encode_png(samples_picture(density, results.seed));
+    if (name == "mesh2d.png")
+        return exporters::encode_png(
+            mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
+    if (name == "weights.png")
+        return exporters::encode_png(
+            weights_picture(quality::honeycomb_weights(*results.mesh, density, results.threads)));
+    if (name == "relief.png") return exporters::encode_png(render_relief(*results.surface, results.texture));
+    if (name != "mesh2d.obj") throw std::logic_error("no stage writes " + name.string());
+    const std::string text = mesh_obj(*results.mesh);
+    return {text.begin(), text.end()};
+}
+
+}  // namespace hexrelief::job

@@ -1,0 +1,63 @@
+// Reads windows of disparity maps that do not fit into memory.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/disparity_reader.h"
+
+namespace hexrelief::readers {
+
+// The largest width or height: beyond it, floats cannot resolve half a pixel of a coordinate.
+inline constexpr int kLargestMapSide_px = 1 << 23;
+
+enum class MapSample { uint8, uint16, float32 };
+
+// The layout of a file that has only samples, row after row, top row first.
+struct RawMapLayout {
+    int width = 0, height = 0;
+    MapSample sample = MapSample::float32;  // or uint16
+    bool is_big_endian = false;
+};
+
+// Parses "WIDTHxHEIGHT,TYPE". TYPE is float32, uint16, float32be or uint16be; without "be" the lowest byte of
+// a sample comes first. Throws Error(usage).
+RawMapLayout parse_raw_map_layout(const std::string& text);
+
+struct MapWindowConfig {
+    readers::DisparityFileConfig disparity = {};  // meaning of the samples, as for maps that are read whole
+    std::optional<RawMapLayout> raw = {};         // none = TIFF, BigTIFF or PFM, recognised by content
+};
+
+class WindowSource;
+
+// A map file of which any window can be read. Several threads may read at once: rows are read by position
+// from one descriptor, and each thread in a TIFF's tiles has its own libtiff handle.
+class MapWindows {
+  public:
+    // Opens a map and reads its header; of float maps in rows also 256 x 256 px in the middle, to check the
+    // byte order. TIFF: samples of one channel, of the kinds that read_disparity_map() accepts; in tiles or
+    // strips, compressed or not, with GDAL's nodata. Throws Error(input) as read_disparity_map() does, except
+    // that a map may have any size up to kLargestMapSide_px a side, and only unknown pixels.
+    static std::unique_ptr<MapWindows> open(const std::filesystem::path& path,
+                                            const MapWindowConfig& config = {});
+    ~MapWindows();
+
+    int width() const;
+    int height() const;
+    // Returns the same pixels as a crop of read_disparity_map()'s map. Memory: the window, for integers also
+    // its samples, and a tile; for compressed strips a row, and a strip as stored. Throws Error(input) if the
+    // window is empty, not within the map or above kMaxPixels, or if the file is damaged or truncated there.
+    DisparityMap read(int x, int y, int width, int height) const;
+
+  private:
+    MapWindows(std::filesystem::path path, const MapWindowConfig& config);
+    std::filesystem::path path_;
+    readers::DisparityFileConfig config_;
+    std::unique_ptr<WindowSource> source_;
+};
+
+}  // namespace hexrelief::readers

@@ -1,0 +1,54 @@
+#include "pipeline/readers/windows/window_source.h"
+
+#include <algorithm>
+
+#include "pipeline/readers/limits.h"
+#include "pipeline/readers/source.h"
+
+namespace hexrelief::readers {
+namespace {
+
+std::string size_text(unsigned long long width, unsigned long long height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+void check_map_size(const std::filesystem::path& path, unsigned long long width, unsigned long long height) {
+    if (width == 0 || height == 0)
+        readers::codec::refuse(path,
+                               "its size is " + size_text(width, height) + "; both sides must be at least 1");
+    if (std::max(width, height) > kLargestMapSide_px)
+        readers::codec::refuse(path, "its size is " + size_text(width, height) + ", more than the limit of " +
+                                         std::to_string(kLargestMapSide_px) +
+                                         " px a side; cut it into several first");
+}
+
+readers::codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
+                                   const WantedWindow& window) {
+    const auto within = [](long long at, long long size, long long all) {
+        return at >= 0 && size >= 1 && at + size <= all;
+    };
+    const std::string wanted = std::to_string(window.width) + "x" + std::to_string(window.height);
+    if (!within(window.x, window.width, source.width) || !within(window.y, window.height, source.height))
+        readers::codec::refuse(
+            path, "there is no window of " + wanted + " px at " + std::to_string(window.x) + "," +
+                      std::to_string(window.y) + " in its " +
+                      size_text(static_cast<unsigned>(source.width), static_cast<unsigned>(source.height)) +
+                      " px; ask for one inside");
+    if (static_cast<long long>(window.width) * window.height > readers::kMaxPixels)
+        readers::codec::refuse(path, "a window of " + wanted + " px is above the limit of " +
+                                         std::to_string(readers::kMaxPixels) +
+                                         " pixels; ask for smaller ones");
+    const auto at = [](int value) { return static_cast<std::uint32_t>(value); };
+    return source.read({at(window.x), at(window.y), at(window.width), at(window.height)});
+}
+
+readers::codec::Raster no_samples(const WindowSource& source) {
+    readers::codec::Raster raster;
+    if (source.sample == MapSample::uint16) raster.samples = std::vector<std::uint16_t>();
+    if (source.sample == MapSample::float32) raster.samples = std::vector<float>();
+    return raster;
+}
+
+}  // namespace hexrelief::readers

@@ -1,0 +1,143 @@
+#include "pipeline/stages/densify/plane_votes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kRadius = 3, kSide = 2 * kRadius + 1, kMost = kSide * kSide;
+constexpr int kMostSurfaces = 6;
+constexpr float kJoined_px = 1;    // the surface stage's own default
+constexpr float kOtherColor = 40;  // larger colour steps have the least weight
+constexpr float kLeastWeight = 0.02f;
+constexpr float kMeasured = 3;    // factor for a window's pixel that was measured itself
+constexpr float kSpread = 0.35f;  // weight (1 + kSpread r^2)^-2 at r strides
+
+struct Vote {
+    float d;
+    float weight;  // weight by distance
+    std::uint32_t plane;
+};
+
+struct Votes {
+    Vote votes[kMost];
+    int count = 0;
+    float least = 0, most = 0;  // range of all d
+};
+
+struct Surface {
+    float weight = 0, sum = 0;
+
+    float mean() const { return sum / weight; }
+};
+
+class Window {
+  public:
+    explicit Window(int stride_px) : stride_px_(stride_px) {
+        for (int j = -kRadius; j <= kRadius; ++j)
+            for (int i = -kRadius; i <= kRadius; ++i) {
+                const float fall = 1 + kSpread * static_cast<float>(i * i + j * j);
+                weights_[(j + kRadius) * kSide + i + kRadius] = 1 / (fall * fall);
+            }
+    }
+    Votes votes_at(int x, int y, const VoteInput& input) const {
+        Votes found;
+        float low = kUnknownDisparity, high = 0;
+        for (int j = -kRadius; j <= kRadius; ++j)
+            for (int i = -kRadius; i <= kRadius; ++i) {
+                const int at_x = x + i * stride_px_, at_y = y + j * stride_px_;
+                const std::uint32_t k = input.nearest.of(at_x, at_y);
+                if (k == kNoMeasurement) continue;
+                const PlaneAt& plane = input.planes[k];
+                const bool is_measured = plane.x == at_x && plane.y == at_y;
+                low = std::min(low, plane.d);
+                high = std::max(high, plane.d);
+                found.votes[found.count++] = {
+                    plane.at(x, y),
+                    weights_[(j + kRadius) * kSide + i + kRadius] * (is_measured ? kMeasured : 1), k};
+            }
+        found.least = high;
+        found.most = low;
+        for (int v = 0; v < found.count; ++v) {
+            float& d = found.votes[v].d;
+            d = std::clamp(d, low, high);
+            found.least = std::min(found.least, d);
+            found.most = std::max(found.most, d);
+        }
+        return found;
+    }
+
+  private:
+    int stride_px_;
+    float weights_[kMost];
+};
+
+float color_weight(int x, int y, const PlaneAt& plane, const Image& left) {
+    const auto step = static_cast<float>(color_step(left.at(x, y), left.at(plane.x, plane.y), left.channels));
+    const float alike = std::max(0.0f, 1 - step / kOtherColor);
+    return alike * alike + kLeastWeight;
+}
+
+float mean_of(const Votes& votes) {
+    Surface all;
+    for (int v = 0; v < votes.count; ++v) {
+        all.weight += votes.votes[v].weight;
+        all.sum += votes.votes[v].weight * votes.votes[v].d;
+    }
+    return all.mean();
+}
+
+// Returns the mean of the chosen one of the two heaviest surfaces. Each vote joins the first surface whose
+// mean so far is near enough.
+float chosen_of(const Votes& votes, int x, int y, const VoteInput& input) {
+    Surface surfaces[kMostSurfaces];
+    int count = 0;
+    for (int v = 0; v < votes.count; ++v) {
+        const Vote& vote = votes.votes[v];
+        const float weight =
+            vote.weight * (input.left.empty() ? 1 : color_weight(x, y, input.planes[vote.plane], input.left));
+        int s = 0;
+        while (s < count &&
+               std::abs(surfaces[s].sum - vote.d * surfaces[s].weight) > kJoined_px * surfaces[s].weight)
+            ++s;
+        if (s == kMostSurfaces) continue;
+        count = std::max(count, s + 1);
+        surfaces[s].weight += weight;
+        surfaces[s].sum += weight * vote.d;
+    }
+    // Stable sort: ties go to the surface found first.
+    std::stable_sort(surfaces, surfaces + count,
+                     [](const Surface& a, const Surface& b) { return a.weight > b.weight; });
+    if (count == 1) return surfaces[0].mean();
+    const float d[2] = {surfaces[0].mean(), surfaces[1].mean()};
+    if (std::abs(d[0] - d[1]) <= kJoined_px) return d[0];
+    return surfaces[0].weight * side_odds(x, y, d, input.sides) >= surfaces[1].weight ? d[0] : d[1];
+}
+
+}  // namespace
+
+DisparityMap take_votes(const VoteInput& input, int stride_px, ThreadPool& pool) {
+    DisparityMap dense = input.sparse;
+    dense.origins.assign(dense.values.size(), PixelOrigin::unknown);
+    const Window window(stride_px);
+    pool.parallel_for_chunks(static_cast<std::size_t>(dense.height), [&](std::size_t first, std::size_t end) {
+        for (int y = static_cast<int>(first); y < static_cast<int>(end); ++y)
+            for (int x = 0; x < dense.width; ++x) {
+                const std::size_t pixel = static_cast<std::size_t>(y) * dense.width + x;
+                if (DisparityMap::known(dense.values[pixel])) {
+                    dense.origins[pixel] = PixelOrigin::matched;
+                    continue;
+                }
+                if (!input.filled[pixel]) continue;
+                const Votes votes = window.votes_at(x, y, input);
+                if (votes.count == 0) continue;
+                const bool is_one = votes.most - votes.least <= kJoined_px;
+                dense.values[pixel] = is_one ? mean_of(votes) : chosen_of(votes, x, y, input);
+                dense.origins[pixel] = PixelOrigin::filled;
+            }
+    });
+    return dense;
+}
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,24 @@
+// Replaces quantised disparities by the smoothest ones that round to them.
+#pragma once
+
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::stages {
+
+struct Smoothness {
+    // Weight of the given disparities against the bending of waves of one pixel. A wave twice as long bends
+    // 16 times less. By default waves longer than some 30 px follow the given disparities.
+    float pull = 0.002f;
+    int levels = 5;  // sizes that are smoothed, each half of the one before
+};
+
+// Removes the quantisation steps of a map. A map of whole pixels, or of other steps of quantum_px > 0
+// (find_quantum_px()), has a staircase on each slanted surface, which shows as rings when lit. Each disparity
+// moves by less than half a step, to where the surface bends least. Nothing is smoothed across depth
+// discontinuities (neighbours more than 1 px apart, unless down a column of a slope), and those of a map of
+// whole pixels remain discontinuities. Unknown pixels stay unknown, and disparities of at most half a step
+// are unchanged. The result is the same for any number of threads (>= 1).
+DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
+                        const Smoothness& smoothness = {});
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,27 @@
+// Measures the noise of a matched map, and decides how it is smoothed.
+#pragma once
+
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/stages/dequantize/dequantize.h"
+
+namespace hexrelief::stages {
+
+// Maps with less noise are left as they are: their surfaces are smooth, and what is not smooth is detail. A
+// relief is a map of which it is not known where infinity lies: its depths are a guess, and its noise shows
+// before its detail does.
+inline constexpr double kLeastNoise_px = 0.07, kLeastNoiseOfRelief_px = 0.03;
+
+// Returns the standard deviation of the noise of a matched map's disparities, px, by the median third
+// difference of matches at the distances at which a mesh has its vertices. Third differences vanish on planes
+// and on evenly curved surfaces, and the median ignores discontinuities. 0 if hardly anything is matched.
+double find_noise_px(const DisparityMap& map);
+
+// The arguments of dequantize() that let nearly all of a map's noise be smoothed.
+struct NoiseSmoothing {
+    double noise_px = 0;    // 0 = nothing is to be smoothed
+    double quantum_px = 0;  // a step of as much noise
+    Smoothness smoothness = {};
+};
+NoiseSmoothing smoothing_for(double noise_px, bool is_relief);
+
+}  // namespace hexrelief::stages

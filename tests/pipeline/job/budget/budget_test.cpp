@@ -1,0 +1,282 @@
+// Tests budgets instead of a spacing, by the built program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::job {
+namespace {
+
+using namespace test;
+
+using Json = nlohmann::json;
+
+struct Outcome {
+    ProcessResult process;
+    Json report;
+    std::uintmax_t bytes = 0;
+};
+
+Outcome run_map(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> extra) {
+    std::vector<std::string> arguments = {"run",
+                                          "--disparity",
+                                          sample("disparity.pfm"),
+                                          "--calib",
+                                          sample("calib.txt"),
+                                          "--report",
+                                          folder / "r.json",
+                                          "-o",
+                                          folder / name};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    Outcome outcome{run_program(arguments), {}, 0};
+    if (outcome.process.exit_code != 0) return outcome;
+    outcome.report = Json::parse(read_text(folder / "r.json"));
+    outcome.bytes = std::filesystem::file_size(folder / name);
+    return outcome;
+}
+
+TEST(Budget, VerticesAreKeptAndNearlyUsed) {
+    const TemporaryFolder folder;
+    for (const int limit : {400, 3000}) {
+        const Outcome o = run_map(folder, "a.drc", {"--vertices", std::to_string(limit)});
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        const int vertices = o.report["surface"]["vertices"];
+        EXPECT_LE(vertices, limit);
+        EXPECT_GT(vertices, 0.85 * limit);
+        const Json& budget = o.report["budget"];
+        EXPECT_EQ(budget["kind"], "vertices");
+        EXPECT_EQ(budget["limit"], limit);
+        EXPECT_EQ(budget["reached"], vertices);
+        EXPECT_EQ(budget["spacing_px"], o.report["config"]["mesh"]["spacing_px"]);
+        EXPECT_GE(budget["solves"], 1);
+        EXPECT_NE(
+            o.process.out.find(limit == 3000 ? "budget vertices 3 000: reached " : "budget vertices 400: "),
+            std::string::npos);
+    }
+}
+
+TEST(Budget, BytesAreThoseOfTheFile) {
+    const TemporaryFolder folder;
+    const Outcome o = run_map(folder, "a.drc", {"--max-bytes", "9000"});
+    ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+    EXPECT_LE(o.bytes, 9000u);
+    EXPECT_GT(o.bytes, 7000u);
+    EXPECT_EQ(o.report["budget"]["reached"], o.bytes);
+    EXPECT_EQ(o.report["budget"]["tolerance_px"], o.report["config"]["export"]["tolerance_px"]);
+}
+
+// Pages contain pictures of the stages, and levels of detail are coarser than the mesh.
+TEST(Budget, BytesCountPicturesAndLevels) {
+    const TemporaryFolder folder;
+    const auto expect_within = [&](const char* file, int most, std::vector<std::string> extra) {
+        extra.insert(extra.end(), {"--max-bytes", std::to_string(most)});
+        const Outcome o = run_map(folder, file, extra);
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        std::uintmax_t bytes = 0;
+        for (const Json& output : o.report["outputs"]) bytes += output["bytes"].get<std::uintmax_t>();
+        EXPECT_EQ(o.report["budget"]["reached"], bytes) << file;
+        EXPECT_LE(bytes, most) << file;
+    };
+    expect_within("page.html", 609000, {});
+    expect_within("levels.glb", 36000, {"--set", "export.lod=3"});
+    expect_within("scene.usdz", 60000, {"--color", sample("left.png")});
+}
+
+// A texture and the files beside the mesh count as well.
+TEST(Budget, BytesCountEveryFileOfAnOutput) {
+    const TemporaryFolder folder;
+    const Outcome o = run_map(folder, "a.gltf", {"--color", sample("left.png"), "--max-bytes", "120000"});
+    ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+    std::uintmax_t bytes = 0;
+    for (const Json& output : o.report["outputs"]) bytes += output["bytes"].get<std::uintmax_t>();
+    EXPECT_EQ(o.report["outputs"].size(), 3u);
+    EXPECT_LE(bytes, 120000u);
+    EXPECT_EQ(o.report["budget"]["reached"], bytes);
+    EXPECT_GT(bytes, 80000u);
+}
+
+Json texture_of(const Outcome& o) {
+    return {o.report["config"]["export"]["texture_quality"], o.report["config"]["export"]["texture_max_px"]};
+}
+
+TEST(Budget, TheTextureTakesPart) {
+    const TemporaryFolder folder;
+    std::uintmax_t least = 1000000;
+    for (const char* limit : {"100000", "12000"}) {
+        const Outcome o = run_map(folder, "a.glb", {"--color", sample("left.png"), "--max-bytes", limit});
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        EXPECT_LE(o.bytes, std::stoul(limit));
+        EXPECT_LT(o.bytes, least);
+        least = o.bytes;
+        const Json& budget = o.report["budget"];
+        EXPECT_EQ(texture_of(o), Json({budget["texture_quality"], budget["texture_max_px"]}));
+        if (std::string(limit) == "100000") {
+            EXPECT_EQ(texture_of(o), Json({90, 0})) << "there is room for the configured one";
+        } else {
+            EXPECT_LT(budget["texture_quality"], 90);
+            EXPECT_GT(budget["texture_quality"], 40);
+        }
+    }
+    const Outcome sharp = run_map(folder, "a.glb",
+                                  {"--color", sample("left.png"), "--max-bytes", "20000", "--set",
+                                   "export.texture_quality=90", "--verbose"});
+    ASSERT_EQ(sharp.process.exit_code, 0) << sharp.process.err;
+    EXPECT_LE(sharp.bytes, 20000u);
+    EXPECT_EQ(texture_of(sharp)[0], 90) << "as given";
+    EXPECT_GT(texture_of(sharp)[1], 0);
+    EXPECT_NE(sharp.process.err.find("budget: texture of quality 90, at most "), std::string::npos)
+        << sharp.process.err;
+    const Outcome given = run_map(folder, "a.glb",
+                                  {"--color", sample("left.png"), "--max-bytes", "9000", "--set",
+                                   "export.texture_quality=90", "--set", "export.texture_max_px=320"});
+    EXPECT_EQ(given.process.exit_code, 2) << "the texture alone is larger";
+}
+
+// A budget chooses the preset `compact` if no preset is named; explicit settings are kept.
+TEST(Budget, ChoosesTheCompactPreset) {
+    const TemporaryFolder folder;
+    const auto config = [&](const std::vector<std::string>& extra) {
+        const Outcome o = run_map(folder, "a.glb", extra);
+        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
+        Json found = o.report["config"];
+        for (const char* section : {"input", "budget", "run"}) found.erase(section);
+        found["mesh"].erase("spacing_px");
+        found["export"].erase("tolerance_px");
+        return found;
+    };
+    const Json compact = config({"--config", "compact"}), plain = config({});
+    ASSERT_NE(compact, plain);
+    EXPECT_EQ(config({"--max-bytes", "9000"}), compact);
+    EXPECT_EQ(config({"--set", "budget.max_bytes=9000"}), compact);
+    EXPECT_EQ(config({"--max-bytes", "30000", "--config", "default"}), plain);
+    EXPECT_EQ(config({"--max-error-px", "2"}), plain);
+    const Json vertices = config({"--vertices", "900"});
+    EXPECT_EQ(vertices["density"], compact["density"]);
+    EXPECT_EQ(vertices["mesh"], compact["mesh"]);
+    EXPECT_EQ(vertices["surface"], compact["surface"]);
+    EXPECT_EQ(vertices["export"], plain["export"]);
+    const Json set =
+        config({"--max-bytes", "30000", "--set", "density.exponent=3", "--set", "export.compression=none"});
+    EXPECT_EQ(set["density"]["exponent"], 3);
+    EXPECT_EQ(set["export"]["compression"], "none");
+    EXPECT_EQ(set["surface"], compact["surface"]);
+}
+
+TEST(Budget, ErrorIsKept) {
+    const TemporaryFolder folder;
+    std::size_t finer = 0;
+    for (const double limit : {0.3, 0.7}) {
+        const Outcome o = run_map(folder, "a.obj", {"--max-error-px", std::to_string(limit)});
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        EXPECT_LE(o.report["surface"]["duo_rmse_near_px"], limit);
+        EXPECT_NEAR(o.report["budget"]["reached"].get<double>(),
+                    o.report["surface"]["duo_rmse_near_px"].get<double>(), 1e-9)
+            << "nothing is compressed";
+        const std::size_t vertices = o.report["surface"]["vertices"];
+        if (finer > 0) {
+            EXPECT_LT(vertices, finer);
+        }
+        finer = vertices;
+    }
+}
+
+// The configuration in the report gives the same bytes again, without the search.
+TEST(Budget, TheSpacingFoundMakesTheSameFile) {
+    const TemporaryFolder folder;
+    const Outcome found = run_map(folder, "a.drc", {"--max-bytes", "6000"});
+    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+    const std::string bytes = read_text(folder / "a.drc");
+    const Outcome again = run_map(folder, "a.drc", {"--max-bytes", "6000", "--threads", "3"});
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes) << "deterministic";
+    const Json& config = found.report["config"];
+    const Outcome plain =
+        run_map(folder, "a.drc",
+                {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
+                 "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
+    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes);
+    EXPECT_TRUE(plain.report["budget"].is_null());
+}
+
+// With export.tolerance_share the tolerance follows the surface's accuracy, and is
+// never coarser than tolerance_px.
+TEST(Tolerance, FollowsTheSurfacesOwnError) {
+    const TemporaryFolder folder;
+    const auto tolerance = [&](const std::string& share, const std::string& most) {
+        const Outcome o =
+            run_map(folder, "a.drc",
+                    {"--set", "export.tolerance_share=" + share, "--set", "export.tolerance_px=" + most});
+        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
+        // The surface has the same error in every file; only the report of the .obj shows it.
+        const Outcome exact = run_map(folder, "exact.obj", {});
+        return std::pair{o.report["config"]["export"]["tolerance_px"].get<double>(),
+                         exact.report["surface"]["flat_rmse_px"].get<double>()};
+    };
+    const auto [whole, error_px] = tolerance("1", "5");
+    ASSERT_GT(error_px, 0.02);
+    ASSERT_LT(error_px, 2);
+    EXPECT_NEAR(whole, error_px, 1e-3);
+    const std::uintmax_t fine = std::filesystem::file_size(folder / "a.drc");
+    EXPECT_NEAR(tolerance("2", "5").first, 2 * error_px, 1e-3);
+    EXPECT_LT(std::filesystem::file_size(folder / "a.drc"), fine);
+    EXPECT_DOUBLE_EQ(tolerance("1", "0.015").first, 0.015) << "tolerance_px is the most";
+    EXPECT_DOUBLE_EQ(tolerance("0", "5").first, 5);
+}
+
+// The tolerance in the report gives the same bytes again.
+TEST(Tolerance, HoldsInABudget) {
+    const TemporaryFolder folder;
+    const Outcome found = run_map(folder, "a.drc", {"--config", "compact", "--max-bytes", "5000"});
+    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+    EXPECT_LE(found.bytes, 5000u);
+    const std::string bytes = read_text(folder / "a.drc");
+    const Json& config = found.report["config"];
+    EXPECT_EQ(found.report["budget"]["tolerance_px"], config["export"]["tolerance_px"]);
+    const Outcome plain =
+        run_map(folder, "a.drc",
+                {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
+                 "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
+    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes);
+}
+
+TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
+    const TemporaryFolder folder;
+    for (const std::vector<std::string>& extra :
+         {std::vector<std::string>{"--max-bytes", "60"}, {"--vertices", "3"}, {"--max-error-px", "0.0001"}}) {
+        const Outcome o = run_map(folder, "a.drc", extra);
+        EXPECT_EQ(o.process.exit_code, 2) << extra[0];
+        EXPECT_NE(o.process.err.find("out of reach"), std::string::npos) << o.process.err;
+        EXPECT_EQ(std::count(o.process.err.begin(), o.process.err.end(), '\n'), 1) << o.process.err;
+        EXPECT_FALSE(std::filesystem::exists(folder / "a.drc"));
+    }
+    const Outcome both = run_map(folder, "a.drc", {"--max-bytes", "6000", "--vertices", "300"});
+    EXPECT_EQ(both.process.exit_code, 2);
+    EXPECT_NE(both.process.err.find("exclude each other"), std::string::npos) << both.process.err;
+}
+
+// The coarsest spacing at which three levels fit is no whole number of hundredths.
+TEST(Budget, LevelsOfDetailLimitTheSpacing) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program({"tiles", "make-map", "--size", "150x110", "-o", folder / "l.pfm"}).exit_code, 0);
+    const auto result = run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3",
+                                     "--max-bytes", "40000", "-o", folder / "f.obj", "--quiet"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(Budget, WhatTheLeftCameraDoesNotSeeGivesWay) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program({"tiles", "make-map", "--size", "150x110", "-o", folder / "l.pfm"}).exit_code, 0);
+    const auto result =
+        run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3", "--max-bytes", "40000",
+                     "--report", folder / "r.json", "-o", folder / "f.obj"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.err.find("(surface.views=left)"), std::string::npos) << result.err;
+    EXPECT_NE(read_text(folder / "r.json").find("\"hidden_triangles\": 0"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hexrelief::job
