@@ -237,10 +237,8 @@ std::vector<Field> surface_fields() {
             MEMBER(surface.views)),
         number("surface.behind", "baselines", {0, 8},
                "with views=both, also of one map: behind silhouettes the farther surface continues, as far "
-               "as cameras so many baselines beyond both see; 0 = not at all; if not given, photographs that "
-               "are "
-               "aligned by their points, or lie partly behind infinity, have as many as a turn by 20 degrees "
-               "takes, at most 8",
+               "as cameras so many baselines beyond both see; 0 = not at all; if not given, a pair has as "
+               "many as a turn by 20 degrees takes, 1 to 8",
                MEMBER(surface.behind)),
     };
 }

@@ -189,13 +189,12 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Backend& backend = *relief.backend;
     relief.pair_camera = relief.input.calibration;
     const InputPair* const pair = relief.input.pair();
-    if (pair && pair->alignment) {
+    if (pair && pair->alignment)
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
-        if (!config.given.contains("surface.behind"))
-            config.surface.behind = baselines_of_turn(*pair->alignment, relief.pair_camera, pair->reduced_by);
-    }
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
+    if (pair && !config.given.contains("surface.behind"))
+        config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration);
     if (config.disparity.dequantize == stages::Dequantization::automatic)
         smooth_noise(relief.disparity, relief.input.is_relief(), backend.threads(), log);
     relief.density = log.stage("density", [&] {

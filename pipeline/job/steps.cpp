@@ -1,6 +1,8 @@
 #include "pipeline/job/steps.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "pipeline/checks/figure_text.h"
@@ -211,6 +213,19 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
     log.decide(std::string("disparity: ") + (always ? "" : "some are 0 or less; ") +
                "the calibration's doffs of " + fixed(calibration.doffs_px, 2) + " px is added to all");
     calibration.doffs_px = 0;
+}
+
+double baselines_of_turn(const DisparityMap& map, const Calibration& camera) {
+    constexpr double kTangent = 0.364, kMost = 8;  // of 20 degrees; as many as surface.behind takes
+    constexpr std::size_t kEvery = 13;             // pixels; a sample tells the median
+    std::vector<float> known;
+    for (std::size_t i = 0; i < map.values.size(); i += kEvery)
+        if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
+    if (known.empty()) return 1;
+    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+    std::nth_element(known.begin(), middle, known.end());
+    const double from_infinity_px = std::max(*middle + camera.doffs_px, 1e-3);
+    return std::clamp(std::round(10 * kTangent * camera.focal_px / from_infinity_px) / 10, 1.0, kMost);
 }
 
 DisparityMap densify_map(DisparityMap map, const Image& left, const readers::PixelMask& mask, int threads,

@@ -136,6 +136,10 @@ void press_near(DisparityResult& disparity, double nearest_px, const RunLog& log
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
                          const RunLog& log);
 
+// Returns how many baselines beside the camera a scene is seen from if it is turned by 20 degrees about its
+// median depth, to a tenth, at least 1 and at most 8. camera: with the doffs of the map's disparities.
+double baselines_of_turn(const DisparityMap& map, const Calibration& camera);
+
 // Smooths a matched map within its noise (dequantize/noise.h), if there is much. is_relief: as there.
 void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log);
 

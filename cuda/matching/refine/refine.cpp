@@ -11,8 +11,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kRounds = 2;  // rounds of votes
-constexpr int kLists = 1 + kRounds;
+constexpr int kLists = 1 + step::kVoteRounds;
 
 // Clears the arrays that the steps after the views' comparison use.
 void prepare(cudaStream_t stream, const RefineArrays& arrays) {
@@ -56,7 +55,7 @@ RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::in
                       take_plain_raster<std::int32_t>(arena, width, height),
                       take_plain_raster<std::uint8_t>(arena, width, height),
                       {arrays.speckles.sizes, counts}};
-    for (int round = 0; round < kRounds; ++round)
+    for (int round = 0; round < step::kVoteRounds; ++round)
         arrays.votes[round] =
             take_vote_arrays(arena, width, height, {arrays.speckles.labels, counts + 1 + round});
     arrays.known = take_known_pixels(arena, width, height);
@@ -128,30 +127,31 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
         stream,
         {reading(arrays.left), left, reading(arrays.voter_weights), input.hole_colors, RecordsOf::all, {}},
         arrays.slopes, arrays.records);
-    clock.ended("slopes, first round");
     take_votes(stream,
                {reading(arrays.left), records, discontinuous, nearest_seen, matched, arrays.trusted.holes,
                 config.min_px},
                arrays.votes[0], arrays.a);
-    clock.ended("votes, first round");
-    find_slopes(stream,
-                {reading(arrays.a), left, {}, {}, RecordsOf::all, reading(arrays.votes[0].changed_blocks)},
-                arrays.slopes, arrays.records);
-    clock.ended("slopes, second round");
-    take_votes(stream, {reading(arrays.a), records, discontinuous, nearest_seen, {}, {}, config.min_px},
-               arrays.votes[1], arrays.b);
-    clock.ended("votes, second round");
-
-    matching::RasterView<std::int16_t> map = arrays.b, chosen = arrays.a;
+    clock.ended("slopes, votes, first round");
+    matching::RasterView<std::int16_t> map = arrays.a, changed = arrays.b;
+    for (int round = 1; round < step::kVoteRounds; ++round) {
+        find_slopes(
+            stream,
+            {reading(map), left, {}, {}, RecordsOf::all, reading(arrays.votes[round - 1].changed_blocks)},
+            arrays.slopes, arrays.records);
+        take_votes(stream, {reading(map), records, discontinuous, nearest_seen, {}, {}, config.min_px},
+                   arrays.votes[round], changed);
+        std::swap(map, changed);
+    }
+    clock.ended("slopes, votes, later rounds");
     for (int round = 0; round < step::kSideRounds; ++round) {
         choose_sides(stream, {reading(map), left, reading(colors.right), nearest_seen, config.min_px},
-                     chosen);
-        std::swap(map, chosen);
+                     changed);
+        std::swap(map, changed);
     }
     clock.ended("sides");
 
-    filter_median(stream, {reading(map), chosen});
-    find_slopes(stream, {reading(chosen), left, {}, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
+    filter_median(stream, {reading(map), changed});
+    find_slopes(stream, {reading(changed), left, {}, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
                 arrays.planes[0]);
     clock.ended("median, slopes");
     smooth(stream, arrays.planes[0], arrays.planes[1], arrays.result);

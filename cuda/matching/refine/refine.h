@@ -7,6 +7,7 @@
 #include "cuda/matching/refine/frame_segments.h"
 #include "cuda/matching/refine/remove_speckles.h"
 #include "cuda/matching/refine/votes.h"
+#include "pipeline/matching/refine/vote_step.h"
 
 namespace hexrelief::cuda {
 
@@ -43,7 +44,7 @@ struct RefineArrays {
     KnownPixels known;
     FrameArrays frame;
     matching::RasterView<std::uint8_t> voter_weights;
-    VoteArrays votes[2];                        // one per round
+    VoteArrays votes[step::kVoteRounds];        // one per round
     matching::RasterView<std::int16_t> result;  // without a border
 };
 

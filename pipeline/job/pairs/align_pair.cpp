@@ -149,14 +149,6 @@ std::array<double, 2> up_if_turned(const Alignment& found) {
     return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
 }
 
-double baselines_of_turn(const Alignment& found, const Calibration& camera, int reduced_by) {
-    constexpr double kTangent = 0.364, kMost = 8;  // of 20 degrees; as many as surface.behind takes
-    if (!has_camera_of_points(found)) return 1;
-    const double median_px = found.disparities.median_px / reduced_by + camera.doffs_px;
-    return std::clamp(std::round(10 * kTangent * camera.focal_px / std::max(median_px, 1e-3)) / 10, 1.0,
-                      kMost);
-}
-
 std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {
     const alignment::Estimate& estimate = found.estimate;
     const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);

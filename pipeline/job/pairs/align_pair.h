@@ -53,11 +53,6 @@ inline bool has_camera_of_points(const alignment::Alignment& found) {
     return is_aligned(found) || found.is_partly_negative();
 }
 
-// Returns how many baselines beside the cameras a scene is seen from if it is turned by 20 degrees about its
-// median depth, to a tenth, at least 1 and at most 8; 1 for a pair whose camera its points do not say.
-// camera: in effect for the pair as it is matched, reduced by so much.
-double baselines_of_turn(const alignment::Alignment& found, const Calibration& camera, int reduced_by);
-
 // Returns what is up in an aligned pair, if it was turned by more than 20 degrees; else (0, 1), so that the
 // camera's rows stay horizontal. As in exporters::Scene.
 std::array<double, 2> up_if_turned(const alignment::Alignment& found);

@@ -91,7 +91,8 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     raise_frame_segments(input.frame_segments, std::as_const(matches.left).view(), map.view());
     const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
-    for (const bool first_round : {true, false}) {
+    for (int round = 0; round < step::kVoteRounds; ++round) {
+        const bool first_round = round == 0;
         const Slopes slopes = find_slopes(map, pool);
         Raster<VoteWindow> windows = near_discontinuities(map, pool);
         if (first_round) open_holes(matched, windows, pool);

@@ -27,13 +27,14 @@ static_assert(kNearVotes.votes() <= kMostVotes && kHoleVotes.votes() <= kMostVot
 // Voters from this colour step on (largest difference of a channel) have no weight.
 inline constexpr int kOtherColor = 32;
 
-// A matched pixel's weight as a voter; in the second round every pixel's.
+// A matched pixel's weight as a voter; in later rounds every pixel's.
 inline constexpr std::uint8_t kMatchedWeight = 6;
 
 // A larger step between neighbours is a discontinuity. Votes are taken up to kNear_px away from
-// it along both axes.
+// it along both axes, in rounds: each moves it a little.
 inline constexpr int kDiscontinuity = 24;  // 1/16 px
-inline constexpr int kNear_px = 2;
+inline constexpr int kNear_px = 1;
+inline constexpr int kVoteRounds = 3;
 HEXRELIEF_HD bool discontinuous(int own, int other) {
     const int difference = other - own;
     return (own >= 0) & (other >= 0) & ((difference > kDiscontinuity) | (difference < -kDiscontinuity));

@@ -95,20 +95,5 @@ TEST(AlignPair, APairShiftedForAStereoWindowIsNotExchanged) {
     EXPECT_EQ(doffs_of(left, right), 0);
 }
 
-TEST(AlignPair, ContinuesBehindSilhouettesAsFarAsATurnBy20DegreesLooks) {
-    const Calibration camera{.focal_px = 1000, .doffs_px = 100};
-    alignment::Alignment found;
-    found.disparities = {.least_px = -40, .largest_px = 60, .median_px = 40};
-    found.verdict = alignment::Verdict::unclear;
-    EXPECT_EQ(baselines_of_turn(found, camera, 1), 1);
-    found.verdict = alignment::Verdict::aligned;
-    EXPECT_DOUBLE_EQ(baselines_of_turn(found, camera, 1), 2.6) << "a baseline of .14 of the depth";
-    EXPECT_EQ(baselines_of_turn(found, camera, 2), 3) << "20 px of the reduced pair";
-    EXPECT_EQ(baselines_of_turn(found, {.focal_px = 1000, .doffs_px = 0}, 1), 8) << "at most";
-    EXPECT_EQ(baselines_of_turn(found, {.focal_px = 1000, .doffs_px = 900}, 1), 1) << "at least";
-    found.verdict = alignment::Verdict::rectified;
-    EXPECT_GT(baselines_of_turn(found, camera, 1), 1) << "some lies behind infinity";
-}
-
 }  // namespace
 }  // namespace hexrelief::job

@@ -77,7 +77,7 @@
 //     The difference of colours is the sum of step 12's over the 3x3 pixels around the left pixel and
 //     around its match, clamped.
 //  9. Discontinuities are steps of more than 24 between 4-neighbours that are both known. The window `near`
-//     is given to the pixels that have one of the two within 2 px along both axes.
+//     is given to the pixels that have one of the two within 1 px along both axes.
 // 10. Votes on the pixels that have a window. Voters are known pixels, in `hole` 9x9 pixels that are 7 px
 //     apart, in `near` those of the 13x13 pixels that are an even number of steps along the axes away.
 //     - A vote is the disparity of the voter's plane at the pixel, (dx, dy) being the voter's position
@@ -114,7 +114,7 @@
 //       weight 6. A filled pixel has 3 if it is beyond the frame (step 8); otherwise it has 4 if the
 //       pictures have colours, its match is inside and neither in front nor hidden, and the difference of
 //       colours of step 8 is at most 135; otherwise it has 1.
-//     - Votes with the windows `near` of the result, and with the weight 6 for all.
+//     - Twice votes with the windows `near` of the result, and with the weight 6 for all.
 //     - Sides (12), twice. Medians (5). Smoothing (11).
 // 14. Matches at half size. Pictures have (width + 1) / 2 x (height + 1) / 2 pixels, truncated, each
 //     the rounded mean of 2x2 pixels, clamped. The range contains the integers in px from half of the

@@ -290,7 +290,8 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     }
     map = votes({map, weights, matches.nearest, slopes(map), settings.min_px}, left, windows);
     const Grid alike(map.width, map.height, 6);
-    map = votes({map, alike, matches.nearest, slopes(map), settings.min_px}, left, near_windows(map));
+    for (int again = 0; again < 2; ++again)
+        map = votes({map, alike, matches.nearest, slopes(map), settings.min_px}, left, near_windows(map));
     const auto with_sides = [&](const Grid& from) {
         return sides(from, pictures, matches.nearest, settings.min_px);
     };

@@ -146,8 +146,8 @@ Grid near_windows(const Grid& map) {
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
             if (!beside_step(map, x, y)) continue;
-            for (int j = -2; j <= 2; ++j)
-                for (int i = -2; i <= 2; ++i)
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i)
                     if (windows.inside(x + i, y + j)) windows.at(x + i, y + j) = Window::near;
         }
     return windows;
