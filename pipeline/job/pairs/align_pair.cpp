@@ -149,6 +149,28 @@ std::array<double, 2> up_if_turned(const Alignment& found) {
     return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
 }
 
+Calibration flattened(Calibration camera, const Alignment& found, const DisparityMap& map, int reduced_by) {
+    constexpr double kFar = 0.005, kNear = 0.995;  // quantiles, as for the matches
+    std::vector<float> known;
+    for (const float d : map.values)
+        if (DisparityMap::known(d)) known.push_back(d);
+    if (!found.is_relief() || known.empty()) return camera;
+    const auto quantile = [&](double share) {
+        const auto nth =
+            known.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(known.size() - 1));
+        std::nth_element(known.begin(), nth, known.end());
+        return static_cast<double>(*nth);
+    };
+    const DisparityBounds& matches = found.disparities;
+    const double least = quantile(kFar), most = quantile(kNear), median = matches.median_px / reduced_by;
+    const double infinity = least - (most - least) * (matches.least_px - matches.infinity_px) /
+                                        (matches.largest_px - matches.least_px);
+    if (!(-infinity > camera.doffs_px)) return camera;
+    camera.baseline_m *= (median - infinity) / (median + camera.doffs_px);
+    camera.doffs_px = -infinity;
+    return camera;
+}
+
 double baselines_of_turn(const Alignment& found, const Calibration& camera, int reduced_by) {
     constexpr double kTangent = 0.364, kMost = 8;  // of 20 degrees; as many as surface.behind takes
     if (!has_camera_of_points(found)) return 1;

@@ -53,6 +53,12 @@ inline bool has_camera_of_points(const alignment::Alignment& found) {
     return is_aligned(found) || found.is_partly_negative();
 }
 
+// Returns the camera of a relief whose map spreads more than its matches: infinity is farther, so that the
+// scene stays as deep for its width as the matches were taken to be, and the baseline is longer, so that the
+// unit stays. Returns the given camera for other pairs. map: of the pair reduced by so much, camera: its own.
+Calibration flattened(Calibration camera, const alignment::Alignment& found, const DisparityMap& map,
+                      int reduced_by);
+
 // Returns how many baselines beside the cameras a scene is seen from if it is turned by 20 degrees about its
 // median depth, to a tenth, at least 1 and at most 8; 1 for a pair whose camera its points do not say.
 // camera: in effect for the pair as it is matched, reduced by so much.
