@@ -115,8 +115,8 @@ PairForesight foresee(job::Source pair, const config::Config& config, const read
     log.decides = [&](const std::string& decision) { seen.decisions.push_back(decision); };
     try {
         const int threads = job::effective_threads(0);
-        job::RunInput input = job::read_input(std::move(pair), config.input, limits, threads, log);
-        job::reduce_pair(input, config.disparity, threads, log);
+        const job::RunInput input = job::foresee_input(std::move(pair), config.input, limits, threads, log);
+        job::find_reduction(input, config.disparity, threads, log);
         const auto& found = input.pair()->alignment;
         seen.is_one_scene =
             found && found->verdict != alignment::Verdict::unclear &&

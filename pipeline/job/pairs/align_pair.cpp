@@ -64,8 +64,8 @@ void set_unit(PairCamera& camera, const DisparityBounds& bounds) {
     camera.baseline_from = "not known, the median depth is 1";
 }
 
-void take_aligned(StereoPair& views, PairAlignment& pair, int threads) {
-    alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads);
+void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int threads) {
+    alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads, has_right);
     views = std::move(aligned.pair);
     pair.seen = std::move(aligned.seen);
     pair.right_seen = std::move(aligned.right_seen);
@@ -137,7 +137,7 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
                         given.name +
                             ": the mask is for the left picture as it is, but the pair has to be "
                             "aligned; give the mask as the picture's alpha, or --rectify never");
-        take_aligned(views, pair, threads);
+        take_aligned(views, pair, !given.is_foreseen, threads);
     }
     pair.found.estimate.matches.clear();
     return pair;

@@ -23,9 +23,10 @@ struct PairCamera {
 // How a pair was given.
 struct PairToAlign {
     const config::InputConfig& config;
-    std::string name;       // for messages
-    bool is_rig = false;    // one file holds both views
-    bool has_mask = false;  // a mask was given for the left view as it is
+    std::string name;          // for messages
+    bool is_rig = false;       // one file holds both views
+    bool has_mask = false;     // a mask was given for the left view as it is
+    bool is_foreseen = false;  // the right picture is not needed, and is left out if the pair is aligned
 };
 
 struct PairAlignment {
