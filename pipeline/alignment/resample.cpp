@@ -62,11 +62,15 @@ cv::Mat matrix_of(const Image& image) {
             const_cast<std::uint8_t*>(image.pixels.data())};
 }
 
+// has_image: false leaves the image empty.
 Resampled resampled(const Image& image, const Positions& positions, const Canvas& canvas, int interpolation,
-                    ThreadPool& pool) {
+                    ThreadPool& pool, bool has_image = true) {
     const std::size_t area = static_cast<std::size_t>(canvas.width) * canvas.height;
     Resampled out{{canvas.width, canvas.height, image.channels, {}}, std::vector<std::uint8_t>(area)};
-    out.image.pixels.resize(area * image.channels);
+    if (has_image)
+        out.image.pixels.resize(area * image.channels);
+    else
+        out.image.width = out.image.height = 0;
     const cv::Mat from = matrix_of(image), to = matrix_of(out.image);
     const float most_x = static_cast<float>(image.width - 1), most_y = static_cast<float>(image.height - 1);
     const int bands = (canvas.height + kBand - 1) / kBand;
@@ -81,6 +85,7 @@ Resampled resampled(const Image& image, const Positions& positions, const Canvas
                 for (int c = 0; c < canvas.width; ++c)
                     known[c] = row_x[c] >= 0 && row_y[c] >= 0 && row_x[c] <= most_x && row_y[c] <= most_y;
             }
+            if (!has_image) continue;
             cv::Mat part = to.rowRange(first, first + rows);
             cv::remap(from, part, x.rowRange(0, rows), y.rowRange(0, rows), interpolation,
                       cv::BORDER_REPLICATE);
@@ -141,7 +146,7 @@ void erode(std::vector<std::uint8_t>& seen, int width, int height) {
 
 }  // namespace
 
-AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads) {
+AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads, bool has_right) {
     ThreadPool pool(threads);
     const Estimate& estimate = alignment.estimate;
     const Canvas& canvas = alignment.canvas;
@@ -153,7 +158,7 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
     const Positions in_left(views.left, alignment, canvas.left_x, scale),
         in_right(views.right, alignment, canvas.right_x, scale);
     Resampled left = resampled(first, in_left, canvas, cv::INTER_CUBIC, pool);
-    Resampled right = resampled(second, in_right, canvas, cv::INTER_CUBIC, pool);
+    Resampled right = resampled(second, in_right, canvas, cv::INTER_CUBIC, pool, has_right);
     if (!first.alpha.empty()) {
         const Image alpha{first.width, first.height, 1, first.alpha};
         left.image.alpha = resampled(alpha, in_left, canvas, cv::INTER_NEAREST, pool).image.pixels;

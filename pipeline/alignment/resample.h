@@ -22,7 +22,9 @@ struct AlignedPair {
 // repeat its border; pixels outside the right one are noise that matches nothing, for a plain border would
 // match others. alignment: one with the verdict `aligned`, of this pair. The same bytes for any number of
 // threads.
-AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads);
+// Without `has_right` the right picture stays empty; all else is the same.
+AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int threads,
+                         bool has_right = true);
 
 // Returns the direction that is up in the left picture as given, in its aligned view: a unit vector, x to the
 // right and y up. (0, 1) if the picture was not turned.

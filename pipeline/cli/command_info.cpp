@@ -115,8 +115,8 @@ PairForesight foresee(job::Source pair, const config::Config& config, const read
     log.decides = [&](const std::string& decision) { seen.decisions.push_back(decision); };
     try {
         const int threads = job::effective_threads(0);
-        job::RunInput input = job::read_input(std::move(pair), config.input, limits, threads, log);
-        job::reduce_pair(input, config.disparity, threads, log);
+        const job::RunInput input = job::foresee_input(std::move(pair), config.input, limits, threads, log);
+        job::find_reduction(input, config.disparity, threads, log);
         const auto& found = input.pair()->alignment;
         seen.is_one_scene =
             found && found->verdict != alignment::Verdict::unclear &&
@@ -134,19 +134,23 @@ void tell(const PairForesight& seen, Text& text) {
     if (!seen.refusal.empty()) line(text, "it refuses", seen.refusal);
 }
 
-// Adds what a run would do with the halves of a wide picture, if they are two views of one scene.
+// Adds what a run would do with the halves of a wide picture, or of one whose name says that it has two, if
+// they are two views of one scene.
 void tell_halves(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                  Text& text) {
     constexpr double kWide = 1.3;      // a stereo card's views are higher than wide
     constexpr int kPixelsOfByte = 32;  // more is no photograph, and would take long
-    if (raster.width < kWide * raster.height || static_cast<double>(raster.width) * raster.height >
-                                                    kPixelsOfByte * static_cast<double>(fs::file_size(path)))
+    const bool is_named = readers::names_layout(path);
+    if ((!is_named && raster.width < kWide * raster.height) ||
+        static_cast<double>(raster.width) * raster.height >
+            kPixelsOfByte * static_cast<double>(fs::file_size(path)))
         return;
     config::Config config;
-    config.input.stereo.layout = readers::StereoLayout::side_by_side;
+    if (!is_named) config.input.stereo.layout = readers::StereoLayout::side_by_side;
     const PairForesight seen = foresee(job::StereoFile{path}, config, options.limits());
     if (!seen.refusal.empty() || !seen.is_one_scene) return;
-    line(text, "as stereo", "with --layout sbs: its halves show one scene");
+    line(text, "as stereo",
+         std::string(is_named ? "as its name says" : "with --layout sbs") + ": its halves show one scene");
     tell(seen, text);
 }
 

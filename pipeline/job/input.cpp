@@ -17,7 +17,6 @@
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/pairs/dark_strips.h"
-#include "pipeline/job/pairs/working_size.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/photographs/stereo_reader.h"
@@ -47,8 +46,8 @@ InputFile hashed(const std::string& role, const fs::path& path) {
 class InputReader {
   public:
     InputReader(const config::InputConfig& config, const readers::ReaderLimits& limits, int threads,
-                RunLog& log)
-        : config_(config), limits_(limits), threads_(threads), log_(log) {}
+                RunLog& log, bool foresees)
+        : config_(config), limits_(limits), threads_(threads), log_(log), foresees_(foresees) {}
 
     RunInput read(const PairFiles& source) {
         auto reading_right = start_work(threads_, [&] { return read_hashed("right", source.right); });
@@ -200,7 +199,8 @@ class InputReader {
                            const std::string& name) {
         rectify_pair(input);
         const ResolvedCalibration camera = find_camera(input, size_of(input.color()), photograph);
-        if (has_to_be_looked_at(config_)) align(input, camera, {config_, name, is_rig, !mask.empty()});
+        if (has_to_be_looked_at(config_))
+            align(input, camera, {config_, name, is_rig, !mask.empty(), foresees_});
         hide_strips(input);
         input.mask = read_masks(input, size_of(input.color()), {mask}, {});
         tell_camera(input);
@@ -248,6 +248,7 @@ class InputReader {
     const readers::ReaderLimits& limits_;
     int threads_;
     RunLog& log_;
+    bool foresees_;                         // only a pair's left picture is needed once it is aligned
     std::optional<Calibration> container_;  // the camera that the pair's own file says
 };
 
@@ -370,31 +371,14 @@ const std::vector<fs::path>& rectified_file_names() {
 
 RunInput read_input(Source source, const config::InputConfig& config, const readers::ReaderLimits& limits,
                     int threads, RunLog& log) {
-    InputReader reader(config, limits, threads, log);
+    InputReader reader(config, limits, threads, log, false);
     return std::visit([&](auto& given) { return reader.read(given); }, source);
 }
 
-void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log) {
-    auto* const pair = std::get_if<InputPair>(&input.views);
-    const int least = pair ? reduction_of(pair->views.left, config.working_px) : 1;
-    const bool is_of_points = pair && pair->alignment && has_camera_of_points(*pair->alignment);
-    const int by = is_of_points ? reduction_of_soft(pair->views.left, config.working_px, threads) : least;
-    if (by == 1) return;
-    stages::check_matchable(pair->views, config);
-    const ViewSize full = size_of(pair->views.left);
-    auto [views, pictures] = reduced(std::move(pair->views), by, threads);
-    Calibration& camera = input.calibration;
-    camera.width = pictures.left.width;
-    camera.height = pictures.left.height;
-    camera = scaled_to(camera, size_of(views.left));
-    input.mask = reduced(input.mask, by);
-    pair->right_mask = reduced(pair->right_mask, by);
-    log.decide("working size: the pair of " + size_text(full) + " px is matched and meshed at " +
-               size_text(size_of(views.left)) + " px (disparity.working_px" +
-               (by > least ? ", its pictures are soft" : "") + "); the texture keeps its size");
-    pair->views = std::move(views);
-    pair->pictures = std::move(pictures);
-    pair->reduced_by = by;
+RunInput foresee_input(Source source, const config::InputConfig& config, const readers::ReaderLimits& limits,
+                       int threads, RunLog& log) {
+    InputReader reader(config, limits, threads, log, true);
+    return std::visit([&](auto& given) { return reader.read(given); }, source);
 }
 
 }  // namespace hexrelief::job

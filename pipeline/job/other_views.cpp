@@ -193,7 +193,7 @@ void complete_right_view(OtherView& right, const LeftView& left, const Disparity
     }
     drop_background(right, left.density.background_px);
     if (const auto& noise = disparity.noise; noise.noise_px > 0)
-        right.map = stages::dequantize(right.map, noise.quantum_px, threads, noise.smoothness);
+        right.map = stages::dequantize(right.map, noise.quantum_px, threads);
 }
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,

@@ -187,16 +187,19 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     const std::vector<std::filesystem::path> outputs = request.outputs;
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
-    relief.pair_camera = relief.input.calibration;
     const InputPair* const pair = relief.input.pair();
-    if (pair && pair->alignment)
+    const bool is_smoothed = config.disparity.dequantize == stages::Dequantization::automatic;
+    if (pair && pair->alignment) {
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
+        if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
+        flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
+    }
+    relief.pair_camera = relief.input.calibration;
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     if (pair && !config.given.contains("surface.behind"))
         config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration);
-    if (config.disparity.dequantize == stages::Dequantization::automatic)
-        smooth_noise(relief.disparity, relief.input.is_relief(), backend.threads(), log);
+    if (is_smoothed) smooth_noise(relief.disparity, backend.threads(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),
                           backend.threads(), log);

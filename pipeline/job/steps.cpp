@@ -14,10 +14,12 @@
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/other_views.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/densify/blurred_steps.h"
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/densify/sparsity.h"
+#include "pipeline/stages/dequantize/by_pictures.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/dequantize/quantum.h"
@@ -279,12 +281,32 @@ void fill_map(DisparityResult& disparity, const Image& left, const readers::Pixe
                " % were unknown, and lie on the planes around them");
 }
 
-void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log) {
-    if (!disparity.matched) return;
-    const auto noise = stages::smoothing_for(stages::find_noise_px(disparity.map), is_relief);
+void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads, const RunLog& log) {
+    if (!disparity.matched || !has_camera_of_points(*pair.alignment)) return;
+    const auto noise = stages::smoothing_for(
+        stages::find_noise_px(disparity.map),
+        pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
-    disparity.map = stages::dequantize(disparity.map, noise.quantum_px, threads, noise.smoothness);
+    disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
+    log.decide("disparity: refined by the pictures, as its noise was " + fixed(noise.noise_px, 3) + " px");
+}
+
+void flatten_relief(const DisparityResult& disparity, const InputPair& pair, Calibration& camera,
+                    const RunLog& log) {
+    const Calibration flat = flattened(camera, *pair.alignment, disparity.map, pair.reduced_by);
+    if (flat.doffs_px == camera.doffs_px) return;
+    camera = flat;
+    log.decide("disparity: spreads more than the matches', so infinity is taken to be at " +
+               fixed(-camera.doffs_px, 2) + " px");
+}
+
+void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
+    if (!disparity.matched || disparity.noise.noise_px > 0) return;
+    const auto noise = stages::smoothing_for(stages::find_noise_px(disparity.map));
+    if (noise.noise_px == 0) return;
+    disparity.noise = noise;
+    disparity.map = stages::dequantize(disparity.map, noise.quantum_px, threads);
     log.decide("disparity: smoothed within its noise of " + fixed(noise.noise_px, 3) + " px");
 }
 

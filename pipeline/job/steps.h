@@ -140,8 +140,16 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
 // median depth, to a tenth, at least 1 and at most 8. camera: with the doffs of the map's disparities.
 double baselines_of_turn(const DisparityMap& map, const Calibration& camera);
 
-// Smooths a matched map within its noise (dequantize/noise.h), if there is much. is_relief: as there.
-void smooth_noise(DisparityResult& disparity, bool is_relief, int threads, const RunLog& log);
+// Refines the map of photographs by themselves (dequantize/by_pictures.h) if their points say their camera
+// and the map is noisy (dequantize/noise.h).
+void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads, const RunLog& log);
+
+// Makes a relief no deeper than its matches were taken to be (flattened(), pipeline/job/pairs/align_pair.h).
+void flatten_relief(const DisparityResult& disparity, const InputPair& pair, Calibration& camera,
+                    const RunLog& log);
+
+// Smooths a matched map within its noise (dequantize/noise.h), if there is much and nothing refined it.
+void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log);
 
 // Removes the quantisation steps from a supplied map, unless max_error_px is above 0 and less than a step.
 DisparityResult smooth_map(DisparityMap map, double max_error_px, int threads, const RunLog& log);

@@ -64,8 +64,8 @@ void set_unit(PairCamera& camera, const DisparityBounds& bounds) {
     camera.baseline_from = "not known, the median depth is 1";
 }
 
-void take_aligned(StereoPair& views, PairAlignment& pair, int threads) {
-    alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads);
+void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int threads) {
+    alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads, has_right);
     views = std::move(aligned.pair);
     pair.seen = std::move(aligned.seen);
     pair.right_seen = std::move(aligned.right_seen);
@@ -137,7 +137,7 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
                         given.name +
                             ": the mask is for the left picture as it is, but the pair has to be "
                             "aligned; give the mask as the picture's alpha, or --rectify never");
-        take_aligned(views, pair, threads);
+        take_aligned(views, pair, !given.is_foreseen, threads);
     }
     pair.found.estimate.matches.clear();
     return pair;
@@ -147,6 +147,28 @@ std::array<double, 2> up_if_turned(const Alignment& found) {
     constexpr double kCosine = 0.9397;  // of 20 degrees
     const std::array<double, 2> up = alignment::up_of(found);
     return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
+}
+
+Calibration flattened(Calibration camera, const Alignment& found, const DisparityMap& map, int reduced_by) {
+    constexpr double kFar = 0.005, kNear = 0.995;  // quantiles, as for the matches
+    std::vector<float> known;
+    for (const float d : map.values)
+        if (DisparityMap::known(d)) known.push_back(d);
+    if (!found.is_relief() || known.empty()) return camera;
+    const auto quantile = [&](double share) {
+        const auto nth =
+            known.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(known.size() - 1));
+        std::nth_element(known.begin(), nth, known.end());
+        return static_cast<double>(*nth);
+    };
+    const DisparityBounds& matches = found.disparities;
+    const double least = quantile(kFar), most = quantile(kNear), median = matches.median_px / reduced_by;
+    const double infinity = least - (most - least) * (matches.least_px - matches.infinity_px) /
+                                        (matches.largest_px - matches.least_px);
+    if (!(-infinity > camera.doffs_px)) return camera;
+    camera.baseline_m *= (median - infinity) / (median + camera.doffs_px);
+    camera.doffs_px = -infinity;
+    return camera;
 }
 
 std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {

@@ -23,9 +23,10 @@ struct PairCamera {
 // How a pair was given.
 struct PairToAlign {
     const config::InputConfig& config;
-    std::string name;       // for messages
-    bool is_rig = false;    // one file holds both views
-    bool has_mask = false;  // a mask was given for the left view as it is
+    std::string name;          // for messages
+    bool is_rig = false;       // one file holds both views
+    bool has_mask = false;     // a mask was given for the left view as it is
+    bool is_foreseen = false;  // the right picture is not needed, and is left out if the pair is aligned
 };
 
 struct PairAlignment {
@@ -52,6 +53,12 @@ inline bool is_aligned(const alignment::Alignment& found) {
 inline bool has_camera_of_points(const alignment::Alignment& found) {
     return is_aligned(found) || found.is_partly_negative();
 }
+
+// Returns the camera of a relief whose map spreads more than its matches: infinity is farther, so that the
+// scene stays as deep for its width as the matches were taken to be, and the baseline is longer, so that the
+// unit stays. Returns the given camera for other pairs. map: of the pair reduced by so much, camera: its own.
+Calibration flattened(Calibration camera, const alignment::Alignment& found, const DisparityMap& map,
+                      int reduced_by);
 
 // Returns what is up in an aligned pair, if it was turned by more than 20 degrees; else (0, 1), so that the
 // camera's rows stay horizontal. As in exporters::Scene.

@@ -201,6 +201,10 @@ StereoViews own_views(codec::SourceFile source, const codec::Codec& codec, Stere
 
 }  // namespace
 
+bool names_layout(const std::filesystem::path& path) {
+    return named_halves(path).has_value();
+}
+
 StereoViews read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                              const ReaderLimits& limits, bool is_upright) {
     const codec::Codec& codec = require_image_codec(path);

@@ -37,6 +37,10 @@ struct StereoViews {
 StereoViews read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
                              const ReaderLimits& limits = {}, bool is_upright = true);
 
+// True if words of the file's name say its layout, as in holiday-sbs.jpg: read_stereo_file() then believes
+// them if the layout is automatic and the file itself says nothing.
+bool names_layout(const std::filesystem::path& path);
+
 struct StereoFileDescription {
     int width = 0, height = 0;  // of each view, as stored
     Calibration camera = {};

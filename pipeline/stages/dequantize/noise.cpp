@@ -58,9 +58,8 @@ double find_noise_px(const DisparityMap& map) {
     return noise_px > 0 ? noise_px : 0;
 }
 
-NoiseSmoothing smoothing_for(double noise_px, bool is_relief) {
-    if (noise_px < (is_relief ? kLeastNoiseOfRelief_px : kLeastNoise_px)) return {};
-    if (is_relief) return {noise_px, 10 * noise_px, {2e-4f, 6}};
+NoiseSmoothing smoothing_for(double noise_px, double least_px) {
+    if (noise_px < least_px) return {};
     return {noise_px, 7 * noise_px};
 }
 

@@ -16,12 +16,12 @@ inline constexpr double kLeastNoise_px = 0.07, kLeastNoiseOfRelief_px = 0.03;
 // and on evenly curved surfaces, and the median ignores discontinuities. 0 if hardly anything is matched.
 double find_noise_px(const DisparityMap& map);
 
-// The arguments of dequantize() that let nearly all of a map's noise be smoothed.
+// The argument of dequantize() that lets nearly all of a map's noise be smoothed, if there is at least
+// `least_px`.
 struct NoiseSmoothing {
     double noise_px = 0;    // 0 = nothing is to be smoothed
     double quantum_px = 0;  // a step of as much noise
-    Smoothness smoothness = {};
 };
-NoiseSmoothing smoothing_for(double noise_px, bool is_relief);
+NoiseSmoothing smoothing_for(double noise_px, double least_px = kLeastNoise_px);
 
 }  // namespace hexrelief::stages

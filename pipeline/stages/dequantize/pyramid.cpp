@@ -74,6 +74,7 @@ PyramidLevel finest_level(const DisparityMap& map, float half_quantum_px, float 
 // Builds the next coarser level. A square of four joined pixels has kTwists at its first pixel.
 PyramidLevel half_size(const PyramidLevel& fine, ThreadPool& pool) {
     PyramidLevel level(fine.width / 2, fine.height / 2);
+    if (!fine.pull.empty()) level.pull.resize(level.given.size());
     const auto is_square = [&](int x, int y) {
         return x < level.width && y < level.height && has(fine.flags[fine.at(2 * x, 2 * y)], kTwists);
     };
@@ -85,6 +86,15 @@ PyramidLevel half_size(const PyramidLevel& fine, ThreadPool& pool) {
                                   under = from + fine.stride;
                 level.given[i] = 0.25f * ((fine.given[from] + fine.given[from + 1]) +
                                           (fine.given[under] + fine.given[under + 1]));
+                if (!fine.pull.empty()) {
+                    float sum = 0, weighted = 0;
+                    for (const std::size_t k : {from, from + 1, under, under + 1}) {
+                        sum += fine.pull[k];
+                        weighted += fine.pull[k] * fine.given[k];
+                    }
+                    if (sum > 0) level.given[i] = weighted / sum;
+                    level.pull[i] = 4 * sum;  // a wave of twice the length bends 16 times less
+                }
                 // Two adjacent squares are joined if the square between them is: then both pairs of pixels
                 // across their common side are joined.
                 const bool right = is_square(x + 1, y) && has(fine.flags[from + 1], kTwists);
@@ -95,6 +105,13 @@ PyramidLevel half_size(const PyramidLevel& fine, ThreadPool& pool) {
     });
     find_bends(level, pool);
     return level;
+}
+
+void add_levels(std::vector<PyramidLevel>& pyramid, int levels, ThreadPool& pool) {
+    while (static_cast<int>(pyramid.size()) < levels &&
+           std::min(pyramid.back().width, pyramid.back().height) >= kLeastSide_px)
+        pyramid.push_back(half_size(pyramid.back(), pool));
+    for (PyramidLevel& level : pyramid) level.smooth = level.given;
 }
 
 }  // namespace
@@ -110,11 +127,13 @@ std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quan
                                         int levels, ThreadPool& pool) {
     std::vector<PyramidLevel> pyramid;
     pyramid.push_back(finest_level(map, half_quantum_px, join_px, pool));
-    while (static_cast<int>(pyramid.size()) < levels &&
-           std::min(pyramid.back().width, pyramid.back().height) >= kLeastSide_px)
-        pyramid.push_back(half_size(pyramid.back(), pool));
-    for (PyramidLevel& level : pyramid) level.smooth = level.given;
+    add_levels(pyramid, levels, pool);
     return pyramid;
+}
+
+void complete_pyramid(std::vector<PyramidLevel>& pyramid, int levels, ThreadPool& pool) {
+    find_bends(pyramid.front(), pool);
+    add_levels(pyramid, levels, pool);
 }
 
 void prolong(const PyramidLevel& coarse, PyramidLevel& fine, float half_px, ThreadPool& pool) {

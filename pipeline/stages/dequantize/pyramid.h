@@ -26,6 +26,7 @@ struct PyramidLevel {
     std::vector<float> given;  // px; 0 for pixels that do not take part
     std::vector<float> smooth{};
     std::vector<std::uint8_t> flags;
+    std::vector<float> pull{};  // of each pixel, if they differ; else empty
 
     std::size_t at(int x, int y) const { return static_cast<std::size_t>(y + 1) * stride + x + 1; }
 };
@@ -36,6 +37,11 @@ struct PyramidLevel {
 // value, if its four fine pixels are joined.
 std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quantum_px, float join_px,
                                         int levels, ThreadPool& pool);
+
+// Adds coarser levels to the finest one, whose given values, pulls and joins are set, until there are
+// `levels`; smooth = given on all. A coarse pixel's value is the mean of its four fine ones weighted by their
+// pulls.
+void complete_pyramid(std::vector<PyramidLevel>& pyramid, int levels, ThreadPool& pool);
 
 // Interpolates the coarse level's surface at the fine level's pixels, wherever there is a coarse one: along
 // the planes between joined coarse pixels, within half_px of the given values.

@@ -64,8 +64,23 @@ HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const
     }
 }
 
-// Does one step on the rows first .. end - 1.
-void relax_rows(const PyramidLevel& level, const Step& step, int first, int end, float* out) {
+// Descends by a length that falls with each pixel's own pull.
+HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const float* given,
+                               const float* pull, float length, int width, float* __restrict out) {
+    const float *xx = bends.xx, *yy = bends.yy, *xy = bends.xy;
+    const float *yy_above = bends.yy_above, *xy_above = bends.xy_above, *yy_below = bends.yy_below;
+    for (int x = 0; x < width; ++x) {
+        const float bend_x = xx[x - 1] - 2 * xx[x] + xx[x + 1];
+        const float bend_y = yy_above[x] - 2 * yy[x] + yy_below[x];
+        const float twist = (xy[x] - xy[x - 1]) - (xy_above[x] - xy_above[x - 1]);
+        const float slope = bend_x + bend_y + 2 * twist + pull[x] * (smooth[x] - given[x]);
+        out[x] = smooth[x] - length * slope / (kLargestCurvature + pull[x]);
+    }
+}
+
+// Does one step on the rows first .. end - 1. step: descends a row.
+template <typename Descend>
+void relax_rows(const PyramidLevel& level, const Descend& step, int first, int end, float* out) {
     Bends above(level.width), own(level.width), below(level.width);
     const auto find = [&](int y, Bends& bends) {
         if (y < 0 || y >= level.height) return bends.clear();
@@ -78,11 +93,18 @@ void relax_rows(const PyramidLevel& level, const Step& step, int first, int end,
     for (int y = first; y < end; ++y) {
         find(y + 1, below);
         const std::size_t row = level.at(0, y);
-        descend({&own.xx[1], &own.yy[1], &own.xy[1], &above.yy[1], &above.xy[1], &below.yy[1]},
-                &level.smooth[row], &level.given[row], step, level.width, out + row);
+        step({&own.xx[1], &own.yy[1], &own.xy[1], &above.yy[1], &above.xy[1], &below.yy[1]}, row, out + row);
         std::swap(above, own);
         std::swap(own, below);
     }
+}
+
+template <typename Descend>
+void relax_level(PyramidLevel& level, std::vector<float>& next, ThreadPool& pool, const Descend& step) {
+    pool.parallel_for(static_cast<std::size_t>(level.height), [&](std::size_t first, std::size_t end) {
+        relax_rows(level, step, static_cast<int>(first), static_cast<int>(end), next.data());
+    });
+    level.smooth.swap(next);
 }
 
 }  // namespace
@@ -93,10 +115,21 @@ void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool) {
     for (int k = 0; k < kRounds * kSteps; ++k) {
         const float cosine = kChebyshev[k % kSteps];
         const Step step{1 / (0.5f * (most + least) - 0.5f * (most - least) * cosine), pull, half_px};
-        pool.parallel_for(static_cast<std::size_t>(level.height), [&](std::size_t first, std::size_t end) {
-            relax_rows(level, step, static_cast<int>(first), static_cast<int>(end), next.data());
+        relax_level(level, next, pool, [&](const BendRows& bends, std::size_t row, float* out) {
+            descend(bends, &level.smooth[row], &level.given[row], step, level.width, out);
         });
-        level.smooth.swap(next);
+    }
+}
+
+void relax_weighted(PyramidLevel& level, int rounds, ThreadPool& pool) {
+    // Divided by the largest curvature and the pull, curvatures lie below 1.
+    constexpr float kLeast = kLeastCurvature / kLargestCurvature;
+    std::vector<float> next = level.smooth;
+    for (int k = 0; k < rounds * kSteps; ++k) {
+        const float length = 1 / (0.5f * (1 + kLeast) - 0.5f * (1 - kLeast) * kChebyshev[k % kSteps]);
+        relax_level(level, next, pool, [&](const BendRows& bends, std::size_t row, float* out) {
+            descend(bends, &level.smooth[row], &level.given[row], &level.pull[row], length, level.width, out);
+        });
     }
 }
 

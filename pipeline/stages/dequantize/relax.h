@@ -13,4 +13,7 @@ namespace hexrelief::stages {
 // another, so the order of pixels does not matter.
 void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool);
 
+// Does the same with the level's own pulls, without bounds, in as many rounds.
+void relax_weighted(PyramidLevel& level, int rounds, ThreadPool& pool);
+
 }  // namespace hexrelief::stages

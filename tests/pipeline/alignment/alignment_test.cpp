@@ -248,5 +248,16 @@ TEST(Alignment, IsTheSameForAnyNumberOfThreads) {
     }
 }
 
+TEST(Alignment, WithoutTheRightPictureIsTheSameButForIt) {
+    const StereoPair pair = render_pair({.pitch = 3, .yaw = 2, .roll = 2, .radial = 0.03});
+    const Alignment alignment = find_alignment(pair, {}, kThreads);
+    const AlignedPair whole = aligned_pair(pair, alignment, kThreads),
+                      left = aligned_pair(pair, alignment, kThreads, false);
+    EXPECT_EQ(left.pair.left.pixels, whole.pair.left.pixels);
+    EXPECT_EQ(left.seen, whole.seen);
+    EXPECT_EQ(left.right_seen, whole.right_seen);
+    EXPECT_TRUE(left.pair.right.empty());
+}
+
 }  // namespace
 }  // namespace hexrelief::alignment

@@ -158,6 +158,10 @@ TEST(Alignment, InfoNoticesThatAPictureHoldsBothViews) {
     const std::string told = run_program({"info", folder / "both.ppm"}).out;
     EXPECT_NE(told.find("with --layout sbs: its halves show one scene"), std::string::npos) << told;
     EXPECT_NE(told.find("aligned: rows were off by"), std::string::npos) << told;
+    write({&pair.left, &pair.right}, "both-sbs.ppm");
+    const std::string named = run_program({"info", folder / "both-sbs.ppm"}).out;
+    EXPECT_NE(named.find("as its name says: its halves show one scene"), std::string::npos) << named;
+    EXPECT_EQ(named.find("--layout"), std::string::npos) << named;
     write({&pair.left}, "one.ppm");
     EXPECT_EQ(run_program({"info", folder / "one.ppm"}).out.find("as stereo"), std::string::npos);
 }

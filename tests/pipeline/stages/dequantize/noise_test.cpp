@@ -60,7 +60,7 @@ TEST(Noise, FilledPixelsDoNotCount) {
 
 TEST(Noise, IsSmoothedAndTheStepStays) {
     const DisparityMap truth = matched(0, 1), noisy = matched(0.12, 1);
-    const DisparityMap smooth = dequantize(noisy, smoothing_for(find_noise_px(noisy), false).quantum_px, 2);
+    const DisparityMap smooth = dequantize(noisy, smoothing_for(find_noise_px(noisy)).quantum_px, 2);
     EXPECT_LT(rmse_px(smooth, truth), 0.5 * rmse_px(noisy, truth));
     for (int y = 0; y < truth.height; ++y) {
         EXPECT_GT(smooth.at(89, y) - smooth.at(90, y), 20);
@@ -68,14 +68,10 @@ TEST(Noise, IsSmoothedAndTheStepStays) {
     }
 }
 
-TEST(Noise, OfAReliefIsSmoothedMore) {
-    const DisparityMap truth = matched(0, 1), noisy = matched(0.05, 1);
-    EXPECT_EQ(smoothing_for(0.05, false).noise_px, 0);
-    EXPECT_EQ(smoothing_for(0.02, true).noise_px, 0);
-    const NoiseSmoothing relief = smoothing_for(0.05, true);
-    const DisparityMap smooth = dequantize(noisy, relief.quantum_px, 2, relief.smoothness);
-    EXPECT_LT(rmse_px(smooth, truth), 0.6 * rmse_px(noisy, truth));
-    EXPECT_GT(smooth.at(89, 70) - smooth.at(90, 70), 20);
+TEST(Noise, BelowTheLeastIsLeft) {
+    EXPECT_EQ(smoothing_for(0.05).noise_px, 0);
+    EXPECT_EQ(smoothing_for(0.02, kLeastNoiseOfRelief_px).noise_px, 0);
+    EXPECT_EQ(smoothing_for(0.05, kLeastNoiseOfRelief_px).noise_px, 0.05);
 }
 
 }  // namespace
