@@ -45,11 +45,11 @@ def test_pair_gives_the_bytes_of_the_command_line(left, tmp_path):
     right = hexrelief.read_picture(SAMPLES / "right.png")
     disparity = hexrelief.compute_disparity(left, right, camera=CALIB, num_disparities_px=48)
     assert disparity.shape == left.shape[:2] and disparity.dtype == np.float32
-    config = {"disparity.num_disparities_px": 48, "surface.views": "left"}
+    config = {"disparity.num_disparities_px": 48, "surface.views": "left", "surface.behind": 1}
     made = hexrelief.mesh(disparity, color=left, camera=CALIB, config=config)
     made.save(tmp_path / "python.glb")
     run("--left", SAMPLES / "left.png", "--right", SAMPLES / "right.png", "--calib", CALIB, "-o", tmp_path / "line.glb",
-        "--set", "disparity.num_disparities_px=48", "--set", "surface.views=left")
+        "--set", "disparity.num_disparities_px=48", "--set", "surface.views=left", "--set", "surface.behind=1")
     assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "line.glb").read_bytes()
 
 
