@@ -74,6 +74,7 @@ TEST_F(Library, MatchesAsTheCommandLineDoes) {
     request.source = job::PairFiles{sample("left.png"), sample("right.png")};
     request.config.input.calibration.file = sample("calib.txt");
     request.config.surface.views = SurfaceViews::left;  // a map has no other view
+    request.config.given.insert("surface.behind");      // nor is it turned by so much
     request.outputs = {file("pair.glb")};
     job::run_job(request);
     const Picture right = read_picture(sample("right.png"));
