@@ -13,8 +13,10 @@ namespace {
 
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
-constexpr int kMixed = 1;             // pixels at the end of a surface whose colours are mixed
-constexpr int kSoft_px = 2;           // averages of colours
+constexpr int kMixed = 3;  // pixels at the end of a surface whose colours are mixed
+// Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
+// by the second number; of so many pixels a side at most.
+constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
 constexpr int kLongestShare = 8;      // of a view's side
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
@@ -61,8 +63,7 @@ int reach_of(const Disparities& front, const Line& line, int end, int reach, int
     return reach;
 }
 
-double slope_at(const Disparities& front, const Line& line, int end, int reach) {
-    const int span = std::min(reach - 1, kSlope_px);
+double slope_at(const Disparities& front, const Line& line, int end, int span) {
     return span < 2
                ? 0
                : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
@@ -75,10 +76,12 @@ void continue_from(const Disparities& front, const Line& line, int end, double b
     double near = front[line(end + 1)];
     if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
     int reach = reach_of(front, line, end, 1, kSlope_px + 1);
-    const double slope = slope_at(front, line, end, reach);
+    // A slope goes on for as far as it was seen.
+    const int span = std::min(reach - 1, kSlope_px);
+    const double slope = slope_at(front, line, end, span);
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
-        const double d = std::min(far + slope * k, near);
+        const double d = std::min(far + slope * std::min(k, span), near);
         if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
         reach = reach_of(front, line, end, reach, k + kMixed);
         result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
@@ -182,6 +185,7 @@ void spread_colours(Continued& continued, const OtherView& view, const Dispariti
                     return;
                 continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];
+                continued.distances[i] = continued.distances[from];
                 continued.pixels.push_back(i);
             });
         }
@@ -214,12 +218,16 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, T
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
             return;  // a smaller picture has no such pixel
         const double own = continued.disparities[pixel];
-        const int left = std::max(0, x - kSoft_px), right = std::min(place.width - 1, x + kSoft_px);
+        const int radius = kSoft_px + continued.distances[pixel] / kSofterEvery;
+        const int stride = 1 + 2 * radius / kTaps;
         std::uint64_t sums = 0;
-        for (int v = std::max(0, y - kSoft_px); v <= std::min(place.height - 1, y + kSoft_px); ++v) {
-            const std::size_t line = static_cast<std::size_t>(v) * width;
-            for (std::size_t other = line + left; other <= line + right; ++other)
+        for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
+            if (v < 0 || v >= place.height) continue;
+            for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
+                if (u < 0 || u >= place.width) continue;
+                const std::size_t other = static_cast<std::size_t>(v) * width + u;
                 if (std::abs(continued.disparities[other] - own) <= kNeighbours_px) sums += colours[other];
+            }
         }
         const std::uint64_t count = sums >> kCount;
         std::uint8_t mean[3] = {};
