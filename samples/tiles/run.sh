@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # run.sh [PROGRAM]: a made-up map of 4096 x 4096 px in tiles, as 3D Tiles on a page, into out/tiles/. Where there is a screen, the
 # page is opened and served until Ctrl-C; elsewhere headless Chromium takes a picture of it. Without PROGRAM installs what is
-# missing and builds it in build/. The page needs npm, and python3 as its web server.
+# missing and builds it in build/. The map needs
+# python3 with numpy; the page needs npm, and python3 as its web server.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 program=${1:-build/hexrelief}
@@ -12,9 +13,9 @@ fi
 out=out/tiles viewer=samples/tiles/viewer
 mkdir -p "$out"
 
-[[ -f $out/map.tif ]] || "$program" tiles make-map --size 4096x4096 -o "$out/map.tif"
+[[ -f $out/map.pfm ]] || samples/tiles/make_map.py 4096x4096 "$out/map.pfm"
 # A camera so high above that hills and houses are as high as they are wide; the walls of houses are closed.
-"$program" tiles plan "$out/map.tif" -o "$out/relief" --tile-vertices 128 --set export.compression=draco \
+"$program" tiles plan "$out/map.pfm" -o "$out/relief" --tile-vertices 128 --set export.compression=draco \
     --set input.calibration.focal_px=4096 --set input.calibration.baseline_m=0.5 \
     --set input.calibration.doffs_px=2048 --set surface.discontinuities=bridge
 "$program" tiles solve "$out/relief"

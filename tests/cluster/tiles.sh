@@ -10,10 +10,10 @@ samples=$(realpath "$here/../../samples")
 # shellcheck source=kills.sh
 source "$here/kills.sh"
 
-hexrelief tiles make-map --size 1500x1200 -o map.tif
+"$samples/tiles/make_map.py" 1500x1200 map.pfm
 options=(--tile-vertices 40 --set mesh.spacing_px=2.5 --set export.compression=draco
     --set input.calibration.focal_px=1500 --set input.calibration.baseline_m=0.5)
-hexrelief tiles plan map.tif -o plan "${options[@]}" --quiet
+hexrelief tiles plan map.pfm -o plan "${options[@]}" --quiet
 cp -r plan undisturbed
 hexrelief tiles solve undisturbed --quiet
 hexrelief tiles merge undisturbed -o undisturbed/tileset.json --quiet
@@ -32,7 +32,7 @@ check() {  # check FOLDER WORDS
 }
 merge() { hexrelief tiles merge "$1" -o "$1/tileset.json" --quiet; }
 
-until_done plan hexrelief tiles plan map.tif -o jobs "${options[@]}" --quiet
+until_done plan hexrelief tiles plan map.pfm -o jobs "${options[@]}" --quiet
 all=$told
 until_done jobs hexrelief tiles solve jobs --jobs 2
 all+="; $told"
@@ -74,7 +74,7 @@ fi
 
 cp -r "$samples"/tiles/Snakefile "$samples"/cluster/{local,slurm} .
 snake() {  # snake PROFILE OUT CONFIG...
-    snakemake --profile "$1" --latency-wait 5 --config map=map.tif out="$2" threads=1 options="${options[*]}" "${@:3}"
+    snakemake --profile "$1" --latency-wait 5 --config map=map.pfm out="$2" threads=1 options="${options[*]}" "${@:3}"
 }
 if command -v snakemake >/dev/null; then
     until_done snakemake snake local snakemake shards=8

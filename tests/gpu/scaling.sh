@@ -10,6 +10,7 @@ work=$(mktemp -d "${3:-/tmp}/scaling-XXXXXX")
 trap 'rm -rf "$work"' EXIT
 tile_vertices=${4:-512}
 program=$folder/hexrelief
+make_map=$(cd "$(dirname "$0")/../.." && pwd)/samples/tiles/make_map.py  # needs numpy
 [[ -d $folder/lib ]] && export LD_LIBRARY_PATH=$folder/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 devices=$(nvidia-smi -L | wc -l)
 cores_each=$(($(nproc) / devices))
@@ -29,8 +30,8 @@ solve_on() {
 tiles_of() { find "$1/tiles" -name '*.json' | wc -l; }
 sums_of() { (cd "$1" && find tiles -name '*.mesh' -o -name '*.glb' | sort | xargs sha256sum); }
 
-"$program" tiles make-map --size "${side}x$side" -o "$work/map.tif"
-plan_of "$work/map.tif" "$work/plan"
+"$make_map" "${side}x$side" "$work/map.pfm"
+plan_of "$work/map.pfm" "$work/plan"
 solve_on 1 "$work/plan" >/dev/null  # the files' pages and the folders are there from now on
 for ((n = 1; n <= devices; n *= 2)); do
     seconds=$(solve_on $n "$work/plan")
@@ -39,14 +40,14 @@ for ((n = 1; n <= devices; n *= 2)); do
     awk -v n=$n -v cores=$((n * cores_each)) -v s="$seconds" -v one="$one" -v tiles="$(tiles_of "$work/plan")" 'BEGIN {
         printf "strong: %d devices, %d cores: %.2f s, %.1f tiles/s, %.2f times one\n", n, cores, s, tiles / s, one / s }'
 done
-rm -rf "$work/plan" "$work/map.tif"
+rm -rf "$work/plan" "$work/map.pfm"
 for ((n = 1; n <= devices; n *= 2)); do
     part=$(awk -v side="$side" -v n=$n -v all="$devices" 'BEGIN { print int(side * sqrt(n / all) / 512 + 0.5) * 512 }')
-    "$program" tiles make-map --size "${part}x$part" -o "$work/map.tif"
-    plan_of "$work/map.tif" "$work/plan"
+    "$make_map" "${part}x$part" "$work/map.pfm"
+    plan_of "$work/map.pfm" "$work/plan"
     solve_on $n "$work/plan" >/dev/null
     awk -v n=$n -v side="$part" -v s="$(solve_on $n "$work/plan")" -v tiles="$(tiles_of "$work/plan")" 'BEGIN {
         printf "weak: %d devices, %d x %d px: %.2f s, %.1f tiles/s, %.1f tiles/s a device\n", n, side, side, s, tiles / s,
             tiles / s / n }'
-    rm -rf "$work/plan" "$work/map.tif"
+    rm -rf "$work/plan" "$work/map.pfm"
 done

@@ -8,6 +8,7 @@ side=${2:-32768}
 work=$(mktemp -d "${3:-/tmp}/tiles-XXXXXX")
 trap 'rm -rf "$work"' EXIT
 program=$folder/hexrelief
+make_map=$(cd "$(dirname "$0")/../.." && pwd)/samples/tiles/make_map.py  # needs numpy
 [[ -d $folder/lib ]] && export LD_LIBRARY_PATH=$folder/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 camera=(--set input.calibration.focal_px=20000 --set input.calibration.baseline_m=0.5)
 
@@ -27,9 +28,9 @@ measured() {
         'BEGIN { printf "%-8s %7.2f s %6d MiB\n", name, to - from, kib / 1024 }'
 }
 
-"$program" tiles make-map --size 4096x4096 -o "$work/small.tif"
+"$make_map" 4096x4096 "$work/small.pfm"
 for backend in cpu cuda; do
-    "$program" tiles plan "$work/small.tif" -o "$work/$backend" --tile-vertices 200 --backend $backend --quiet \
+    "$program" tiles plan "$work/small.pfm" -o "$work/$backend" --tile-vertices 200 --backend $backend --quiet \
         "${camera[@]}"
     "$program" tiles solve "$work/$backend" --backend $backend --quiet
     (cd "$work/$backend" && find . -name '*.lattice' -o -name '*.mesh' -o -name '*.glb' | sort | xargs sha256sum) \
@@ -38,10 +39,10 @@ done
 cmp "$work/cpu.sums" "$work/cuda.sums"
 echo "CPU and CUDA: the same bytes in $(wc -l <"$work/cpu.sums") files"
 
-measured "$program" tiles make-map --size "${side}x$side" -o "$work/map.tif"
+"$make_map" "${side}x$side" "$work/map.pfm"
 for compression in none draco; do
     echo "--- $compression"
-    measured "$program" tiles plan "$work/map.tif" -o "$work/p" --backend cuda --verbose "${camera[@]}" \
+    measured "$program" tiles plan "$work/map.pfm" -o "$work/p" --backend cuda --verbose "${camera[@]}" \
         --set export.compression=$compression
     measured "$program" tiles solve "$work/p" --backend cuda
     measured "$program" tiles merge "$work/p" -o "$work/p/tileset.json" --verbose

@@ -9,11 +9,9 @@ void add_tiles_command(Command& program) {
         program.add_command("tiles", "maps that do not fit into memory, on any number of machines");
     group.set_footer(
         "Example:\n"
-        "  hexrelief tiles make-map --size 8192x8192 -o map.tif\n"
         "  hexrelief tiles plan map.tif -o relief\n"
         "  hexrelief tiles solve relief\n"
         "  hexrelief tiles merge relief -o relief/tileset.json");
-    add_make_map_command(group);
     add_match_command(group);
     add_plan_command(group);
     add_solve_command(group);

@@ -5,7 +5,6 @@
 
 namespace hexrelief::cli {
 
-void add_make_map_command(Command& group);
 void add_match_command(Command& group);
 void add_plan_command(Command& group);
 void add_solve_command(Command& group);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "tests/mesher/densities.h"
@@ -74,6 +75,21 @@ TEST(MeshArea, HoldsAPixelAVertexAndIsNotStretched) {
     density = empty(19, 18);
     fill(density, 18, 17, 19, 18);
     EXPECT_LE(mesh_area(density, {}).width, 19);
+}
+
+TEST(MeshArea, BordersBendAlikeInAMirror) {
+    DensityMap density = flat_density(240, 160), mirrored = density;
+    for (int y = 0; y < 60; ++y)
+        for (int x = 50; x < 130; ++x) density.values[y * 240 + x] = mirrored.values[y * 240 + 239 - x] = 0;
+    MeshConfig config;
+    config.balance.enabled = true;
+    const MeshArea area = mesh_area(density, config);
+    const std::vector<float> upper = mesh_outline(density, area, config).upper;
+    std::vector<float> back = mesh_outline(mirrored, area, config).upper;
+    std::reverse(back.begin(), back.end());
+    ASSERT_EQ(upper.size(), 241);
+    EXPECT_GT(*std::max_element(upper.begin(), upper.end()), 5);
+    for (std::size_t x = 0; x < upper.size(); ++x) EXPECT_NEAR(upper[x], back[x], 1e-3) << x;
 }
 
 TEST(MeshArea, CutsTheDensity) {

@@ -33,7 +33,6 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"completion"},
                                      {"batch"},
                                      {"tiles"},
-                                     {"tiles", "make-map"},
                                      {"tiles", "plan"}}) {
         Arguments arguments = command;
         arguments.push_back("--help");
@@ -42,18 +41,6 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
         EXPECT_EQ(result.err, "");
         EXPECT_NE(result.out.find("Example"), std::string::npos) << result.out;
     }
-}
-
-TEST(CommandLine, TilesMakeMapWritesAMap) {
-    const TemporaryFolder folder;
-    const std::string map = folder / "new/map.tif";
-    const ProcessResult made = run_program({"tiles", "make-map", "--size", "70x50", "-o", map});
-    EXPECT_EQ(made.exit_code, 0) << made.err;
-    EXPECT_NE(run_program({"info", map}).out.find("70 x 50"), std::string::npos);
-    expect_failure({"tiles", "make-map", "--size", "70", "-o", map}, 2, "WIDTHxHEIGHT");
-    expect_failure({"tiles", "make-map", "--size", "70x0", "-o", map}, 2, "70x0");
-    expect_failure({"tiles", "make-map", "--size", "70x50", "-o", folder / "map.png"}, 2, ".pfm");
-    expect_failure({"tiles", "make-map", "--size", "70x50", "-o", map + "/x.tif"}, 4, "not a folder");
 }
 
 TEST(CommandLine, VersionIsPrinted) {

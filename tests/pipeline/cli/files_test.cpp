@@ -50,7 +50,7 @@ TEST(Files, NamesDoNotSteerTheTerminal) {
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"batch", folder / "pairs.csv", "-o", folder / "out"},
           {"batch", folder / "pairs.csv", "-o", folder / "out", "--dry-run", "--log=text"},
-          {"tiles", "make-map", "--size", "64x48", "-o", folder / (steering + ".pfm")},
+          {"tiles", "plan", folder / (steering + ".pfm"), "-o", folder / "plan"},
           {"demo", "--no-open", folder / steering}}) {
         const ProcessResult result = run_program(arguments);
         EXPECT_EQ((result.out + result.err).find('\x1b'), std::string::npos) << arguments[0] << result.err;

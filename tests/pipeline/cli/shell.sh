@@ -17,7 +17,7 @@ offered() {
     echo "${COMPREPLY[*]-}"
 }
 [[ $(offered ru) == run ]] || fail "ru: $(offered ru)"
-[[ $(offered tiles make-m) == make-map ]] || fail "tiles make-m: $(offered tiles make-m)"
+[[ $(offered tiles pl) == plan ]] || fail "tiles pl: $(offered tiles pl)"
 [[ $(offered run --disparity-s) == --disparity-scale ]] || fail "run --disparity-s: $(offered run --disparity-s)"
 [[ $(offered run --backend c) == "cpu cuda" ]] || fail "--backend c: $(offered run --backend c)"
 [[ $(offered run --set mesh.spac) == mesh.spacing_px= ]] || fail "--set: $(offered run --set mesh.spac)"
