@@ -215,6 +215,51 @@ void drop_unused(SurfaceMesh& body) {
         for (Index& i : t) i = names[i];
 }
 
+// Parts the edges that more than two triangles have, as where walls touch along a ray: each further pair of
+// triangles gets a vertex on the edge. Returns false if a triangle has another such edge, which is left.
+bool part_edges(SurfaceMesh& body) {
+    struct Edge {
+        Index low, high;
+        bool is_forwards;
+        std::size_t triangle;
+        auto key() const { return std::tuple(low, high, is_forwards, triangle); }
+    };
+    std::vector<Edge> edges;
+    for (std::size_t i = 0; i < body.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index from = body.triangles[i][k], to = body.triangles[i][(k + 1) % 3];
+            edges.push_back({std::min(from, to), std::max(from, to), from < to, i});
+        }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
+    std::vector<bool> is_split(body.triangles.size());
+    bool is_done = true;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        const Index low = edges[begin].low, high = edges[begin].high;
+        while (end < edges.size() && edges[end].low == low && edges[end].high == high) ++end;
+        const std::size_t pairs = (end - begin) / 2;  // as many in one direction as in the other
+        for (std::size_t pair = 1; pair < pairs; ++pair) {
+            const std::size_t both[2] = {edges[begin + pair].triangle, edges[begin + pairs + pair].triangle};
+            if (is_split[both[0]] || is_split[both[1]]) {
+                is_done = false;
+                continue;
+            }
+            const auto between = static_cast<Index>(body.positions.size());
+            const Vec3f &a = body.positions[low], &b = body.positions[high];
+            const float share = static_cast<float>(pair) / static_cast<float>(pairs);
+            body.positions.push_back(
+                {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share});
+            for (const std::size_t i : both) {
+                is_split[i] = true;
+                Triangle other = body.triangles[i];
+                std::ranges::replace(other, low, between);
+                std::ranges::replace(body.triangles[i], high, between);
+                body.triangles.push_back(other);
+            }
+        }
+    }
+    return is_done;
+}
+
 }  // namespace
 
 SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
@@ -232,6 +277,7 @@ SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
         body.triangles.push_back({base[front.rays[t[0]]], base[front.rays[t[2]]], base[front.rays[t[1]]]});
     Walls(front, base, body.triangles).add_all();
     drop_unused(body);
+    while (!part_edges(body)) continue;
     return body;
 }
 

@@ -88,6 +88,26 @@ TEST(SolidBody, SilhouettesAreWallsBetweenBothSurfaces) {
     EXPECT_EQ(body.triangles.size(), 2 * mesh.triangles.size() + 2 * 2 * (8 + 6) + 2 * 2 + 2 * 1);
 }
 
+// Four squares around a point, near and far by turns: four walls meet on the point's ray.
+TEST(SolidBody, WallsThatTouchHaveEdgesOfTheirOwn) {
+    SurfaceMesh mesh;
+    for (const int row : {0, 1})
+        for (const int column : {0, 1}) {
+            const auto at = static_cast<std::uint32_t>(mesh.positions.size());
+            const float depth = row == column ? 2.0f : 3.0f;
+            for (const int y : {row, row + 1})
+                for (const int x : {column, column + 1}) {
+                    mesh.image_points.push_back({static_cast<float>(x), static_cast<float>(y)});
+                    mesh.positions.push_back({(x - 1) * depth, (1 - y) * depth, -depth});
+                }
+            mesh.triangles.push_back({at, at + 2, at + 1});
+            mesh.triangles.push_back({at + 1, at + 2, at + 3});
+        }
+    const SurfaceMesh body = solid_body(mesh, 100);
+    EXPECT_EQ(expect_closed(body), 1) << "two bodies that share a vertex, and a tunnel";
+    EXPECT_GT(volume_of(body), 0);
+}
+
 TEST(SolidBody, HolesAreBridgedAndCrumbsGo) {
     SurfaceMesh holed = surface_with_step(40, 30, 20, 5, 25);
     const std::size_t all = holed.triangles.size();
