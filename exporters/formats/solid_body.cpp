@@ -46,6 +46,7 @@ double extent(const std::vector<Vec3f>& positions) {
 // vertices of each are numbered by position.
 struct Front {
     std::vector<Vec3f> positions;        // depths are those of the body
+    std::vector<Vec2f> texcoords;        // empty if the surface has none
     std::vector<Index> rays;             // of each vertex
     std::vector<Vec2f> points;           // of each ray
     std::vector<std::vector<Index>> on;  // a ray's vertices, nearest first
@@ -78,6 +79,7 @@ Front front_of(const SurfaceMesh& surface) {
         if (front.on.back().empty() || front.positions.back().z != positions[i].z) {
             front.on.back().push_back(static_cast<Index>(front.positions.size()));
             front.positions.push_back(positions[i]);
+            if (!surface.texcoords.empty()) front.texcoords.push_back(surface.texcoords[i]);
             front.rays.push_back(static_cast<Index>(front.points.size() - 1));
         }
         names[i] = static_cast<Index>(front.positions.size() - 1);
@@ -198,6 +200,14 @@ std::vector<Vec3f> placed(const Front& front, double size_mm) {
     return positions;
 }
 
+// Returns those of the front and of the base, each of whose vertices has the nearest one's of its ray.
+std::vector<Vec2f> texcoords_of(const Front& front) {
+    std::vector<Vec2f> texcoords = front.texcoords;
+    if (texcoords.empty()) return texcoords;
+    for (const std::vector<Index>& vertices : front.on) texcoords.push_back(front.texcoords[vertices[0]]);
+    return texcoords;
+}
+
 // Removes the vertices that no triangle has.
 void drop_unused(SurfaceMesh& body) {
     constexpr Index kUnused = ~Index{0};
@@ -205,12 +215,15 @@ void drop_unused(SurfaceMesh& body) {
     for (const Triangle& t : body.triangles)
         for (const Index i : t) names[i] = 0;
     std::vector<Vec3f> used;
+    std::vector<Vec2f> texcoords;
     for (std::size_t i = 0; i < names.size(); ++i) {
         if (names[i] == kUnused) continue;
         names[i] = static_cast<Index>(used.size());
         used.push_back(body.positions[i]);
+        if (!body.texcoords.empty()) texcoords.push_back(body.texcoords[i]);
     }
     body.positions = std::move(used);
+    body.texcoords = std::move(texcoords);
     for (Triangle& t : body.triangles)
         for (Index& i : t) i = names[i];
 }
@@ -244,10 +257,11 @@ bool part_edges(SurfaceMesh& body) {
                 continue;
             }
             const auto between = static_cast<Index>(body.positions.size());
-            const Vec3f &a = body.positions[low], &b = body.positions[high];
             const float share = static_cast<float>(pair) / static_cast<float>(pairs);
-            body.positions.push_back(
-                {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share});
+            const auto mix = [&](float a, float b) { return a + (b - a) * share; };
+            const Vec3f a = body.positions[low], b = body.positions[high];
+            body.positions.push_back({mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)});
+            if (!body.texcoords.empty()) body.texcoords.push_back(body.texcoords[low]);
             for (const std::size_t i : both) {
                 is_split[i] = true;
                 Triangle other = body.triangles[i];
@@ -270,6 +284,7 @@ SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
     bridge_holes(front.triangles, front.rays, front.points, kBridgedShare * area);
     SurfaceMesh body;
     body.positions = placed(front, size_mm);
+    body.texcoords = texcoords_of(front);
     body.triangles = front.triangles;
     std::vector<Index> base(front.points.size());
     std::iota(base.begin(), base.end(), static_cast<Index>(front.positions.size()));

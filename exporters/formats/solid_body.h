@@ -18,7 +18,8 @@ inline constexpr double kBridgedShare = 0.01;    // of that area: smaller holes 
 //
 // The base is size_mm wide or high, whichever is more, and lies on z = 0, +Z up, mm; the body is at least
 // kLeastThickness_mm thick. The farthest thousandth of the vertices moves to the depth of the others. The
-// front's vertices come before those of the base. Positions only. Precondition: all depths are above 0.
+// front's vertices come before those of the base. Walls and base have the colours of the front: texture
+// coordinates are those of the surface, if it has any. Precondition: all depths are above 0.
 SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm);
 
 }  // namespace hexrelief::exporters

@@ -180,12 +180,17 @@ TEST(SolidBody, IsWhatFilesForPrintersHold) {
     ExportConfig config;
     config.solid = SolidKind::base;
     config.solid_size_mm = 50;
-    for (const char* name : {"a.stl", "a.3mf"}) {
-        export_scene({&mesh, nullptr, "test", ""}, config, folder / name);
+    const Image texture = sample_texture(64, 48);
+    for (const char* name : {"a.stl", "a.3mf", "a.glb"}) {
+        export_scene({&mesh, &texture, "test", ""}, config, folder / name);
+        const bool is_in_metres = name[2] == 'g';
+        const double mm = is_in_metres ? 1000 : 1;
         const inspect::MeshDescription file = describe_mesh(folder / name);
         EXPECT_EQ(file.triangles, static_cast<long long>(body.triangles.size())) << name;
         EXPECT_EQ(file.min.z, 0) << name;
-        EXPECT_NEAR(std::max(file.max.x - file.min.x, file.max.y - file.min.y), 50, 0.05) << name;
+        EXPECT_NEAR(mm * std::max(file.max.x - file.min.x, file.max.y - file.min.y), 50, 0.05) << name;
+        EXPECT_EQ(file.texture_bytes > 0, name[2] != 's') << name;
+        EXPECT_EQ(contents(folder / name).find("EXT_mesh_manifold") != std::string::npos, is_in_metres);
     }
 }
 
