@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "exporters/core/file_names.h"
+#include "exporters/formats/solid_body.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
@@ -114,6 +115,37 @@ struct SceneAtBase {
     std::vector<SurfaceMesh> meshes;
 };
 
+// A scene of the body, in place of the surface, of each level; it owns them.
+struct SolidScene {
+    SolidScene(const Scene& given, double size_mm, double unit_mm) : scene(given) {
+        const auto add = [&](const SurfaceMesh& surface) {
+            for (Vec3f& p : meshes.emplace_back(solid_body(surface, size_mm)).positions)
+                for (float* value : {&p.x, &p.y, &p.z}) *value /= static_cast<float>(unit_mm);
+        };
+        meshes.reserve(1 + given.coarser.size());
+        add(*given.mesh);
+        for (const SurfaceMesh* mesh : given.coarser) add(*mesh);
+        scene.mesh = &meshes[0];
+        for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
+        scene.camera = nullptr;  // which sees no body
+        scene.is_body = true;
+    }
+    Scene scene;
+    std::vector<SurfaceMesh> meshes;
+};
+
+// Writes the scene, and its coarser levels into files of their own if the format has no place for them.
+void write_levels(Scene scene, const ExportConfig& config, const MeshFormat& format,
+                  const std::filesystem::path& path, FileTransaction& files) {
+    format.write(scene, config, path, files);
+    if (!format.has_separate_levels(config)) return;
+    // Each level is written with all others in its scene, so that all are cropped to the same texture.
+    for (std::size_t i = 0; i < scene.coarser.size(); ++i) {
+        std::swap(scene.mesh, scene.coarser[i]);
+        format.write(scene, config, level_path(path, static_cast<int>(i) + 1), files);
+    }
+}
+
 }  // namespace
 
 ExportConfig config_of_file(const Scene& scene, const ExportConfig& asked,
@@ -137,23 +169,17 @@ void export_scene(const Scene& scene, const ExportConfig& asked, const std::file
     }
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
+    if (config.solid == SolidKind::base && format.body_unit_mm > 0) {
+        const SolidScene solid(scene, config.solid_size_mm, format.body_unit_mm);
+        return write_levels(solid.scene, config, format, path, files);
+    }
     const FileOrigin origin = asked.origin == FileOrigin::automatic ? format.usual_origin : asked.origin;
     if (origin == FileOrigin::base && format.origin != OriginSupport::none) {
         ExportConfig moved = asked;
         moved.origin = FileOrigin::camera;
         return export_scene(SceneAtBase(scene, format.origin).scene, moved, path, files);
     }
-    if (!format.has_separate_levels(config)) {
-        format.write(scene, config, path, files);
-        return;
-    }
-    // Each level is written with all others in its scene, so that all are cropped to the same texture.
-    Scene level = scene;
-    format.write(level, config, path, files);
-    for (std::size_t i = 0; i < level.coarser.size(); ++i) {
-        std::swap(level.mesh, level.coarser[i]);
-        format.write(level, config, level_path(path, static_cast<int>(i) + 1), files);
-    }
+    write_levels(scene, config, format, path, files);
 }
 
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,

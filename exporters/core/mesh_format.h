@@ -45,6 +45,8 @@ struct MeshFormat {
     LevelSupport levels = LevelSupport::files;
     OriginSupport origin = OriginSupport::none;
     FileOrigin usual_origin = FileOrigin::camera;  // of export.origin: auto
+    // What 1 means in files of a body (export.solid), mm; 0 = the format holds the surface alone.
+    double body_unit_mm = 0;
     // Extension of a companion file, which comes with a texture file; null: the format has neither.
     const char* companion = nullptr;
     // True if the file names its companions in lines of text, which a line break in a name would cut.

@@ -47,7 +47,7 @@ inline const char* axes_text(UpAxis up) {
     return up == UpAxis::z ? "+Z up, camera looking along +Y" : "+Y up, camera looking along -Z";
 }
 
-// The contents of .stl and .3mf: the surface, or a body that stands on a flat base.
+// The contents of .stl, .3mf, .glb and .gltf: the surface, or a body that stands on a flat base.
 enum class SolidKind { none, base };
 
 // The material of the texture in glTF and USD. unlit: the photograph as it is, by KHR_materials_unlit; USD
@@ -123,6 +123,7 @@ struct Scene {
     // What is up in the mesh's xy plane, a unit vector: files hold the mesh turned about the camera's axis so
     // that this is +Y.
     std::array<double, 2> up = {0, 1};
+    bool is_body = false;  // the meshes are closed: each side of a triangle is that of one other
     // If above 0, a power of two: all positions are multiples of it, of less than 2^24 steps, and every
     // file holds them exactly.
     double grid_step_m = 0;

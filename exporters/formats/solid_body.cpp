@@ -46,6 +46,7 @@ double extent(const std::vector<Vec3f>& positions) {
 // vertices of each are numbered by position.
 struct Front {
     std::vector<Vec3f> positions;        // depths are those of the body
+    std::vector<Vec2f> texcoords;        // empty if the surface has none
     std::vector<Index> rays;             // of each vertex
     std::vector<Vec2f> points;           // of each ray
     std::vector<std::vector<Index>> on;  // a ray's vertices, nearest first
@@ -78,6 +79,7 @@ Front front_of(const SurfaceMesh& surface) {
         if (front.on.back().empty() || front.positions.back().z != positions[i].z) {
             front.on.back().push_back(static_cast<Index>(front.positions.size()));
             front.positions.push_back(positions[i]);
+            if (!surface.texcoords.empty()) front.texcoords.push_back(surface.texcoords[i]);
             front.rays.push_back(static_cast<Index>(front.points.size() - 1));
         }
         names[i] = static_cast<Index>(front.positions.size() - 1);
@@ -198,6 +200,14 @@ std::vector<Vec3f> placed(const Front& front, double size_mm) {
     return positions;
 }
 
+// Returns those of the front and of the base, each of whose vertices has the nearest one's of its ray.
+std::vector<Vec2f> texcoords_of(const Front& front) {
+    std::vector<Vec2f> texcoords = front.texcoords;
+    if (texcoords.empty()) return texcoords;
+    for (const std::vector<Index>& vertices : front.on) texcoords.push_back(front.texcoords[vertices[0]]);
+    return texcoords;
+}
+
 // Removes the vertices that no triangle has.
 void drop_unused(SurfaceMesh& body) {
     constexpr Index kUnused = ~Index{0};
@@ -205,14 +215,63 @@ void drop_unused(SurfaceMesh& body) {
     for (const Triangle& t : body.triangles)
         for (const Index i : t) names[i] = 0;
     std::vector<Vec3f> used;
+    std::vector<Vec2f> texcoords;
     for (std::size_t i = 0; i < names.size(); ++i) {
         if (names[i] == kUnused) continue;
         names[i] = static_cast<Index>(used.size());
         used.push_back(body.positions[i]);
+        if (!body.texcoords.empty()) texcoords.push_back(body.texcoords[i]);
     }
     body.positions = std::move(used);
+    body.texcoords = std::move(texcoords);
     for (Triangle& t : body.triangles)
         for (Index& i : t) i = names[i];
+}
+
+// Parts the edges that more than two triangles have, as where walls touch along a ray: each further pair of
+// triangles gets a vertex on the edge. Returns false if a triangle has another such edge, which is left.
+bool part_edges(SurfaceMesh& body) {
+    struct Edge {
+        Index low, high;
+        bool is_forwards;
+        std::size_t triangle;
+        auto key() const { return std::tuple(low, high, is_forwards, triangle); }
+    };
+    std::vector<Edge> edges;
+    for (std::size_t i = 0; i < body.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Index from = body.triangles[i][k], to = body.triangles[i][(k + 1) % 3];
+            edges.push_back({std::min(from, to), std::max(from, to), from < to, i});
+        }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
+    std::vector<bool> is_split(body.triangles.size());
+    bool is_done = true;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        const Index low = edges[begin].low, high = edges[begin].high;
+        while (end < edges.size() && edges[end].low == low && edges[end].high == high) ++end;
+        const std::size_t pairs = (end - begin) / 2;  // as many in one direction as in the other
+        for (std::size_t pair = 1; pair < pairs; ++pair) {
+            const std::size_t both[2] = {edges[begin + pair].triangle, edges[begin + pairs + pair].triangle};
+            if (is_split[both[0]] || is_split[both[1]]) {
+                is_done = false;
+                continue;
+            }
+            const auto between = static_cast<Index>(body.positions.size());
+            const float share = static_cast<float>(pair) / static_cast<float>(pairs);
+            const auto mix = [&](float a, float b) { return a + (b - a) * share; };
+            const Vec3f a = body.positions[low], b = body.positions[high];
+            body.positions.push_back({mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)});
+            if (!body.texcoords.empty()) body.texcoords.push_back(body.texcoords[low]);
+            for (const std::size_t i : both) {
+                is_split[i] = true;
+                Triangle other = body.triangles[i];
+                std::ranges::replace(other, low, between);
+                std::ranges::replace(body.triangles[i], high, between);
+                body.triangles.push_back(other);
+            }
+        }
+    }
+    return is_done;
 }
 
 }  // namespace
@@ -225,6 +284,7 @@ SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
     bridge_holes(front.triangles, front.rays, front.points, kBridgedShare * area);
     SurfaceMesh body;
     body.positions = placed(front, size_mm);
+    body.texcoords = texcoords_of(front);
     body.triangles = front.triangles;
     std::vector<Index> base(front.points.size());
     std::iota(base.begin(), base.end(), static_cast<Index>(front.positions.size()));
@@ -232,6 +292,7 @@ SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
         body.triangles.push_back({base[front.rays[t[0]]], base[front.rays[t[2]]], base[front.rays[t[1]]]});
     Walls(front, base, body.triangles).add_all();
     drop_unused(body);
+    while (!part_edges(body)) continue;
     return body;
 }
 

@@ -14,11 +14,12 @@ inline constexpr double kBridgedShare = 0.01;    // of that area: smaller holes 
 // the body looks like the surface. At a silhouette a wall joins the nearer surface to the farther one, if
 // both have the same points of the image there, else both to the base; the surface's border has walls to the
 // base. Crumbs go, and small holes are bridged, as seen in the image. Every side of a triangle is that of
-// another one in the other direction.
+// exactly one other in the other direction: where walls touch, they have vertices of their own.
 //
 // The base is size_mm wide or high, whichever is more, and lies on z = 0, +Z up, mm; the body is at least
 // kLeastThickness_mm thick. The farthest thousandth of the vertices moves to the depth of the others. The
-// front's vertices come before those of the base. Positions only. Precondition: all depths are above 0.
+// front's vertices come before those of the base. Walls and base have the colours of the front: texture
+// coordinates are those of the surface, if it has any. Precondition: all depths are above 0.
 SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm);
 
 }  // namespace hexrelief::exporters

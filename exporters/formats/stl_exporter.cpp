@@ -5,7 +5,6 @@
 #include <string>
 
 #include "exporters/core/mesh_format.h"
-#include "exporters/formats/solid_body.h"
 #include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/error.h"
 
@@ -24,14 +23,11 @@ Vec3f face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
 
 void write_stl(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    SurfaceMesh body;
-    const bool is_solid = config.solid == SolidKind::base;
-    if (is_solid) body = solid_body(*scene.mesh, config.solid_size_mm);
-    const SurfaceMesh& mesh = is_solid ? body : *scene.mesh;
+    const SurfaceMesh& mesh = *scene.mesh;
     if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorKind::output, "cannot write '" + path.string() +
                                            "': an STL holds at most 4,294,967,295 triangles; write .ply");
-    const float scale = !is_solid && config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
+    const float scale = !scene.is_body && config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
     // The header must not begin with "solid", which would mark the file as text.
     std::string bytes = "binary STL, " + scene.generator;
     bytes.resize(kStlHeader + 4 + kStlTriangle * mesh.triangles.size());
@@ -41,7 +37,7 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
     for (const Triangle& triangle : mesh.triangles) {
         Vec3f corners[3];
         for (int i = 0; i < 3; ++i) {
-            const Vec3f p = placed(mesh.positions[triangle[i]], is_solid ? UpAxis::y : config.up);
+            const Vec3f p = placed(mesh.positions[triangle[i]], scene.is_body ? UpAxis::y : config.up);
             corners[i] = {p.x * scale, p.y * scale, p.z * scale};
         }
         const Vec3f normal = face_normal(corners[0], corners[1], corners[2]);
@@ -59,6 +55,7 @@ extern const MeshFormat stl_format = {
     .holds = "binary, triangles alone, for CAD, in `export.stl_unit`; for printing with `export.solid: base`",
     .write = write_stl,
     .describe = inspect::describe_stl,
+    .body_unit_mm = 1,
 };
 
 }  // namespace hexrelief::exporters

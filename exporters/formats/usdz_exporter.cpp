@@ -1,6 +1,8 @@
 // USDZ: a USD text file and its texture in an uncompressed zip, as phones show it.
+#include <algorithm>
 #include <charconv>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -14,16 +16,42 @@
 namespace hexrelief::exporters {
 namespace {
 
-// Appends numbers in the shortest text that reads back as the same float.
-void append_tuple(std::string& text, std::initializer_list<float> values) {
+constexpr int kAllDigits = 9;  // decimals from which on a number gets the shortest text of the same float
+
+// Returns the fewest decimals with which rounding errs by at most `most`.
+int decimals_within(double most) {
+    int decimals = 0;
+    for (double error = 0.5; error > most && decimals < kAllDigits; error /= 10) ++decimals;
+    return decimals;
+}
+
+// Appends numbers without zeros at their ends.
+void append_tuple(std::string& text, std::initializer_list<float> values, int decimals = kAllDigits) {
     char separator = '(';
     for (const float value : values) {
-        char digits[32];
+        char digits[64];
         text += separator;
-        text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
         separator = ',';
+        char* end =
+            decimals < kAllDigits
+                ? std::to_chars(digits, std::end(digits), value, std::chars_format::fixed, decimals).ptr
+                : std::to_chars(digits, std::end(digits), value).ptr;
+        if (std::find(digits, end, '.') != end && decimals < kAllDigits) {
+            while (end[-1] == '0') --end;
+            if (end[-1] == '.') --end;
+        }
+        text.append(digits, end);
     }
     text += ')';
+}
+
+// Returns the decimals that keep a vertex within export.tolerance_px as the camera sees it: half of that
+// across, and as much in depth, which moves what is up to 45 degrees off the axis by the other half.
+int position_decimals(const Scene& scene, const ExportConfig& config, std::size_t vertex) {
+    const Calibration* const camera = scene.camera;
+    if (!camera || scene.grid_step_m > 0 || scene.mesh->disparities.size() <= vertex) return kAllDigits;
+    const double shift = scene.mesh->disparities[vertex] + camera->doffs_px;
+    return shift > 0 ? decimals_within(config.tolerance_px / 2 * camera->baseline_m / shift) : kAllDigits;
 }
 
 template <typename Values, typename Append>
@@ -39,7 +67,9 @@ void append_array(std::string& text, const char* name, const Values& values, con
     text += std::string("]") + metadata + "\n";
 }
 
-void append_mesh(std::string& text, const SurfaceMesh& mesh) {
+void append_mesh(std::string& text, const Scene& scene, const ExportConfig& config,
+                 const TexturedMesh& textured) {
+    const SurfaceMesh& mesh = textured.mesh;
     constexpr const char* kPerVertex = " (\n            interpolation = \"vertex\"\n        )";
     const auto vector = [&](const Vec3f& v) { append_tuple(text, {v.x, v.y, v.z}); };
     text += R"(    def Mesh "surface" (
@@ -54,11 +84,20 @@ void append_mesh(std::string& text, const SurfaceMesh& mesh) {
     append_array(text, "int[] faceVertexIndices", mesh.triangles, "", [&](const Triangle& t) {
         text += std::to_string(t[0]) + "," + std::to_string(t[1]) + "," + std::to_string(t[2]);
     });
-    append_array(text, "point3f[] points", mesh.positions, "", vector);
-    if (!mesh.normals.empty()) append_array(text, "normal3f[] normals", mesh.normals, kPerVertex, vector);
+    std::size_t vertex = 0;
+    append_array(text, "point3f[] points", mesh.positions, "", [&](const Vec3f& p) {
+        append_tuple(text, {p.x, p.y, p.z}, position_decimals(scene, config, vertex++));
+    });
+    const int normal_decimals = decimals_within(config.tolerance_deg * 0.01);  // of all three at once
+    if (!mesh.normals.empty())
+        append_array(text, "normal3f[] normals", mesh.normals, kPerVertex, [&](const Vec3f& n) {
+            append_tuple(text, {n.x, n.y, n.z}, normal_decimals);
+        });
+    const int decimals =
+        decimals_within(config.tolerance_px / std::max(textured.width_px, textured.height_px));
     if (!mesh.texcoords.empty())  // USD has v = 0 at the bottom
         append_array(text, "texCoord2f[] primvars:st", mesh.texcoords, kPerVertex, [&](const Vec2f& t) {
-            append_tuple(text, {t.x, 1 - t.y});
+            append_tuple(text, {t.x, 1 - t.y}, decimals);
         });
     text += R"(        uniform token subdivisionScheme = "none"
         rel material:binding = </relief/material>
@@ -108,16 +147,17 @@ void append_material(std::string& text, const std::string& texture_name, Materia
     text += "    }\n";
 }
 
-std::string usd_text(const Scene& scene, const SurfaceMesh& mesh, const std::string& texture_name,
-                     MaterialKind kind) {
+std::string usd_text(const Scene& scene, const ExportConfig& config, const TexturedMesh& textured,
+                     const std::string& texture_name) {
     std::string generator = scene.generator;
     for (char& c : generator)
         if (c < ' ' || c > '~' || c == '"' || c == '\\') c = '?';
     std::string text = "#usda 1.0\n(\n    defaultPrim = \"relief\"\n    doc = \"" + generator +
                        "\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Xform \"relief\"\n{\n";
-    text.reserve(text.size() + mesh.positions.size() * 80 + mesh.triangles.size() * 24 + 2048);
-    append_mesh(text, mesh);
-    append_material(text, texture_name, kind);
+    text.reserve(text.size() + textured.mesh.positions.size() * 80 + textured.mesh.triangles.size() * 24 +
+                 2048);
+    append_mesh(text, scene, config, textured);
+    append_material(text, texture_name, config.material);
     return text + "}\n";
 }
 
@@ -133,7 +173,7 @@ void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesy
         texture = encode_texture(scene, textured, config);
         texture_name = texture.mime_type == "image/png" ? "texture.png" : "texture.jpg";
     }
-    const std::string text = usd_text(scene, textured.mesh, texture_name, config.material);
+    const std::string text = usd_text(scene, config, textured, texture_name);
     constexpr std::size_t kHeaders = 4096;  // more than those of two files
     if (text.size() + texture.bytes.size() + kHeaders > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorKind::output,

@@ -52,6 +52,10 @@ MeshDescription describe_3mf(const std::filesystem::path& path) {
     });
     for_each_element(model->bytes, "triangle", [&](std::string_view) { ++out.triangles; });
     if (out.triangles == 0) fail_reading(path, "its model has no triangle");
+    out.texcoords = model->bytes.find("<m:tex2coord ") != std::string_view::npos;
+    for (const ZipEntry& entry : entries)
+        if (entry.name.starts_with("3D/Textures/"))
+            out.texture_bytes += static_cast<long long>(entry.bytes.size());
     out.geometry_bytes.emplace_back("3MF model", static_cast<long long>(model->bytes.size()));
     constexpr std::string_view kGenerator = "<metadata name=\"Application\">";
     if (const std::size_t at = model->bytes.find(kGenerator); at != std::string_view::npos) {

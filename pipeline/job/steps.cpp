@@ -25,6 +25,7 @@
 #include "pipeline/stages/dequantize/quantum.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
+#include "pipeline/stages/smooth_normals.h"
 #include "pipeline/stages/surface.h"
 
 namespace hexrelief::job {
@@ -84,8 +85,11 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
 }
 
 SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config) {
-    return stages::build_surface(cut_mesh, view.disparity.width, view.disparity.height, view.calibration,
-                                 config.min_component);
+    SurfaceMesh mesh = stages::build_surface(cut_mesh, view.disparity.width, view.disparity.height,
+                                             view.calibration, config.min_component);
+    const bool is_supplied = view.disparity.origins.empty() || view.has_filled_holes;
+    if (!is_supplied) stages::smooth_normals(mesh, view.calibration);
+    return mesh;
 }
 
 std::string range_text(const stages::DisparityConfig& searched, stages::RangeOrigin origin) {

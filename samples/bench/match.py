@@ -4,7 +4,7 @@
 sgm, sgbm: this program's methods; opencv: StereoSGBM's own answer where both views agree, without speckles, neither filled
 nor refined.
 edge: near true discontinuities, on the wrong side or unknown. Non-occluded: by mask0nocc.png where the scene has one.
-plot_match.py draws the JSON.
+plot_match.py draws the JSON. Below MiddEval3's pairs at quarter size: what others published of that set.
 """
 import statistics
 import time
@@ -13,6 +13,7 @@ import numpy as np
 
 import common
 import hexrelief
+import public_figures
 
 METHODS = ("sgm", "sgbm", "opencv")
 BLOCK_PX, P1, P2, CAP, UNIQUENESS_PERCENT = 3, 16, 64, 31, 5  # of StereoSGBM, as sgbm has them; penalties per sample of a block
@@ -64,10 +65,15 @@ def disturbed(left, right, options):
     ]
 
 
+def occlusion_mask(scene):
+    """What the right camera sees too, as MiddEval3 has it, or None."""
+    return common.first_file(scene.folder, ["mask0nocc"], (".png",))
+
+
 def evaluate(scene, disparity, truth):
     right_truth = scene.disparity("disp_right")
     result = hexrelief.evaluate(disparity, truth, right_truth=right_truth, discontinuity_px=scene.discontinuity_px)
-    mask = common.first_file(scene.folder, ["mask0nocc"], (".png",))
+    mask = occlusion_mask(scene)
     if mask:
         seen = hexrelief.read_picture(mask)[:, :, 0] == 255
         of_seen = hexrelief.evaluate(disparity, np.where(seen, truth, np.inf))
@@ -130,9 +136,10 @@ def main():
                 label = f"{scene.name} {row['width']}x{row['height']}"
                 table.add((label, method, backend, row["seconds"]["median"], *map(row.get, FIGURES)), row)
     add_means(table)
-    common.write_json(
-        options, rows=[row for row in table.rows if "scene" in row], means=[row for row in table.rows if "scenes" in row]
-    )
+    rows = [row for row in table.rows if "scene" in row]
+    evaluated = [scene.name for scene in scenes if scene.size == "small" and occlusion_mask(scene)]
+    public = evaluated and public_figures.add_public(common.Table, [row for row in rows if row["scene"] in evaluated])
+    common.write_json(options, rows=rows, means=[row for row in table.rows if "scenes" in row], public=public)
 
 
 if __name__ == "__main__":

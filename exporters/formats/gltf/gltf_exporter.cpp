@@ -78,6 +78,7 @@ extern const MeshFormat glb_format = {
     .compression = std::nullopt,
     .levels = LevelSupport::by_config,
     .origin = OriginSupport::node,
+    .body_unit_mm = 1000,
 };
 
 extern const MeshFormat gltf_format = {
@@ -90,6 +91,7 @@ extern const MeshFormat gltf_format = {
     .compression = std::nullopt,
     .levels = LevelSupport::by_config,
     .origin = OriginSupport::node,
+    .body_unit_mm = 1000,
     .companion = ".bin",
 };
 

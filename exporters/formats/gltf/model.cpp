@@ -116,6 +116,18 @@ int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const st
     return static_cast<int>(model.nodes.size()) - 1;
 }
 
+// Says that a body is closed. Draco's decoders and meshopt's coder order and join vertices as they like.
+void add_manifold(GltfParts& parts, tinygltf::Mesh& mesh) {
+    constexpr const char* kExtension = "EXT_mesh_manifold";
+    const tinygltf::Primitive& primitive = mesh.primitives[0];
+    Value::Object attributes = {{"POSITION", Value(primitive.attributes.at("POSITION"))}};
+    Value::Object manifold = {{"attributes", Value(std::move(attributes))},
+                              {"indices", Value(primitive.indices)},
+                              {"mode", Value(primitive.mode)}};
+    mesh.extensions[kExtension] = Value(Value::Object{{"manifoldPrimitive", Value(std::move(manifold))}});
+    use_extension(parts, kExtension, false);
+}
+
 // Links the levels of detail. The finest level is in the scene and names the nodes of the others, which only
 // readers of the extension see. Each level has about a quarter of the triangles of the one before it, so it
 // looks the same if it covers a quarter of the screen.
@@ -172,6 +184,8 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
         for (std::size_t k = 0; k < 3; ++k) geometry.transform.translation[k] += scene.origin_m[k];
         const std::string name = nodes.empty() ? "relief" : "relief_lod" + std::to_string(nodes.size());
         nodes.push_back(add_mesh_node(model, geometry, name));
+        if (scene.is_body && config.compression == Compression::none)
+            add_manifold(parts, model.meshes.back());
     }
     link_levels(model, nodes);
     tinygltf::Scene& root = model.scenes.emplace_back();

@@ -88,6 +88,26 @@ TEST(SolidBody, SilhouettesAreWallsBetweenBothSurfaces) {
     EXPECT_EQ(body.triangles.size(), 2 * mesh.triangles.size() + 2 * 2 * (8 + 6) + 2 * 2 + 2 * 1);
 }
 
+// Four squares around a point, near and far by turns: four walls meet on the point's ray.
+TEST(SolidBody, WallsThatTouchHaveEdgesOfTheirOwn) {
+    SurfaceMesh mesh;
+    for (const int row : {0, 1})
+        for (const int column : {0, 1}) {
+            const auto at = static_cast<std::uint32_t>(mesh.positions.size());
+            const float depth = row == column ? 2.0f : 3.0f;
+            for (const int y : {row, row + 1})
+                for (const int x : {column, column + 1}) {
+                    mesh.image_points.push_back({static_cast<float>(x), static_cast<float>(y)});
+                    mesh.positions.push_back({(x - 1) * depth, (1 - y) * depth, -depth});
+                }
+            mesh.triangles.push_back({at, at + 2, at + 1});
+            mesh.triangles.push_back({at + 1, at + 2, at + 3});
+        }
+    const SurfaceMesh body = solid_body(mesh, 100);
+    EXPECT_EQ(expect_closed(body), 1) << "two bodies that share a vertex, and a tunnel";
+    EXPECT_GT(volume_of(body), 0);
+}
+
 TEST(SolidBody, HolesAreBridgedAndCrumbsGo) {
     SurfaceMesh holed = surface_with_step(40, 30, 20, 5, 25);
     const std::size_t all = holed.triangles.size();
@@ -160,12 +180,17 @@ TEST(SolidBody, IsWhatFilesForPrintersHold) {
     ExportConfig config;
     config.solid = SolidKind::base;
     config.solid_size_mm = 50;
-    for (const char* name : {"a.stl", "a.3mf"}) {
-        export_scene({&mesh, nullptr, "test", ""}, config, folder / name);
+    const Image texture = sample_texture(64, 48);
+    for (const char* name : {"a.stl", "a.3mf", "a.glb"}) {
+        export_scene({&mesh, &texture, "test", ""}, config, folder / name);
+        const bool is_in_metres = name[2] == 'g';
+        const double mm = is_in_metres ? 1000 : 1;
         const inspect::MeshDescription file = describe_mesh(folder / name);
         EXPECT_EQ(file.triangles, static_cast<long long>(body.triangles.size())) << name;
         EXPECT_EQ(file.min.z, 0) << name;
-        EXPECT_NEAR(std::max(file.max.x - file.min.x, file.max.y - file.min.y), 50, 0.05) << name;
+        EXPECT_NEAR(mm * std::max(file.max.x - file.min.x, file.max.y - file.min.y), 50, 0.05) << name;
+        EXPECT_EQ(file.texture_bytes > 0, name[2] != 's') << name;
+        EXPECT_EQ(contents(folder / name).find("EXT_mesh_manifold") != std::string::npos, is_in_metres);
     }
 }
 

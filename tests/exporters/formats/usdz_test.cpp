@@ -47,7 +47,8 @@ std::vector<float> numbers(const std::string& text, const std::string& name) {
     return out;
 }
 
-TEST(Usdz, ComesBackToTheBit) {
+// Without a camera positions come back to the bit.
+TEST(Usdz, ComesBack) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
@@ -72,13 +73,41 @@ TEST(Usdz, ComesBackToTheBit) {
     ASSERT_EQ(texcoords.size(), 2 * mesh.positions.size());
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         EXPECT_EQ((Vec3f{points[3 * i], points[3 * i + 1], points[3 * i + 2]}), mesh.positions[i]);
-        EXPECT_EQ((Vec3f{normals[3 * i], normals[3 * i + 1], normals[3 * i + 2]}), mesh.normals[i]);
-        EXPECT_EQ((Vec2f{texcoords[2 * i], texcoords[2 * i + 1]}),
-                  (Vec2f{mesh.texcoords[i].x, 1 - mesh.texcoords[i].y}));
+        EXPECT_NEAR(normals[3 * i], mesh.normals[i].x, 0.01);
+        EXPECT_NEAR(normals[3 * i + 1], mesh.normals[i].y, 0.01);
+        EXPECT_NEAR(normals[3 * i + 2], mesh.normals[i].z, 0.01);
+        EXPECT_NEAR(texcoords[2 * i], mesh.texcoords[i].x, 0.1 / 64);
+        EXPECT_NEAR(texcoords[2 * i + 1], 1 - mesh.texcoords[i].y, 0.1 / 64);
     }
     ASSERT_EQ(indices.size(), 3 * mesh.triangles.size());
     for (std::size_t i = 0; i < indices.size(); ++i) EXPECT_EQ(indices[i], mesh.triangles[i / 3][i % 3]);
     EXPECT_EQ(numbers(text, "int[] faceVertexCounts"), std::vector<float>(mesh.triangles.size(), 3));
+}
+
+TEST(Usdz, NumbersHaveTheDigitsThatTheToleranceNeeds) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(24, 18);
+    const Calibration camera = sample_camera();
+    Scene scene{&mesh, nullptr, kGenerator, ""};
+    scene.camera = &camera;
+    ExportConfig config;
+    config.origin = FileOrigin::camera;
+    std::size_t bytes = 1u << 30;
+    for (const double tolerance : {0.01, 0.1, 1.0}) {
+        config.tolerance_px = tolerance;
+        export_scene(scene, config, folder / "a.usdz");
+        const std::string text = read_archive(contents(folder / "a.usdz")).at(0).bytes;
+        EXPECT_LT(text.size(), bytes);
+        bytes = text.size();
+        const std::vector<float> points = numbers(text, "point3f[] points");
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+            const Vec3f& p = mesh.positions[i];
+            const double focal = camera.focal_px, depth = -points[3 * i + 2];
+            EXPECT_NEAR(focal * points[3 * i] / depth, focal * p.x / -p.z, tolerance);
+            EXPECT_NEAR(focal * points[3 * i + 1] / depth, focal * p.y / -p.z, tolerance);
+            EXPECT_NEAR(focal * camera.baseline_m / depth, focal * camera.baseline_m / -p.z, tolerance);
+        }
+    }
 }
 
 TEST(Usdz, MaterialsAndTextures) {

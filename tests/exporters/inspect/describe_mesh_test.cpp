@@ -28,8 +28,8 @@ TEST_P(Describe, TellsWhatWasWritten) {
     EXPECT_EQ(out.format, format);
     EXPECT_EQ(out.vertices, 432);
     EXPECT_EQ(out.triangles, 782);
-    const bool is_bare = format == "stl" || format == "3mf";
-    EXPECT_EQ(out.normals, !is_bare);
+    const bool is_bare = format == "stl";
+    EXPECT_EQ(out.normals, !is_bare && format != "3mf");
     EXPECT_EQ(out.texcoords, textured && format != "ply" && !is_bare);
     EXPECT_EQ(out.colors, textured && format == "ply");
     EXPECT_EQ(out.compression, draco || format == "drc" ? "draco" : "none");
@@ -55,8 +55,8 @@ INSTANTIATE_TEST_SUITE_P(Files, Describe,
                                            Case{"a.drc", false, false}, Case{"two words.obj", false, true},
                                            Case{"a.obj", false, false}, Case{"a.ply", false, true},
                                            Case{"a.ply", false, false}, Case{"a.stl", false, true},
-                                           Case{"a.3mf", false, true}, Case{"a.usdz", false, true},
-                                           Case{"a.usdz", false, false}),
+                                           Case{"a.3mf", false, true}, Case{"a.3mf", false, false},
+                                           Case{"a.usdz", false, true}, Case{"a.usdz", false, false}),
                          [](const auto& instance) { return std::to_string(instance.index); });
 
 TEST(Describe, TellsWhichCamerasSawTheVertices) {

@@ -70,12 +70,16 @@ def one_layer(path, kind="Identity", inputs=2, channels=3, size=("h", "w"), more
     # OpenCV runs no graph with an input that nothing reads: the others count, but 0 times.
     nodes = [conv([name, "picks" if name == "left" else "nothing"], f"{name}_red") for name in names]
     nodes += [helper.make_node("Sum", [f"{name}_red" for name in names], ["red"]),
-              helper.make_node(kind, {"GridSample": ["red", "left"], "Concat": ["left", "left"]}.get(kind, ["red"]),
+              helper.make_node(kind, {"GridSample": ["red", "places"], "Concat": ["left", "left"]}.get(kind, ["red"]),
                                ["disparity"], **attributes)]
+    places = {}
+    if kind == "GridSample":  # each pixel's own place
+        rows, columns = numpy.meshgrid(*(numpy.linspace(-1, 1, side) for side in size), indexing="ij")
+        places = {"places": numpy.stack([columns, rows], axis=-1)[None]}
     nodes += [helper.make_node("Sigmoid", ["red"], [name]) for name in more_outputs]
     outputs = [value(name, [1, 1, "h", "w"]) for name in ["disparity", *more_outputs]]
     save(path, nodes, [value(name, [1, channels, *size]) for name in names], outputs,
-         weights(picks=picks, nothing=0 * picks))
+         weights(picks=picks, nothing=0 * picks, **places))
 
 
 def main(folder):
@@ -92,7 +96,8 @@ def main(folder):
     one_layer(folder / "joined.onnx", inputs=1, channels=6)
     one_layer(folder / "four-inputs.onnx", inputs=4)
     one_layer(folder / "volume.onnx", kind="Concat", axis=1)
-    one_layer(folder / "grid-sample.onnx", kind="GridSample")
+    one_layer(folder / "grid-sample.onnx", kind="GridSample", size=(64, 64), align_corners=1)
+    one_layer(folder / "own-operator.onnx", kind="OwnOperator")
     one_layer(folder / "many-channels.onnx", channels=5)
     one_layer(folder / "huge.onnx", size=(1 << 20, 1 << 20))
     whole = (folder / "block.onnx").read_bytes()

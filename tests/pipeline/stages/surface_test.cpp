@@ -7,8 +7,10 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <set>
 
+#include "pipeline/stages/smooth_normals.h"
 #include "pipeline/stages/surface_topology.h"
 #include "tests/pipeline/stages/expect_error.h"
 
@@ -308,6 +310,40 @@ TEST(Surface, RefusesImpossibleInput) {
                  [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.min_component); });
     Example nothing([](double, double) { return std::nan(""); });
     expect_error(ErrorKind::input, "no triangle is left", [&] { nothing.build(); });
+}
+
+// Returns the mean angle, degrees, between normals of a plane's surface with and without noise, at the
+// vertices that lie at least `margin_px` from the fold.
+double mean_error(const SurfaceMesh& mesh, const SurfaceMesh& exact, double fold_px, double margin_px) {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+        if (std::abs(mesh.image_points[i].x - fold_px) < margin_px) continue;
+        const Vec3f &n = mesh.normals[i], &m = exact.normals[i];
+        sum += std::acos(std::min(1.0f, n.x * m.x + n.y * m.y + n.z * m.z)) * 180 / std::numbers::pi;
+        ++count;
+    }
+    return sum / count;
+}
+
+TEST(SmoothNormals, NoiseGoesAndFoldsStay) {
+    constexpr double kFold_px = 66;
+    const auto roof = [](double x, double y) { return 40 - 0.2 * std::abs(x - kFold_px) + 0.05 * y; };
+    // An even spread of -0.1 to 0.1 px.
+    const auto noise = [](double x, double y) {
+        const double turns = 0.618 * x + 0.755 * y + 0.1 * x * y;
+        return 0.2 * (turns - std::floor(turns)) - 0.1;
+    };
+    const Example exact(roof);
+    const Example rough([&](double x, double y) { return roof(x, y) + noise(x, y); });
+    const SurfaceMesh wanted = exact.build(), before = rough.build();
+    SurfaceMesh after = before, still = wanted;
+    smooth_normals(after, rough.calibration);
+    EXPECT_EQ(after.positions, before.positions);
+    EXPECT_LT(mean_error(after, wanted, kFold_px, 0), 0.5 * mean_error(before, wanted, kFold_px, 0));
+    EXPECT_LT(mean_error(after, wanted, kFold_px, 12), 0.4 * mean_error(before, wanted, kFold_px, 12));
+    smooth_normals(still, exact.calibration);
+    EXPECT_LT(mean_error(still, wanted, kFold_px, 0), 0.1) << "without noise";
 }
 
 }  // namespace

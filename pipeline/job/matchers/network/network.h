@@ -30,4 +30,7 @@ std::unique_ptr<Network> load_network(const ModelFile& model, const std::vector<
 // The library's name and version.
 std::string network_library();
 
+// What may help if it cannot run a network, beside those two that always may; empty = nothing.
+std::string network_advice();
+
 }  // namespace hexrelief::job

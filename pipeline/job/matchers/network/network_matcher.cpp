@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <new>
+#include <regex>
 #include <utility>
 
 #include "exporters/images/resize.h"
@@ -80,14 +81,13 @@ std::vector<NetworkWindow> windows_of(int length, int side, int before, int afte
 }
 
 std::string operator_in(const std::string& words) {
-    // OpenCV: "Node [GridSample@ai.onnx]:(name) parse error"; ONNX Runtime: "... for GridSample(16) node".
-    for (const auto& [before, after] : {std::pair{"Node [", "@]"}, {"implementation for ", "(: "}}) {
-        const std::size_t at = words.find(before);
-        if (at == std::string::npos) continue;
-        const std::size_t from = at + std::string(before).size();
-        return words.substr(from, words.find_first_of(after, from) - from);
-    }
-    return {};
+    // OpenCV says the first, ONNX Runtime the others, by what is wrong.
+    static const std::regex phrases(
+        R"(Node \[(\w+)@|implementation for (\w+)|No Op registered for (\w+)|[:.](\w+)\(-?\d+\) is not a )"
+        R"(registered|Op \((\w+)\)|while running (\w+) node)");
+    std::smatch found;
+    if (!std::regex_search(words, found, phrases)) return {};
+    return *std::find_if(found.begin() + 1, found.end(), [](const auto& part) { return part.matched; });
 }
 
 std::string reason_in(const std::string& words) {
@@ -178,7 +178,7 @@ std::vector<Tensor> NetworkMatcher::run_network(const std::vector<Tensor>& input
         const std::string reason = readers::codec::excerpt(reason_in(error.what()));
         refuse(network_library() + " cannot run the network" +
                (failed.empty() ? "" : "'s operator " + readers::codec::excerpt(failed)) + ": " + reason +
-               "; export it in another way, build hexrelief with ONNX Runtime, or match by disparity.worker");
+               "; export it in another way, " + network_advice() + "or match by disparity.worker");
     }
 }
 

@@ -55,7 +55,8 @@ class RuntimeNetwork final : public Network {
 
   private:
     const ModelFile& model_;
-    Ort::Env environment_;
+    // Its warnings would be taken for the reason of a failure.
+    Ort::Env environment_{ORT_LOGGING_LEVEL_FATAL, "hexrelief"};
     Ort::Session session_;
 };
 
@@ -68,6 +69,10 @@ std::unique_ptr<Network> load_network(const ModelFile& model, const std::vector<
 
 std::string network_library() {
     return "ONNX Runtime " + Ort::GetVersionString();
+}
+
+std::string network_advice() {
+    return "";
 }
 
 }  // namespace hexrelief::job

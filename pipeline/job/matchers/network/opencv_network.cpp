@@ -53,4 +53,8 @@ std::string network_library() {
     return "OpenCV " + cv::getVersionString();
 }
 
+std::string network_advice() {
+    return "build hexrelief with ONNX Runtime, ";
+}
+
 }  // namespace hexrelief::job
