@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
-constexpr int kMixed = 3;  // pixels at the end of a surface whose colours are mixed
+constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface whose colours are mixed
 // Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
 // by the second number; of so many pixels a side at most.
 constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
@@ -54,6 +54,12 @@ struct Continued {
     }
 };
 
+// A side of a view: how far beyond it the outermost camera stands, and Beyond::mixed_px.
+struct Side {
+    double baselines;
+    int mixed_px;
+};
+
 // Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
 // number, at most `most`.
 int reach_of(const Disparities& front, const Line& line, int end, int reach, int most) {
@@ -69,35 +75,68 @@ double slope_at(const Disparities& front, const Line& line, int end, int span) {
                : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
 }
 
+// Returns the number of pixels at the end of a surface, at most `most`, that are mixed or look rather like
+// the nearer surface, at line(near), than like this one. reach: the number of this one's pixels.
+int mixed_at(const Image& picture, const Line& line, int end, int near, int reach, int most) {
+    if (picture.empty() || near >= line.count) return kMixed;
+    const auto difference = [&](int i, int j) {
+        const std::uint8_t *a = &picture.pixels[line(i) * picture.channels],
+                           *b = &picture.pixels[line(j) * picture.channels];
+        int sum = 0;
+        for (int c = 0; c < picture.channels; ++c) sum += std::abs(a[c] - b[c]);
+        return sum;
+    };
+    const int far = end - std::min(reach - 1, most + kMixed);
+    int last = std::max(end - most, far);
+    while (last < end - kMixed && difference(last, near) >= difference(last, far)) ++last;
+    return end - last + (last < end - kMixed ? 1 : 0);
+}
+
+// Returns where the nearer surface in front of line(end) begins: behind pixels that are mixed.
+int nearest_after(const Disparities& front, const Line& line, int end, int mixed_px) {
+    int nearest = end + 1;
+    const int last = std::min(line.count - 1, end + 1 + (mixed_px > kMixed ? mixed_px : 1));
+    for (int i = end + 2; i <= last; ++i)
+        if (front[line(i)] > front[line(nearest)]) nearest = i;
+    return nearest;
+}
+
 // Continues the surface that ends at line(end) before a nearer one.
-void continue_from(const Disparities& front, const Line& line, int end, double baselines, Continued& result) {
+void continue_from(const Disparities& front, const Image& picture, const Line& line, int end, Side side,
+                   Continued& result) {
     const int longest = line.count / kLongestShare;
     const double far = front[line(end)];
-    double near = front[line(end + 1)];
-    if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
-    int reach = reach_of(front, line, end, 1, kSlope_px + 1);
+    const int nearest = nearest_after(front, line, end, side.mixed_px);
+    const double near = front[line(nearest)];
+    int reach = reach_of(front, line, end, 1, std::max(kSlope_px, side.mixed_px + kMixed) + 1);
+    const bool is_mixed = side.mixed_px > kMixed;
+    // A narrow surface in front of a farther one is mixed of that and the nearer one.
+    if (is_mixed && reach <= side.mixed_px && end >= reach && far - front[line(end - reach)] > kOneSurface_px)
+        return;
     // A slope goes on for as far as it was seen.
     const int span = std::min(reach - 1, kSlope_px);
     const double slope = slope_at(front, line, end, span);
+    const int mixed =
+        is_mixed ? mixed_at(picture, line, end, nearest + kMixed, reach, side.mixed_px) : kMixed;
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
-        if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
-        reach = reach_of(front, line, end, reach, k + kMixed);
-        result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
+        if (k > side.baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+        reach = reach_of(front, line, end, reach, k + mixed);
+        result.offer(pixel, d, k, line(end - std::min(k - 1 + mixed, reach - 1)));
     }
 }
 
 // Does this for each silhouette of some lines beside each other. They are walked together, because a column's
 // pixels are far apart in memory.
-void continue_along(const Disparities& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
-                    double baselines, Continued& result) {
+void continue_along(const Disparities& front, const Image& picture, const Line& first, std::ptrdiff_t beside,
+                    std::size_t lines, Side side, Continued& result) {
     for (int end = 0; end + 1 < first.count; ++end)
         for (std::size_t k = 0; k < lines; ++k) {
             const Line line{first.first + static_cast<std::ptrdiff_t>(k) * beside, first.step, first.count};
             const double far = front[line(end)];
             if (far != kNotCovered && front[line(end + 1)] - far > kOneSurface_px)
-                continue_from(front, line, end, baselines, result);
+                continue_from(front, picture, line, end, side, result);
         }
 }
 
@@ -109,17 +148,23 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
         for (std::size_t y = begin; y < end; ++y) {
             const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
             std::fill_n(result.disparities.begin() + row, width, kNotCovered);
-            if (beyond.left > 0) continue_along(front, {row, 1, width}, 0, 1, beyond.left, result);
+            if (beyond.left > 0)
+                continue_along(front, view.color, {row, 1, width}, 0, 1, {beyond.left, beyond.mixed_px},
+                               result);
             if (beyond.right > 0)
-                continue_along(front, {row + width - 1, -1, width}, 0, 1, beyond.right, result);
+                continue_along(front, view.color, {row + width - 1, -1, width}, 0, 1,
+                               {beyond.right, beyond.mixed_px}, result);
         }
     });
     pool.parallel_for(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
         const auto top = static_cast<std::ptrdiff_t>(begin);
         const std::ptrdiff_t bottom = top + static_cast<std::ptrdiff_t>(height - 1) * width;
-        if (beyond.up > 0) continue_along(front, {top, width, height}, 1, end - begin, beyond.up, result);
+        if (beyond.up > 0)
+            continue_along(front, view.color, {top, width, height}, 1, end - begin,
+                           {beyond.up, beyond.mixed_px}, result);
         if (beyond.down > 0)
-            continue_along(front, {bottom, -width, height}, 1, end - begin, beyond.down, result);
+            continue_along(front, view.color, {bottom, -width, height}, 1, end - begin,
+                           {beyond.down, beyond.mixed_px}, result);
     });
     for (std::size_t i = 0; i < front.size(); ++i) {
         if (result.disparities[i] == kNotCovered) continue;
@@ -339,11 +384,12 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                      const VisibleSurface& visible, int threads) {
     const ViewPlace& place = view.place;
     ThreadPool pool(threads);
+    DisparityMap seen = view.missing;
+    if (beyond.mixed_px > kMixed) merge_specks(seen);
     Disparities front(here.disparities.size());
     pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            front[i] =
-                DisparityMap::known(view.missing.values[i]) ? view.missing.values[i] : here.disparities[i];
+            front[i] = DisparityMap::known(seen.values[i]) ? seen.values[i] : here.disparities[i];
     });
     Continued continued = continued_in(front, view, beyond, pool);
     smooth(continued, front, place, pool);
