@@ -7,6 +7,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
+#include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -22,9 +23,7 @@ constexpr int kSmoothings = 8;        // of what continues, across the lines alo
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
 constexpr int kBorder_px = 2;
-constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
-// Pixels that nobody would miss, where the right camera sees something and where nobody does.
-constexpr std::size_t kLeastRegion = 3, kLeastHidden = 30;
+constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
 
 // A row or a column of a view, from either end.
@@ -285,75 +284,6 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, T
     pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) paint_at(continued.pixels[i]);
     });
-}
-
-// Calls take(i) for a pixel and its neighbours i, in the order of rows.
-template <class Take>
-void for_neighbours(const DisparityMap& map, std::uint32_t pixel, const Take& take) {
-    const auto width = static_cast<std::uint32_t>(map.width);
-    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-    const int left = std::max(0, x - 1), right = std::min(map.width - 1, x + 1);
-    for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
-        for (int u = left; u <= right; ++u) take(static_cast<std::uint32_t>(v) * width + u);
-}
-
-// Returns the pixels of those regions that have fewer than `least` pixels. Neighbours that differ by more
-// than `step_px` are in two regions.
-std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
-    enum : char { kUnseen, kSeen, kOfLarge };
-    std::vector<char> states(map.values.size(), kUnseen);
-    std::vector<std::uint32_t> region, specks;
-    for (std::uint32_t seed = 0; seed < states.size(); ++seed) {
-        if (!DisparityMap::known(map.values[seed]) || states[seed] != kUnseen) continue;
-        if (seed % map.width > 0 && states[seed - 1] == kOfLarge &&
-            std::abs(map.values[seed] - map.values[seed - 1]) <= step_px) {
-            states[seed] = kOfLarge;
-            continue;
-        }
-        region.assign(1, seed);
-        states[seed] = kSeen;
-        bool is_large = false;  // known as soon as there are enough pixels, or one of a large region
-        for (std::size_t next = 0; next < region.size() && !is_large; ++next) {
-            for_neighbours(map, region[next], [&](std::uint32_t i) {
-                if (states[i] == kSeen || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px))
-                    return;
-                is_large |= states[i] == kOfLarge;
-                if (states[i] == kOfLarge) return;
-                states[i] = kSeen;
-                region.push_back(i);
-            });
-            is_large |= region.size() >= least;
-        }
-        if (is_large)
-            for (const std::uint32_t i : region) states[i] = kOfLarge;
-        else
-            specks.insert(specks.end(), region.begin(), region.end());
-    }
-    return specks;
-}
-
-// Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
-void merge_specks(DisparityMap& map) {
-    struct Open {
-        std::uint32_t pixel;
-        float before, merged;
-    };
-    std::vector<Open> open;
-    for (const std::uint32_t i : specks_of(map, kLeastSurface, kOneSurface_px))
-        open.push_back({i, map.values[i], kUnknownDisparity});
-    for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
-    for (std::size_t merged = open.size(); merged > 0;) {
-        for (Open& o : open)
-            for_neighbours(map, o.pixel,
-                           [&](std::uint32_t i) { o.merged = std::min(o.merged, map.values[i]); });
-        merged = std::erase_if(open, [&](const Open& o) {
-            map.values[o.pixel] = o.merged;
-            return DisparityMap::known(o.merged);
-        });
-    }
-    for (const Open& o : open) map.values[o.pixel] = o.before;
-    for (const std::uint32_t i : specks_of(map, kLeastRegion, kOneSurface_px))
-        map.values[i] = kUnknownDisparity;
 }
 
 // Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
