@@ -77,27 +77,25 @@ std::string obstacle(const Estimate& estimate) {
     const std::size_t agreeing = estimate.agreeing.size(), all = estimate.matches.size();
     const std::string of_all = std::to_string(agreeing) + " of " + std::to_string(all);
     if (static_cast<double>(agreeing) < kLeastAgreeing * static_cast<double>(all) || agreeing < kLeastMatches)
-        return "only " + of_all +
-               " points seen in both pictures agree on one movement of the camera: the scene changed, the "
-               "camera went forward, or one picture is mirrored or of another scene";
+        return "only " + of_all + " points agree: forward motion, a changed scene or a mirrored picture";
     if (const int parts = parts_seen(estimate); parts < kLeastParts)
-        return "what both pictures show covers only " + std::to_string(parts) + " of " +
-               std::to_string(kParts * kParts) + " parts of the picture";
+        return "both pictures show only " + std::to_string(parts) + " of " + std::to_string(kParts * kParts) +
+               " parts of the scene";
     if (const double cosine = turn_cosine(estimate); cosine < kLargestTurnCosine)
-        return "the camera went forward rather than sideways, by the points seen in both pictures (" +
+        return "the camera went forward, not sideways (" +
                number(std::acos(cosine) * 180 / std::acos(-1.0), "%.0f") + " degrees off)";
     const double ratio = factor_of(estimate.fit.parameters[kFocalRatio]);
     if (const double larger = std::max(ratio, 1 / ratio); larger > kLargestRatio)
-        return "the camera went forward rather than sideways: one picture shows the scene " +
-               number(100 * (larger - 1), "%.0f") + " % larger than the other";
+        return "the camera went forward, not sideways: one picture is " + number(100 * (larger - 1), "%.0f") +
+               " % larger";
     if (estimate.after.median_px > kLargestRowMedian_px)
-        return "the rows of both pictures cannot be aligned: " + number(estimate.after.median_px, "%.2f") +
-               " px remain, of " + std::to_string(kWorkingSide_px);
+        return "rows stay off by " + number(estimate.after.median_px, "%.2f") + " px of " +
+               std::to_string(kWorkingSide_px);
     const std::vector<double> disparities = estimate.disparities();
     const double parallax = quantile(disparities, 0.98) - quantile(disparities, 0.02);
     if (parallax < kLeastParallax_px)
-        return "the camera was turned, not moved: points shift against each other by " +
-               number(parallax, "%.1f") + " px at most, of " + std::to_string(kWorkingSide_px);
+        return "the camera was turned, not moved: points shift by " + number(parallax, "%.1f") + " px of " +
+               std::to_string(kWorkingSide_px);
     return {};
 }
 
@@ -129,7 +127,7 @@ Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, 
     Alignment out;
     out.matches = static_cast<int>(matches.size());
     if (matches.size() < kLeastMatches) {
-        out.reason = "only " + std::to_string(matches.size()) + " points are found in both pictures";
+        out.reason = "only " + std::to_string(matches.size()) + " points are in both pictures";
         return out;
     }
     if (!config.always && are_rows_aligned(matches)) {
@@ -164,7 +162,7 @@ Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, 
     out.canvas = canvas_of(estimate, found, scale);
     if (out.canvas.width <= 0) {
         out.verdict = Verdict::refused;
-        out.reason = "the pictures share too little of the scene once they are turned side by side";
+        out.reason = "the pictures share too little of the scene";
         return out;
     }
     out.disparities = on_canvas(found, out.canvas);

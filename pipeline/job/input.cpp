@@ -201,16 +201,19 @@ class InputReader {
         const ResolvedCalibration camera = find_camera(input, size_of(input.color()), photograph);
         if (has_to_be_looked_at(config_))
             align(input, camera, {config_, name, is_rig, !mask.empty(), foresees_});
+        // The line that tells the alignment names the focal length's source and the units.
+        if (!input.is_aligned()) warn_of_focal(camera);
         hide_strips(input);
         input.mask = read_masks(input, size_of(input.color()), {mask}, {});
         tell_camera(input);
-        warn_of_scale(camera);
+        if (!input.is_aligned()) warn_of_scale(camera);
         return input;
     }
 
     RunInput complete_map(RunInput input, readers::DisparityFile file, const fs::path& photograph,
                           MaskSource mask, MaskSource confidence) {
         const ResolvedCalibration camera = find_camera(input, size_of(file), photograph);
+        warn_of_focal(camera);
         for (const std::string& warning : keep_in_front(file, camera.calibration.doffs_px))
             log_.warn(warning);
         hide(file.map.values, read_masks(input, size_of(file), std::move(mask), std::move(confidence)));
@@ -227,6 +230,7 @@ class InputReader {
     RunInput complete_map(RunInput input, readers::DepthFile depth, const fs::path& photograph,
                           MaskSource mask, MaskSource confidence) {
         const ResolvedCalibration camera = find_camera(input, size_of(depth), photograph);
+        warn_of_focal(camera);
         hide(depth.map.values, read_masks(input, size_of(depth), std::move(mask), std::move(confidence)));
         take_depths_of(std::move(depth), camera, input);
         tell_camera(input);
@@ -240,6 +244,9 @@ class InputReader {
     readers::PixelMask read_masks(RunInput& input, ViewSize view, MaskSource mask, MaskSource confidence);
     void take_depths_of(readers::DepthFile depth, const ResolvedCalibration& resolved, RunInput& input);
     void tell_camera(const RunInput& input) { log_.decide("calibration: " + input.camera_text()); }
+    void warn_of_focal(const ResolvedCalibration& camera) {
+        if (!camera.focal_doubt.empty()) log_.warn(camera.focal_doubt);
+    }
     void warn_of_scale(const ResolvedCalibration& camera) {
         if (const std::string missing = missing_for_metres(camera); !missing.empty()) log_.warn(missing);
     }

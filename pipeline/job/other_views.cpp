@@ -202,6 +202,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const double behind = is_without_background(view) ? 0 : config.surface.behind;
     if (!right && behind == 0) return;
     const int threads = backend.threads();
+    const int mixed_px =
+        view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
@@ -221,16 +223,16 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         }
         stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
         if (behind > 0)
-            stages::continue_behind(missing, visible.seen[1], {.right = behind}, visible, threads);
+            stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
+                                    visible, threads);
         add(std::move(missing), visible.seen[1]);
     }
     if (behind > 0) {
         OtherView left = copy_of_left(view);
         const stages::SeenSurface& here = visible.seen[0];
         show(left, here);
-        stages::continue_behind(
-            left, here, {.left = behind, .right = right ? 0 : 1 + behind, .up = behind, .down = behind},
-            visible, threads);
+        stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
+                                visible, threads);
         add(std::move(left), here);
     }
     if (others.views.empty()) return;

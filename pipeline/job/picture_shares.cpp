@@ -46,7 +46,7 @@ double area_px(const SurfaceMesh& surface, std::size_t triangles) {
 }  // namespace
 
 PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface,
-                            std::size_t triangles) {
+                            std::size_t triangles, std::size_t blank) {
     std::size_t foreground = 0, known = 0, occluded = 0;
     for (const float d : map.values) {
         known += DisparityMap::known(d);
@@ -54,13 +54,15 @@ PictureShares share_picture(const DisparityMap& map, float background_px, const 
     }
     if (known < map.values.size())
         for (int y = 0; y < map.height; ++y) occluded += occluded_in_row(map, y);
-    const auto pixels = static_cast<double>(map.values.size());
+    const std::size_t shown = std::max<std::size_t>(1, map.values.size() - blank);
+    const auto pixels = static_cast<double>(shown);
     PictureShares shares;
     shares.meshed = std::min(1.0, area_px(surface, triangles) / pixels);
     shares.foreground = static_cast<double>(foreground) / pixels;
     shares.background = static_cast<double>(known - foreground) / pixels;
+    occluded = std::min(occluded, shown - std::min(known, shown));
     shares.occluded = static_cast<double>(occluded) / pixels;
-    shares.unknown = static_cast<double>(map.values.size() - known - occluded) / pixels;
+    shares.unknown = static_cast<double>(shown - std::min(known + occluded, shown)) / pixels;
     return shares;
 }
 

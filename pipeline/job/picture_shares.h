@@ -22,8 +22,8 @@ struct PictureShares {
 };
 
 // Measures the shares. `background_px` as in DensityMap; the surface's first `triangles` were made from
-// `map`.
+// `map`. blank: number of unknown pixels that no picture shows, which are of no share.
 PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface,
-                            std::size_t triangles);
+                            std::size_t triangles, std::size_t blank = 0);
 
 }  // namespace hexrelief::job

@@ -270,6 +270,7 @@ LeftView Relief::view() const {
             input.is_whole(),
             input.texture_file.empty() ? nullptr : &input.texture_file,
             input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright,
+            input.pair() && input.pair()->alignment && has_camera_of_points(*input.pair()->alignment),
             disparity.has_filled_holes};
 }
 
@@ -289,8 +290,10 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map) {
 }
 
 PictureShares shares_of(const Relief& relief) {
+    const std::vector<std::uint8_t>& kept = relief.input.mask.kept;
+    const std::size_t blank = relief.input.is_aligned() ? std::count(kept.begin(), kept.end(), 0) : 0;
     PictureShares shares = share_picture(relief.disparity.meshed(), relief.density.background_px,
-                                         relief.surface.mesh, relief.surface.mesh.left_triangles());
+                                         relief.surface.mesh, relief.surface.mesh.left_triangles(), blank);
     if (const InputMap* const map = relief.input.map(); map && map->is_depth)
         shares.unknown += std::exchange(shares.occluded, 0);
     return shares;

@@ -136,8 +136,11 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
                 pair->alignment
                     ? with_range_of(*pair->alignment, pair->views.left.width * pair->reduced_by, config)
                     : config.disparity;
-            range = stages::find_range(pair->views, input.calibration,
-                                       for_reduced(searched, pair->reduced_by), threads);
+            stages::DisparityConfig of_size = for_reduced(searched, pair->reduced_by);
+            if (pair->alignment && has_camera_of_points(*pair->alignment) &&
+                !config.given.contains("disparity.speckle_window_px"))
+                of_size.speckle_window_px = largest_speckle_px(pair->views.left);
+            range = stages::find_range(pair->views, input.calibration, of_size, threads);
             if (config.disparity.num_disparities_px == 0 && range.origin == stages::RangeOrigin::given)
                 range.origin = stages::RangeOrigin::chosen;
             log.decide(range_text(range.config, range.origin));

@@ -21,6 +21,7 @@
 #include "pipeline/stages/densify/sparsity.h"
 #include "pipeline/stages/dequantize/by_pictures.h"
 #include "pipeline/stages/dequantize/dequantize.h"
+#include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/dequantize/quantum.h"
 #include "pipeline/stages/sgbm.h"
@@ -292,7 +293,8 @@ void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
-    disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
+    disparity.map = stages::without_mixed_pixels(
+        stages::refine_by_pictures(disparity.map, pair.views, threads), pair.views.left);
     log.decide("disparity: refined by the pictures, as its noise was " + fixed(noise.noise_px, 3) + " px");
 }
 

@@ -121,7 +121,7 @@ RunSummary summary_of(const job::RunReport& report) {
     if (input.map()) summary.read_as = input.map()->read_as;
     if (input.is_aligned())
         summary.alignment =
-            job::alignment_text(*input.pair()->alignment, input.calibration.focal_px, input.focal_from);
+            job::alignment_text(*input.pair()->alignment, input.calibration, input.focal_from);
     if (input.focal_from == job::kOwnCamera || input.baseline_from == job::kOwnCamera)
         summary.camera = input.camera_text();
     summary.meshed = report.shares.meshed;

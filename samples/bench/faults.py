@@ -43,7 +43,7 @@ def spread(values, take, reach_px):
 def waves(shape, size_px, seed):
     """Smooth noise, -1 to 1, always the same."""
     noise = smoothed(np.random.default_rng(seed).normal(size=shape), size_px)
-    return noise / np.abs(noise).max()
+    return np.clip(noise / (1.5 * noise.std()), -1, 1)
 
 
 def of_a_quarter(values):

@@ -1,5 +1,6 @@
 #!/bin/sh
-# run.sh BENCHMARK [OPTIONS]: table2, rd, match, faults, sparse or batch, by the Python module of the build folder HEXRELIEF_BUILD (build).
+# run.sh BENCHMARK [OPTIONS]: table2, rd, match, faults, sparse or batch, by the Python module of the build folder
+# HEXRELIEF_BUILD (build).
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=${HEXRELIEF_BUILD:-$here/../../build}

@@ -121,9 +121,9 @@ double focal_of_picture(const CameraSource& source, ResolvedCalibration& resolve
     char text[32];
     std::snprintf(text, sizeof text, "%.1f", focal_px);
     resolved.focal_from = "EXIF: " + focal->believed;
-    resolved.warnings.push_back("no focal length is given: " + std::string(text) +
-                                " px follow from the EXIF data of " + source.picture_file.string() + " (" +
-                                focal->believed + "), which is wrong where the picture was cropped");
+    resolved.focal_doubt = "no focal length is given: " + std::string(text) +
+                           " px follow from the EXIF data of " + source.picture_file.string() + " (" +
+                           focal->believed + "), which is wrong where the picture was cropped";
     return focal_px;
 }
 
@@ -249,8 +249,8 @@ std::string missing_for_metres(const ResolvedCalibration& resolved) {
     if (resolved.is_baseline_known)
         return "the focal length is not known: the mesh is in relative units; give --fov-x DEG or "
                "input.calibration.focal_px";
-    return "no calibration: the mesh is in relative units; give --calib FILE, or input.calibration.focal_px "
-           "and baseline_m";
+    return "no calibration: the focal length is guessed as the picture's width and the mesh is in relative "
+           "units; give --calib FILE";
 }
 
 }  // namespace hexrelief::job

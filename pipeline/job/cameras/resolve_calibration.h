@@ -54,6 +54,7 @@ struct ResolvedCalibration {
     // own camera", or the assumption made instead.
     std::string focal_from, baseline_from;
     std::vector<std::string> warnings, decisions;
+    std::string focal_doubt = {};           // a warning of a focal length that EXIF data say; empty = none
     std::filesystem::path other_file = {};  // the second calibration file that was read; empty = none
 };
 

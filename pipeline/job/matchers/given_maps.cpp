@@ -17,7 +17,7 @@ constexpr float kAgree_px = 1;         // largest difference of disparities that
 constexpr float kGivenStep_px = 1.5F;  // range of 3x3 given disparities beside a discontinuity, maybe blurred
 constexpr float kRefinedStep_px = 2;   // the same of refined ones
 constexpr int kNear_px = 3;            // of a discontinuity
-constexpr double kMisplaced = 0.04;    // of the pixels near refined discontinuities; see the header
+constexpr double kMisplaced = 0.06;    // of the pixels near refined discontinuities; see the header
 constexpr int kLevelParts = 16;        // of a px and of a level: the unit of costs
 constexpr int kMostDifferent = 40;     // levels; beyond them the pixels are just different
 constexpr int kUnlike = 8, kUnlikeTimes = 3;  // levels, and times the median: a pixel of another colour
@@ -79,9 +79,23 @@ std::pair<int, int> sum_around(const std::vector<int>& values, int width, int he
     return {sum, count};
 }
 
-// Returns 1 for each pixel within kNear_px, along x and y, of 3x3 pixels whose disparities differ so much.
+// Returns 1 for each pixel within kNear_px, along x and y, of one with a flag.
+Flags near_flags(const Flags& flags, int width, int height) {
+    Flags near(flags.size(), 0);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (!flags[static_cast<std::size_t>(y) * width + x]) continue;
+            const int first = std::max(0, x - kNear_px), last = std::min(width - 1, x + kNear_px);
+            for (int v = std::max(0, y - kNear_px); v <= std::min(height - 1, y + kNear_px); ++v)
+                std::fill_n(near.begin() + static_cast<std::ptrdiff_t>(v) * width + first, last - first + 1,
+                            std::uint8_t{1});
+        }
+    return near;
+}
+
+// Returns 1 for each pixel near 3x3 pixels whose disparities differ so much.
 Flags near_steps(const DisparityMap& map, float step_px) {
-    Flags near(map.values.size(), 0);
+    Flags steps(map.values.size(), 0);
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
             float least = kUnknownDisparity, largest = -kUnknownDisparity;
@@ -89,16 +103,9 @@ Flags near_steps(const DisparityMap& map, float step_px) {
                 for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
                     if (const float d = map.at(u, v); DisparityMap::known(d))
                         least = std::min(least, d), largest = std::max(largest, d);
-            if (!(largest - least >= step_px)) continue;
-            for (int v = std::max(0, y - kNear_px); v <= std::min(map.height - 1, y + kNear_px); ++v) {
-                const std::size_t row = static_cast<std::size_t>(v) * map.width;
-                std::fill(near.begin() + static_cast<std::ptrdiff_t>(row + std::max(0, x - kNear_px)),
-                          near.begin() +
-                              static_cast<std::ptrdiff_t>(row + std::min(map.width - 1, x + kNear_px) + 1),
-                          std::uint8_t{1});
-            }
+            steps[static_cast<std::size_t>(y) * map.width + x] = largest - least >= step_px;
         }
-    return near;
+    return near_flags(steps, map.width, map.height);
 }
 
 // True if most of the pixels around one have a flag: a few are set at silhouettes and in noise.
@@ -125,7 +132,7 @@ DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, c
             const float own = given.left.values[i], other = refined.values[i];
             all += beside[i];
             if (!DisparityMap::known(own) || !DisparityMap::known(other) ||
-                std::abs(own - other) <= kAgree_px || x < own || x < other)
+                std::abs(own - other) <= kRefinedStep_px || x < own || x < other)
                 continue;
             const auto [own_sum, count] = sum_around(as_given, width, height, x, y);
             const int other_sum = sum_around(as_refined, width, height, x, y).first;
@@ -133,13 +140,17 @@ DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, c
             misplaced += is_refined_alike[i] && beside[i];
         }
     const bool are_misplaced = static_cast<double>(misplaced) > kMisplaced * static_cast<double>(all);
-    const Flags near =
-        are_misplaced ? near_steps(given.left, kGivenStep_px) : Flags(refined.values.size(), 0);
+    Flags replaced(refined.values.size(), 0);
+    if (are_misplaced) {
+        const Flags near = near_steps(given.left, kGivenStep_px),
+                    better = near_flags(is_refined_alike, width, height);
+        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] && better[i];
+    }
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const std::size_t i = static_cast<std::size_t>(y) * width + x;
             const float own = given.left.values[i];
-            if (!DisparityMap::known(own) || near[i]) continue;
+            if (!DisparityMap::known(own) || replaced[i]) continue;
             const Verdict verdict = verdict_on(own, given.right, x, y);
             const bool is_at_fault = verdict == Verdict::contradicts || unlike[i];
             const bool is_surely =

@@ -43,10 +43,6 @@ void tell_aligned(PairAlignment& pair) {
     if (pair.found.estimate.is_quarter_turned)
         pair.warnings.emplace_back(
             "the cameras stood one above the other: both pictures are turned by a quarter");
-    if (!pair.camera.is_focal_known && !pair.found.is_focal_determined())
-        pair.warnings.push_back("the focal length is not known: " + digits(pair.found.focal_px, 0) +
-                                " px are taken, so depths may be stretched; give --fov-x DEG or "
-                                "input.calibration.focal_px");
     if (const alignment::Movers& movers = pair.found.movers; movers.points > 0)
         pair.warnings.push_back(std::to_string(movers.points) + " of " + std::to_string(pair.found.matches) +
                                 " points, around (" + digits(movers.middle.x, 0) + ", " +
@@ -75,12 +71,11 @@ void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int th
     calibration.metric = camera.calibration.metric;
     camera.calibration = calibration;
     if (!camera.is_focal_known)
-        camera.focal_from = pair.found.is_focal_determined()
-                                ? "by the points that both pictures show"
-                                : "not known, a guess that the points hardly tell from others";
+        camera.focal_from = pair.found.is_focal_determined() ? "by the points that both pictures show"
+                                                             : "guessed (--fov-x DEG says it)";
     set_unit(camera, pair.found.disparities);
     tell_aligned(pair);
-    pair.decisions.push_back(alignment_text(pair.found, calibration.focal_px, camera.focal_from));
+    pair.decisions.push_back(alignment_text(pair.found, calibration, camera.focal_from));
 }
 
 // True if views of which nearly all lies behind infinity are shifted and not exchanged.
@@ -126,8 +121,8 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
                        std::move(camera)};
     const Alignment& found = pair.found;
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
-        throw Error(ErrorKind::input, given.name + ": the pair cannot be aligned: " + found.reason +
-                                          "; give --calib, or --rectify never if it is rectified");
+        throw Error(ErrorKind::input, given.name + ": cannot be aligned: " + found.reason +
+                                          "; give --calib or --rectify never");
     if (found.verdict == Verdict::unclear)
         pair.decisions.push_back("alignment: " + found.reason + ", so the pair is taken as it is");
     if (found.verdict == Verdict::rectified) leave_rectified(views, pair, given.is_rig, threads);
@@ -136,7 +131,7 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
             throw Error(ErrorKind::input,
                         given.name +
                             ": the mask is for the left picture as it is, but the pair has to be "
-                            "aligned; give the mask as the picture's alpha, or --rectify never");
+                            "aligned; give it as the picture's alpha, or --rectify never");
         take_aligned(views, pair, !given.is_foreseen, threads);
     }
     pair.found.estimate.matches.clear();
@@ -171,19 +166,27 @@ Calibration flattened(Calibration camera, const Alignment& found, const Disparit
     return camera;
 }
 
-std::string alignment_text(const Alignment& found, double focal_px, const std::string& focal_from) {
+std::string alignment_text(const Alignment& found, const Calibration& camera, const std::string& focal_from) {
     const alignment::Estimate& estimate = found.estimate;
     const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);
     return "aligned: rows were off by " + digits(estimate.before.median_px, 2) +
            " px in the median and are by " + digits(estimate.held_out.median_px, 2) + " px; pitch " +
            digits(angles.pitch, 2) + ", yaw " + digits(angles.yaw, 2) + ", roll " + digits(angles.roll, 2) +
-           " degrees; focal length of " + digits(focal_px, 0) + " px: " + focal_from;
+           " degrees; focal length of " + digits(camera.focal_px, 0) + " px: " + focal_from +
+           (camera.metric ? "" : "; relative units (--calib FILE says metres)");
 }
 
 double nearest_px(const Alignment& found) {
     if (!has_camera_of_points(found)) return std::numeric_limits<double>::infinity();
     const DisparityBounds& bounds = found.disparities;
     return bounds.largest_px + kNearMargin * (bounds.largest_px - bounds.least_px) + kNearMargin_px;
+}
+
+int largest_speckle_px(const Image& picture) {
+    constexpr double kShare = 1. / 1700;  // what 100 px are of the pictures that matching was tuned on
+    const double area = kShare * picture.width * picture.height;
+    return std::clamp(static_cast<int>(area), 100,
+                      static_cast<int>(stages::DisparityConfig::kSpeckleWindow_px.max));
 }
 
 stages::DisparityConfig with_range_of(const Alignment& found, int width, const config::Config& config) {

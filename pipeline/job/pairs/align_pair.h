@@ -65,11 +65,16 @@ Calibration flattened(Calibration camera, const alignment::Alignment& found, con
 std::array<double, 2> up_if_turned(const alignment::Alignment& found);
 
 // Returns what was done to an aligned pair as one line. camera: of the aligned pair.
-std::string alignment_text(const alignment::Alignment& found, double focal_px, const std::string& focal_from);
+std::string alignment_text(const alignment::Alignment& found, const Calibration& camera,
+                           const std::string& focal_from);
 
 // Returns the disparity of the nearest things that the matches of an aligned pair support, or of a pair whose
 // disparities are partly negative; infinity for others. In px of the pair at full size.
 double nearest_px(const alignment::Alignment& found);
+
+// Returns the largest area of a patch of chance matches on a bare wall, px: the same share of a photograph of
+// any size.
+int largest_speckle_px(const Image& picture);
 
 // Returns the configuration with the range that the matches of an aligned pair of this width support, or of a
 // pair whose disparities are partly negative; as far as the keys of the range are not given.

@@ -126,7 +126,7 @@ PyramidLevel level_of(const DisparityMap& map, const Evidence& evidence, float v
             const std::size_t i = y * width + x;
             const auto joins = [&](std::size_t other) {
                 return DisparityMap::known(map.values[other]) &&
-                       (is_unsure[i] || is_unsure[other] || !are_apart(map, i, other));
+                       ((is_unsure[i] && is_unsure[other]) || !are_apart(map, i, other));
             };
             if (!DisparityMap::known(map.values[i])) continue;
             level.flags[level.at(x, y)] = static_cast<std::uint8_t>(

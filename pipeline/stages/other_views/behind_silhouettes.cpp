@@ -7,13 +7,14 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
+#include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
 namespace {
 
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
-constexpr int kMixed = 3;  // pixels at the end of a surface whose colours are mixed
+constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface whose colours are mixed
 // Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
 // by the second number; of so many pixels a side at most.
 constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
@@ -22,9 +23,7 @@ constexpr int kSmoothings = 8;        // of what continues, across the lines alo
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
 constexpr int kBorder_px = 2;
-constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
-// Pixels that nobody would miss, where the right camera sees something and where nobody does.
-constexpr std::size_t kLeastRegion = 3, kLeastHidden = 30;
+constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
 
 // A row or a column of a view, from either end.
@@ -54,6 +53,12 @@ struct Continued {
     }
 };
 
+// A side of a view: how far beyond it the outermost camera stands, and Beyond::mixed_px.
+struct Side {
+    double baselines;
+    int mixed_px;
+};
+
 // Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
 // number, at most `most`.
 int reach_of(const Disparities& front, const Line& line, int end, int reach, int most) {
@@ -69,35 +74,68 @@ double slope_at(const Disparities& front, const Line& line, int end, int span) {
                : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
 }
 
+// Returns the number of pixels at the end of a surface, at most `most`, that are mixed or look rather like
+// the nearer surface, at line(near), than like this one. reach: the number of this one's pixels.
+int mixed_at(const Image& picture, const Line& line, int end, int near, int reach, int most) {
+    if (picture.empty() || near >= line.count) return kMixed;
+    const auto difference = [&](int i, int j) {
+        const std::uint8_t *a = &picture.pixels[line(i) * picture.channels],
+                           *b = &picture.pixels[line(j) * picture.channels];
+        int sum = 0;
+        for (int c = 0; c < picture.channels; ++c) sum += std::abs(a[c] - b[c]);
+        return sum;
+    };
+    const int far = end - std::min(reach - 1, most + kMixed);
+    int last = std::max(end - most, far);
+    while (last < end - kMixed && difference(last, near) >= difference(last, far)) ++last;
+    return end - last + (last < end - kMixed ? 1 : 0);
+}
+
+// Returns where the nearer surface in front of line(end) begins: behind pixels that are mixed.
+int nearest_after(const Disparities& front, const Line& line, int end, int mixed_px) {
+    int nearest = end + 1;
+    const int last = std::min(line.count - 1, end + 1 + (mixed_px > kMixed ? mixed_px : 1));
+    for (int i = end + 2; i <= last; ++i)
+        if (front[line(i)] > front[line(nearest)]) nearest = i;
+    return nearest;
+}
+
 // Continues the surface that ends at line(end) before a nearer one.
-void continue_from(const Disparities& front, const Line& line, int end, double baselines, Continued& result) {
+void continue_from(const Disparities& front, const Image& picture, const Line& line, int end, Side side,
+                   Continued& result) {
     const int longest = line.count / kLongestShare;
     const double far = front[line(end)];
-    double near = front[line(end + 1)];
-    if (end + 2 < line.count) near = std::max(near, front[line(end + 2)]);
-    int reach = reach_of(front, line, end, 1, kSlope_px + 1);
+    const int nearest = nearest_after(front, line, end, side.mixed_px);
+    const double near = front[line(nearest)];
+    int reach = reach_of(front, line, end, 1, std::max(kSlope_px, side.mixed_px + kMixed) + 1);
+    const bool is_mixed = side.mixed_px > kMixed;
+    // A narrow surface in front of a farther one is mixed of that and the nearer one.
+    if (is_mixed && reach <= side.mixed_px && end >= reach && far - front[line(end - reach)] > kOneSurface_px)
+        return;
     // A slope goes on for as far as it was seen.
     const int span = std::min(reach - 1, kSlope_px);
     const double slope = slope_at(front, line, end, span);
+    const int mixed =
+        is_mixed ? mixed_at(picture, line, end, nearest + kMixed, reach, side.mixed_px) : kMixed;
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
-        if (k > baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
-        reach = reach_of(front, line, end, reach, k + kMixed);
-        result.offer(pixel, d, k, line(end - std::min(k - 1 + kMixed, reach - 1)));
+        if (k > side.baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+        reach = reach_of(front, line, end, reach, k + mixed);
+        result.offer(pixel, d, k, line(end - std::min(k - 1 + mixed, reach - 1)));
     }
 }
 
 // Does this for each silhouette of some lines beside each other. They are walked together, because a column's
 // pixels are far apart in memory.
-void continue_along(const Disparities& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
-                    double baselines, Continued& result) {
+void continue_along(const Disparities& front, const Image& picture, const Line& first, std::ptrdiff_t beside,
+                    std::size_t lines, Side side, Continued& result) {
     for (int end = 0; end + 1 < first.count; ++end)
         for (std::size_t k = 0; k < lines; ++k) {
             const Line line{first.first + static_cast<std::ptrdiff_t>(k) * beside, first.step, first.count};
             const double far = front[line(end)];
             if (far != kNotCovered && front[line(end + 1)] - far > kOneSurface_px)
-                continue_from(front, line, end, baselines, result);
+                continue_from(front, picture, line, end, side, result);
         }
 }
 
@@ -109,17 +147,23 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
         for (std::size_t y = begin; y < end; ++y) {
             const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
             std::fill_n(result.disparities.begin() + row, width, kNotCovered);
-            if (beyond.left > 0) continue_along(front, {row, 1, width}, 0, 1, beyond.left, result);
+            if (beyond.left > 0)
+                continue_along(front, view.color, {row, 1, width}, 0, 1, {beyond.left, beyond.mixed_px},
+                               result);
             if (beyond.right > 0)
-                continue_along(front, {row + width - 1, -1, width}, 0, 1, beyond.right, result);
+                continue_along(front, view.color, {row + width - 1, -1, width}, 0, 1,
+                               {beyond.right, beyond.mixed_px}, result);
         }
     });
     pool.parallel_for(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
         const auto top = static_cast<std::ptrdiff_t>(begin);
         const std::ptrdiff_t bottom = top + static_cast<std::ptrdiff_t>(height - 1) * width;
-        if (beyond.up > 0) continue_along(front, {top, width, height}, 1, end - begin, beyond.up, result);
+        if (beyond.up > 0)
+            continue_along(front, view.color, {top, width, height}, 1, end - begin,
+                           {beyond.up, beyond.mixed_px}, result);
         if (beyond.down > 0)
-            continue_along(front, {bottom, -width, height}, 1, end - begin, beyond.down, result);
+            continue_along(front, view.color, {bottom, -width, height}, 1, end - begin,
+                           {beyond.down, beyond.mixed_px}, result);
     });
     for (std::size_t i = 0; i < front.size(); ++i) {
         if (result.disparities[i] == kNotCovered) continue;
@@ -242,75 +286,6 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, T
     });
 }
 
-// Calls take(i) for a pixel and its neighbours i, in the order of rows.
-template <class Take>
-void for_neighbours(const DisparityMap& map, std::uint32_t pixel, const Take& take) {
-    const auto width = static_cast<std::uint32_t>(map.width);
-    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-    const int left = std::max(0, x - 1), right = std::min(map.width - 1, x + 1);
-    for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
-        for (int u = left; u <= right; ++u) take(static_cast<std::uint32_t>(v) * width + u);
-}
-
-// Returns the pixels of those regions that have fewer than `least` pixels. Neighbours that differ by more
-// than `step_px` are in two regions.
-std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
-    enum : char { kUnseen, kSeen, kOfLarge };
-    std::vector<char> states(map.values.size(), kUnseen);
-    std::vector<std::uint32_t> region, specks;
-    for (std::uint32_t seed = 0; seed < states.size(); ++seed) {
-        if (!DisparityMap::known(map.values[seed]) || states[seed] != kUnseen) continue;
-        if (seed % map.width > 0 && states[seed - 1] == kOfLarge &&
-            std::abs(map.values[seed] - map.values[seed - 1]) <= step_px) {
-            states[seed] = kOfLarge;
-            continue;
-        }
-        region.assign(1, seed);
-        states[seed] = kSeen;
-        bool is_large = false;  // known as soon as there are enough pixels, or one of a large region
-        for (std::size_t next = 0; next < region.size() && !is_large; ++next) {
-            for_neighbours(map, region[next], [&](std::uint32_t i) {
-                if (states[i] == kSeen || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px))
-                    return;
-                is_large |= states[i] == kOfLarge;
-                if (states[i] == kOfLarge) return;
-                states[i] = kSeen;
-                region.push_back(i);
-            });
-            is_large |= region.size() >= least;
-        }
-        if (is_large)
-            for (const std::uint32_t i : region) states[i] = kOfLarge;
-        else
-            specks.insert(specks.end(), region.begin(), region.end());
-    }
-    return specks;
-}
-
-// Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
-void merge_specks(DisparityMap& map) {
-    struct Open {
-        std::uint32_t pixel;
-        float before, merged;
-    };
-    std::vector<Open> open;
-    for (const std::uint32_t i : specks_of(map, kLeastSurface, kOneSurface_px))
-        open.push_back({i, map.values[i], kUnknownDisparity});
-    for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
-    for (std::size_t merged = open.size(); merged > 0;) {
-        for (Open& o : open)
-            for_neighbours(map, o.pixel,
-                           [&](std::uint32_t i) { o.merged = std::min(o.merged, map.values[i]); });
-        merged = std::erase_if(open, [&](const Open& o) {
-            map.values[o.pixel] = o.merged;
-            return DisparityMap::known(o.merged);
-        });
-    }
-    for (const Open& o : open) map.values[o.pixel] = o.before;
-    for (const std::uint32_t i : specks_of(map, kLeastRegion, kOneSurface_px))
-        map.values[i] = kUnknownDisparity;
-}
-
 // Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
 void grow(DisparityMap& map, const Disparities& covered) {
     std::vector<std::uint32_t> border, beside;
@@ -339,11 +314,12 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                      const VisibleSurface& visible, int threads) {
     const ViewPlace& place = view.place;
     ThreadPool pool(threads);
+    DisparityMap seen = view.missing;
+    if (beyond.mixed_px > kMixed) merge_specks(seen);
     Disparities front(here.disparities.size());
     pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-            front[i] =
-                DisparityMap::known(view.missing.values[i]) ? view.missing.values[i] : here.disparities[i];
+            front[i] = DisparityMap::known(seen.values[i]) ? seen.values[i] : here.disparities[i];
     });
     Continued continued = continued_in(front, view, beyond, pool);
     smooth(continued, front, place, pool);

@@ -5,9 +5,16 @@
 
 namespace hexrelief::stages {
 
-// How far beside a view, in baselines, cameras stand that look behind its silhouettes.
+// How far beside a view, in baselines, cameras stand that look behind its silhouettes, and how wide these
+// are.
 struct Beyond {
+    static constexpr int kMixed_px = 3;
+    // In photographs the nearer surface turns away, or is out of focus.
+    static constexpr int kMixedOfPhotographs_px = 12;
+
     double left = 0, right = 0, up = 0, down = 0;
+    // Pixels beside a silhouette whose colours, from 4 on also disparities, may be mixed of both surfaces.
+    int mixed_px = kMixed_px;
 };
 
 // Adds to `missing` what the view's silhouettes hide from itself, and the cameras beyond see: the farther one

@@ -1,10 +1,13 @@
 // Pairs matched by the programs in samples/matchers, and by networks.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "pipeline/readers/disparity_reader.h"
 #include "tests/pipeline/process.h"
@@ -62,6 +65,48 @@ TEST_P(SampleMatchers, AreCalledInBothForms) {
 }
 INSTANTIATE_TEST_SUITE_P(All, SampleMatchers, testing::Values("sgbm.py", "quasi_dense.py"),
                          [](const auto& named) { return named.param.substr(0, named.param.find('.')); });
+
+TEST(Matchers, AWorkerServesABatchAndThePairThatItDiesOfFailsAlone) {
+    if (!python_has("cv2")) GTEST_SKIP() << "Debian's python3-opencv is not installed";
+    const TemporaryFolder folder;
+    const std::string pids = folder / "pids", worker = folder / "worker.py";
+    write_text(worker,
+               "import os, sys\nsys.path.insert(0, '" HEXRELIEF_SOURCE_DIR
+               "/samples/matchers')\nimport matching, sgbm\ndef match(*views):\n    print(os.getpid(), "
+               "file=open('" +
+                   pids + "', 'a'))\n    if len(open('" + pids +
+                   "').readlines()) == 3: sys.exit('no memory')\n    return sgbm.match(*views)\n"
+                   "matching.serve(match, [])\n");
+    write_text(folder / "m.csv", "left,right,name\n");
+    for (const std::string name : {"a", "b", "c"})
+        write_text(folder / "m.csv", read_text(folder / "m.csv") + sample("left.png") + "," +
+                                         sample("right.png") + "," + name + "\n");
+    const auto batch = [&](const std::string& more) {
+        return run_program({"batch", folder / "m.csv", "-o", folder / "out", "--format", "drc", "--jobs", "1",
+                            "--log", "text", "--set", "disparity.method=command", "--set",
+                            "disparity.worker=/usr/bin/python3 " + worker, more});
+    };
+    const std::string commands = batch("--print-commands").out;
+    EXPECT_EQ(std::count(commands.begin(), commands.end(), '\n'), 3) << commands;
+    EXPECT_NE(commands.find("disparity.worker=/usr/bin/python3 " + worker), std::string::npos) << commands;
+
+    const ProcessResult first = batch("--threads=2");
+    EXPECT_EQ(first.exit_code, 3);
+    EXPECT_NE(first.out.find("2 done, 0 up to date, 1 failed"), std::string::npos) << first.out;
+    EXPECT_NE(
+        first.err.find("m.csv:3: disparity.worker: '/usr/bin/python3' ended with exit code 1: 'no memory'"),
+        std::string::npos)
+        << first.err;
+    std::istringstream lines(read_text(pids));
+    const std::vector<std::string> asked{std::istream_iterator<std::string>(lines), {}};
+    ASSERT_EQ(asked.size(), 5u);  // two views of each pair, but one of the second
+    EXPECT_TRUE(asked[0] == asked[1] && asked[1] == asked[2] && asked[2] != asked[3] && asked[3] == asked[4]);
+
+    EXPECT_NE(batch("--threads=2").out.find("1 done, 2 up to date"), std::string::npos);
+    EXPECT_NE(batch("--threads=2").out.find("0 done, 3 up to date"), std::string::npos);
+    write_text(worker, read_text(worker) + "# another program\n");
+    EXPECT_NE(batch("--threads=2").out.find("3 done, 0 up to date"), std::string::npos);
+}
 
 TEST(Matchers, AdaptersOfNetworksAreWholePython) {
     for (const auto& entry : fs::directory_iterator(fs::path(HEXRELIEF_SOURCE_DIR) / "samples/matchers"))

@@ -1,0 +1,71 @@
+#include "pipeline/stages/other_views/small_regions.h"
+
+#include <cmath>
+
+#include "pipeline/stages/other_views/view_place.h"
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
+constexpr std::size_t kLeastRegion = 3;    // pixels that somebody would miss
+
+}  // namespace
+
+std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
+    enum : char { kUnseen, kSeen, kOfLarge };
+    std::vector<char> states(map.values.size(), kUnseen);
+    std::vector<std::uint32_t> region, specks;
+    for (std::uint32_t seed = 0; seed < states.size(); ++seed) {
+        if (!DisparityMap::known(map.values[seed]) || states[seed] != kUnseen) continue;
+        if (seed % map.width > 0 && states[seed - 1] == kOfLarge &&
+            std::abs(map.values[seed] - map.values[seed - 1]) <= step_px) {
+            states[seed] = kOfLarge;
+            continue;
+        }
+        region.assign(1, seed);
+        states[seed] = kSeen;
+        bool is_large = false;  // known as soon as there are enough pixels, or one of a large region
+        for (std::size_t next = 0; next < region.size() && !is_large; ++next) {
+            for_neighbours(map, region[next], [&](std::uint32_t i) {
+                if (states[i] == kSeen || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px))
+                    return;
+                is_large |= states[i] == kOfLarge;
+                if (states[i] == kOfLarge) return;
+                states[i] = kSeen;
+                region.push_back(i);
+            });
+            is_large |= region.size() >= least;
+        }
+        if (is_large)
+            for (const std::uint32_t i : region) states[i] = kOfLarge;
+        else
+            specks.insert(specks.end(), region.begin(), region.end());
+    }
+    return specks;
+}
+
+void merge_specks(DisparityMap& map) {
+    struct Open {
+        std::uint32_t pixel;
+        float before, merged;
+    };
+    std::vector<Open> open;
+    for (const std::uint32_t i : specks_of(map, kLeastSurface, kOneSurface_px))
+        open.push_back({i, map.values[i], kUnknownDisparity});
+    for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
+    for (std::size_t merged = open.size(); merged > 0;) {
+        for (Open& o : open)
+            for_neighbours(map, o.pixel,
+                           [&](std::uint32_t i) { o.merged = std::min(o.merged, map.values[i]); });
+        merged = std::erase_if(open, [&](const Open& o) {
+            map.values[o.pixel] = o.merged;
+            return DisparityMap::known(o.merged);
+        });
+    }
+    for (const Open& o : open) map.values[o.pixel] = o.before;
+    for (const std::uint32_t i : specks_of(map, kLeastRegion, kOneSurface_px))
+        map.values[i] = kUnknownDisparity;
+}
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,30 @@
+// Regions of a map that are too small for a surface.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::stages {
+
+// Calls take(i) for a pixel and its neighbours i, in the order of rows.
+template <class Take>
+void for_neighbours(const DisparityMap& map, std::uint32_t pixel, const Take& take) {
+    const auto width = static_cast<std::uint32_t>(map.width);
+    const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+    const int left = std::max(0, x - 1), right = std::min(map.width - 1, x + 1);
+    for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
+        for (int u = left; u <= right; ++u) take(static_cast<std::uint32_t>(v) * width + u);
+}
+
+// Returns the pixels of those regions that have fewer than `least` pixels. Neighbours that differ by more
+// than `step_px` are in two regions.
+std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px);
+
+// Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
+void merge_specks(DisparityMap& map);
+
+}  // namespace hexrelief::stages
