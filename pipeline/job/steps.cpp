@@ -87,8 +87,7 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
 SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config) {
     const int width = view.disparity.width, height = view.disparity.height;
     SurfaceMesh mesh = stages::build_surface(cut_mesh, width, height, view.calibration, config.min_component);
-    if (!view.disparity.origins.empty() && !view.has_filled_holes)  // the map was matched or measured
-        stages::smooth_normals(mesh, view.calibration);
+    if (view.is_measured()) stages::smooth_normals(mesh, view.calibration);
     return mesh;
 }
 

@@ -59,6 +59,8 @@ struct LeftView {
     static constexpr std::array<double, 2> kUpright = {0, 1};
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
     bool has_filled_holes = false;        // as in DisparityResult: no measure counts them
+    // True if the map was matched, or filled between measurements.
+    bool is_measured() const { return !disparity.origins.empty() && !has_filled_holes; }
 };
 
 // A surface with the lattice and the configuration that it was made from.
