@@ -117,9 +117,10 @@ struct SceneAtBase {
 
 // A scene of the body, in place of the surface, of each level; it owns them.
 struct SolidScene {
-    SolidScene(const Scene& given, double size_mm, double unit_mm) : scene(given) {
+    SolidScene(const Scene& given, const ExportConfig& config, double unit_mm) : scene(given) {
         const auto add = [&](const SurfaceMesh& surface) {
-            for (Vec3f& p : meshes.emplace_back(solid_body(surface, size_mm)).positions)
+            for (Vec3f& p :
+                 meshes.emplace_back(solid_body(surface, config.solid_size_mm, config.solid)).positions)
                 for (float* value : {&p.x, &p.y, &p.z}) *value /= static_cast<float>(unit_mm);
         };
         meshes.reserve(1 + given.coarser.size());
@@ -169,8 +170,8 @@ void export_scene(const Scene& scene, const ExportConfig& asked, const std::file
     }
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
-    if (config.solid == SolidKind::base && format.body_unit_mm > 0) {
-        const SolidScene solid(scene, config.solid_size_mm, format.body_unit_mm);
+    if (config.solid != SolidKind::none && format.body_unit_mm > 0) {
+        const SolidScene solid(scene, config, format.body_unit_mm);
         return write_levels(solid.scene, config, format, path, files);
     }
     const FileOrigin origin = asked.origin == FileOrigin::automatic ? format.usual_origin : asked.origin;

@@ -26,7 +26,7 @@ if [[ ${1:-} == tests || ${1:-} == nightly ]]; then
     packages+=(python3-onnx python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
     [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
-    [[ $1 == tests ]] || packages+=(clang clang-tidy lintian pandoc)
+    [[ $1 == tests ]] || packages+=(clang clang-tidy lintian pandoc python3-venv)
 elif [[ $# -gt 0 ]]; then
     echo "usage: $0 [tests|nightly]" >&2
     exit 2

@@ -47,8 +47,9 @@ inline const char* axes_text(UpAxis up) {
     return up == UpAxis::z ? "+Z up, camera looking along +Y" : "+Y up, camera looking along -Z";
 }
 
-// The contents of .stl, .3mf, .glb and .gltf: the surface, or a body that stands on a flat base.
-enum class SolidKind { none, base };
+// The contents of .stl, .3mf, .glb and .gltf: the surface, or a body that stands on a flat base,
+// or one of even thickness.
+enum class SolidKind { none, base, shell };
 
 // The material of the texture in glTF and USD. unlit: the photograph as it is, by KHR_materials_unlit; USD
 // has no such material, so it emits the texture there. emissive: a black surface that emits the texture, for

@@ -183,7 +183,7 @@ class Walls {
 };
 
 // Places the front and the base, whose rays it has from the nearest vertex of each, in mm above the base.
-std::vector<Vec3f> placed(const Front& front, double size_mm) {
+std::vector<Vec3f> placed(const Front& front, double size_mm, SolidKind kind) {
     const double far = farthest(front.positions), wide = extent(front.positions);
     const double thickness_mm = std::min(kLeastThickness_mm, size_mm / 20);
     // At the base one metre of depth is `scale` mm; the base is as far behind `far` as is thick enough.
@@ -196,7 +196,10 @@ std::vector<Vec3f> placed(const Front& front, double size_mm) {
                              static_cast<float>((base - depth) * scale)});
     };
     for (const Vec3f& p : front.positions) add(p, depth_of(p));
-    for (const std::vector<Index>& vertices : front.on) add(front.positions[vertices[0]], base);
+    for (const std::vector<Index>& vertices : front.on) {
+        const double farthest_on_ray = depth_of(front.positions[vertices.back()]);
+        add(front.positions[vertices[0]], kind == SolidKind::shell ? farthest_on_ray + (base - far) : base);
+    }
     return positions;
 }
 
@@ -276,14 +279,14 @@ bool part_edges(SurfaceMesh& body) {
 
 }  // namespace
 
-SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm) {
+SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm, SolidKind kind) {
     Front front = front_of(surface);
     double area = 0;
     for (const Triangle& t : front.triangles) area += area_of(front, t);
     drop_crumbs(front, kCrumbShare * area);
     bridge_holes(front.triangles, front.rays, front.points, kBridgedShare * area);
     SurfaceMesh body;
-    body.positions = placed(front, size_mm);
+    body.positions = placed(front, size_mm, kind);
     body.texcoords = texcoords_of(front);
     body.triangles = front.triangles;
     std::vector<Index> base(front.points.size());

@@ -1,6 +1,7 @@
 // A body for printing, made of a surface.
 #pragma once
 
+#include "exporters/core/scene.h"
 #include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief::exporters {
@@ -19,7 +20,8 @@ inline constexpr double kBridgedShare = 0.01;    // of that area: smaller holes 
 // The base is size_mm wide or high, whichever is more, and lies on z = 0, +Z up, mm; the body is at least
 // kLeastThickness_mm thick. The farthest thousandth of the vertices moves to the depth of the others. The
 // front's vertices come before those of the base. Walls and base have the colours of the front: texture
-// coordinates are those of the surface, if it has any. Precondition: all depths are above 0.
-SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm);
+// coordinates are those of the surface, if it has any. A shell has, in place of the base, the farthest front
+// on each ray once more, farther by the thickness. Precondition: all depths are above 0.
+SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm, SolidKind kind = SolidKind::base);
 
 }  // namespace hexrelief::exporters

@@ -66,10 +66,11 @@ std::vector<Field> export_fields() {
              "texture coordinates s, t in .ply, t = 0 at the bottom, of the texture that an .obj has with "
              "export.texture_crop=false",
              MEMBER(exporting.ply_texcoords)),
-        choice("export.solid", {"none", "base"},
+        choice("export.solid", {"none", "base", "shell"},
                "contents of .stl, .3mf, .glb and .gltf: none = the surface; base = a closed body on a flat "
                "base, "
-               "for printing, of the left view only, in mm where the format has them",
+               "for printing; shell = one as thick everywhere; of the left view only, in mm where the format "
+               "has them",
                MEMBER(exporting.solid)),
         number("export.solid_size_mm", "mm", {10, 10000}, "longer side of that base",
                MEMBER(exporting.solid_size_mm)),

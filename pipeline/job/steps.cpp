@@ -86,10 +86,9 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
 }
 
 SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config) {
-    SurfaceMesh mesh = stages::build_surface(cut_mesh, view.disparity.width, view.disparity.height,
-                                             view.calibration, config.min_component);
-    const bool is_supplied = view.disparity.origins.empty() || view.has_filled_holes;
-    if (!is_supplied) stages::smooth_normals(mesh, view.calibration);
+    const int width = view.disparity.width, height = view.disparity.height;
+    SurfaceMesh mesh = stages::build_surface(cut_mesh, width, height, view.calibration, config.min_component);
+    if (view.is_measured()) stages::smooth_normals(mesh, view.calibration);
     return mesh;
 }
 

@@ -108,6 +108,16 @@ TEST(SolidBody, WallsThatTouchHaveEdgesOfTheirOwn) {
     EXPECT_GT(volume_of(body), 0);
 }
 
+TEST(SolidBody, AShellIsClosedAndThinner) {
+    const SurfaceMesh mesh = surface_with_step(9, 7, 4, 2, 4),
+                      shell = solid_body(mesh, 100, SolidKind::shell);
+    EXPECT_EQ(expect_closed(shell), 2);
+    EXPECT_GT(volume_of(shell), 0);
+    EXPECT_LT(volume_of(shell), 0.7 * volume_of(solid_body(mesh, 100)));
+    const auto below = [](const Vec3f& a, const Vec3f& b) { return a.z < b.z; };
+    EXPECT_NEAR(std::ranges::min_element(shell.positions, below)->z, 0, 1e-4);
+}
+
 TEST(SolidBody, HolesAreBridgedAndCrumbsGo) {
     SurfaceMesh holed = surface_with_step(40, 30, 20, 5, 25);
     const std::size_t all = holed.triangles.size();
