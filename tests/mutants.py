@@ -104,9 +104,8 @@ def make(folder, count, seed):
     while changed:
         for path in changed:
             write(folder, path, {n: at for n, at in chosen.items() if at[0] == path})
-        built = subprocess.run(
-            ["cmake", "--build", folder / "build", "--target", "hexrelief", *PROGRAMS, "--", "-k", "0"], capture_output=True, text=True
-        )
+        command = ["cmake", "--build", folder / "build", "--target", "hexrelief", *PROGRAMS, "--", "-k", "0"]
+        built = subprocess.run(command, capture_output=True, text=True)
         wrong = that_do_not_compile(built.stdout, chosen)
         if built.returncode and not wrong:
             sys.exit(built.stdout[-4000:])

@@ -113,7 +113,7 @@ struct PageContent {
 struct Scene {
     const SurfaceMesh* mesh = nullptr;
     const Image* texture = nullptr;
-    std::string generator;    // for asset.generator and file comments: "hexrelief 0.1.0"
+    std::string generator;    // for asset.generator and file comments: "hexrelief 0.2.0"
     std::string extras_json;  // the effective parameters, a JSON object for glTF's asset.extras; may be empty
     // Needed to convert the tolerance in px; if null, compressed positions get 14 bits instead.
     const Calibration* camera = nullptr;

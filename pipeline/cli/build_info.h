@@ -5,7 +5,7 @@
 
 namespace hexrelief::cli {
 
-// Returns "hexrelief 0.1.0"; if verbose, also lines with commit, compiler, CUDA and libraries.
+// Returns "hexrelief 0.2.0"; if verbose, also lines with commit, compiler, CUDA and libraries.
 std::string version_text(bool verbose);
 
 }  // namespace hexrelief::cli

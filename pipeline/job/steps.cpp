@@ -34,6 +34,11 @@ namespace {
 
 constexpr double kMostUnknown = 0.25;  // share of a map that has holes, and is not a thing cut out
 
+void check_any_match(const DisparityMap& map) {
+    check_matches(std::find(map.origins.begin(), map.origins.end(), PixelOrigin::matched) !=
+                  map.origins.end());
+}
+
 std::string memory_text(const DeviceFigures& device) {
     return fixed(static_cast<double>(device.bytes) / (1 << 20), 1) + " MiB of its memory";
 }
@@ -117,15 +122,6 @@ void check_matches(bool has_any) {
             "nothing matched: no point of the left picture was found in the right one; check that they "
             "are two views of one scene, rectified and not blank");
 }
-
-namespace {
-
-void check_any_match(const DisparityMap& map) {
-    check_matches(std::find(map.origins.begin(), map.origins.end(), PixelOrigin::matched) !=
-                  map.origins.end());
-}
-
-}  // namespace
 
 DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend) {

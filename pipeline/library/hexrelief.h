@@ -160,7 +160,7 @@ Mesh mesh_input(const MapInput& input, const Camera& camera = {}, const Options&
 Mesh mesh(const MapView& disparity, const ImageView& color = {}, const Camera& camera = {},
           const Options& options = {});
 
-// Returns "0.1.0".
+// Returns "0.2.0".
 std::string version();
 
 }  // namespace v0

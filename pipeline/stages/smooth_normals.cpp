@@ -87,6 +87,7 @@ void smooth_normals(SurfaceMesh& mesh, const Calibration& camera) {
                          y = double(mesh.image_points[b].y) - mesh.image_points[a].y;
             sides.push_back({a, b, x * x + y * y});
         }
+    if (sides.empty()) return;
     const double reach = kReach * noise_of(mesh, sides, gradients);
     for (int round = 0; round < kRounds; ++round) gradients = means_of(gradients, sides, reach);
     for (std::size_t i = 0; i < count; ++i)

@@ -118,14 +118,14 @@ int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const st
 
 // Says that a body is closed. Draco's decoders and meshopt's coder order and join vertices as they like.
 void add_manifold(GltfParts& parts, tinygltf::Mesh& mesh) {
-    constexpr const char* kExtension = "EXT_mesh_manifold";
+    constexpr const char* kManifold = "EXT_mesh_manifold";
     const tinygltf::Primitive& primitive = mesh.primitives[0];
     Value::Object attributes = {{"POSITION", Value(primitive.attributes.at("POSITION"))}};
     Value::Object manifold = {{"attributes", Value(std::move(attributes))},
                               {"indices", Value(primitive.indices)},
                               {"mode", Value(primitive.mode)}};
-    mesh.extensions[kExtension] = Value(Value::Object{{"manifoldPrimitive", Value(std::move(manifold))}});
-    use_extension(parts, kExtension, false);
+    mesh.extensions[kManifold] = Value(Value::Object{{"manifoldPrimitive", Value(std::move(manifold))}});
+    use_extension(parts, kManifold, false);
 }
 
 // Links the levels of detail. The finest level is in the scene and names the nodes of the others, which only

@@ -225,7 +225,7 @@ TEST(Alignment, TellsIfTooFewPointsAreFound) {
     const Image plain{320, 240, 1, std::vector<std::uint8_t>(std::size_t{320} * 240, 128)};
     const Alignment alignment = find_alignment({plain, plain}, {}, kThreads);
     EXPECT_EQ(alignment.verdict, Verdict::unclear);
-    EXPECT_NE(alignment.reason.find("only 0 points are found"), std::string::npos) << alignment.reason;
+    EXPECT_NE(alignment.reason.find("only 0 points are in both"), std::string::npos) << alignment.reason;
     EXPECT_EQ(find_alignment({Image{8, 8, 1, std::vector<std::uint8_t>(64)},
                               Image{8, 8, 1, std::vector<std::uint8_t>(64)}},
                              {}, kThreads)
