@@ -48,6 +48,7 @@ SurfaceMesh surface_with_step(int columns, int rows, int cut, int first, int las
         const auto far = static_cast<std::uint32_t>(mesh.positions.size());
         mesh.positions.push_back(mesh.positions[near]);
         mesh.image_points.push_back(mesh.image_points[near]);
+        mesh.texcoords.push_back(mesh.texcoords[near]);
         move_to_depth(mesh, far, 3);
         for (Triangle& t : mesh.triangles)
             if (std::ranges::any_of(t, [&](std::uint32_t i) {
