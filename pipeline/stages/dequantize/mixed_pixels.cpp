@@ -1,10 +1,12 @@
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <vector>
+
+#include "pipeline/data/color_difference.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -49,15 +51,6 @@ std::vector<std::size_t> find_mixed(const DisparityMap& map) {
     return mixed;
 }
 
-int difference(const Image& image, std::size_t i, std::size_t other) {
-    const std::uint8_t *const a = &image.pixels[i * image.channels], *const b =
-                                                                         &image
-                                                                              .pixels[other * image.channels];
-    int sum = 0;
-    for (int c = 0; c < image.channels; ++c) sum += std::abs(a[c] - b[c]);
-    return sum;
-}
-
 }  // namespace
 
 DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
@@ -77,7 +70,7 @@ DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
             float value = o.value;
             for_neighbours_of(o.pixel, map, [&](std::size_t i) {
                 if (is_open[i] || !DisparityMap::known(map.values[i])) return;
-                const int here = difference(left, o.pixel, i);
+                const int here = color_difference(left, o.pixel, i);
                 if (here >= least) return;
                 least = here;
                 value = map.values[i];

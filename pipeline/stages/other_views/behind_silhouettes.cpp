@@ -7,6 +7,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
+#include "pipeline/data/color_difference.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
@@ -78,13 +79,7 @@ double slope_at(const Disparities& front, const Line& line, int end, int span) {
 // the nearer surface, at line(near), than like this one. reach: the number of this one's pixels.
 int mixed_at(const Image& picture, const Line& line, int end, int near, int reach, int most) {
     if (picture.empty() || near >= line.count) return kMixed;
-    const auto difference = [&](int i, int j) {
-        const std::uint8_t *a = &picture.pixels[line(i) * picture.channels],
-                           *b = &picture.pixels[line(j) * picture.channels];
-        int sum = 0;
-        for (int c = 0; c < picture.channels; ++c) sum += std::abs(a[c] - b[c]);
-        return sum;
-    };
+    const auto difference = [&](int i, int j) { return color_difference(picture, line(i), line(j)); };
     const int far = end - std::min(reach - 1, most + kMixed);
     int last = std::max(end - most, far);
     while (last < end - kMixed && difference(last, near) >= difference(last, far)) ++last;
