@@ -24,7 +24,7 @@ const map = fileURLToPath(new URL('../../../samples/disparity.pfm', import.meta.
 let failures = 0;
 for (const compression of ['none', 'draco']) {
     const plan = join(work, compression);
-    tiles('plan', map, '-o', plan, '--tile-vertices', '30', '--quiet', '--set', 'mesh.spacing_px=3',
+    tiles('plan', map, '-o', plan, '--tile-vertices', '80', '--quiet', '--set', 'mesh.spacing_px=1.2',
           '--set', 'input.calibration.focal_px=720', '--set', 'input.calibration.baseline_m=0.5',
           '--set', `export.compression=${compression}`);
     tiles('solve', plan, '--quiet');
