@@ -15,7 +15,7 @@ class PublicFigures(typing.NamedTuple):
     source: str
 
 
-RAFT_STEREO = "Lipson et al., 3DV 2021, table 1: bad-2 as that table counts it"
+RAFT_STEREO = "3DV 2021, table 1, as others quote it: bad-2 as that table counts it"
 FORMER_STEREO = "FormerStereo's README (ECCV 2024), reproduced results"
 
 # Networks were trained on made-up scenes (SceneFlow) alone, so none has seen these.
@@ -32,7 +32,7 @@ QUARTER_SIZE = [
         ("FormerPSMNet-SAM-L", "all 15", None, None, 7.75, None, FORMER_STEREO),
         ("FormerRAFT-DAM-L", "all 15", None, None, 5.60, None, FORMER_STEREO),
         ("FormerGwcNet-DINOv2-L", "all 15", None, None, 4.86, None, FORMER_STEREO),
-        ("StereoRisk", "all 15", 9.32, 12.63, None, None, "Liu et al., ICML 2024, across domains"),
+        ("StereoRisk", "all 15", 9.32, 12.63, None, None, "ICML 2024, across domains, as others quote it"),
     )
 ]
 
