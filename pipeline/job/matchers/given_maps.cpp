@@ -18,8 +18,9 @@ constexpr float kGivenStep_px = 1.5F;  // range of 3x3 given disparities beside 
 constexpr float kRefinedStep_px = 2;   // the same of refined ones
 constexpr int kNear_px = 3;            // of a discontinuity
 constexpr double kMisplaced = 0.06;    // of the pixels near refined discontinuities; see the header
-constexpr int kLevelParts = 16;        // of a px and of a level: the unit of costs
-constexpr int kMostDifferent = 40;     // levels; beyond them the pixels are just different
+constexpr double kAllMisplaced = 0.13;        // of them, if every step is misplaced
+constexpr int kLevelParts = 16;               // of a px and of a level: the unit of costs
+constexpr int kMostDifferent = 40;            // levels; beyond them the pixels are just different
 constexpr int kUnlike = 8, kUnlikeTimes = 3;  // levels, and times the median: a pixel of another colour
 constexpr int kSurelyUnlike = 20;     // levels, whatever the median is: the picture may be another scene's
 constexpr int kClearlyMoreAlike = 3;  // levels
@@ -140,11 +141,12 @@ DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, c
             misplaced += is_refined_alike[i] && beside[i];
         }
     const bool are_misplaced = static_cast<double>(misplaced) > kMisplaced * static_cast<double>(all);
+    const bool are_all = static_cast<double>(misplaced) > kAllMisplaced * static_cast<double>(all);
     Flags replaced(refined.values.size(), 0);
     if (are_misplaced) {
         const Flags near = near_steps(given.left, kGivenStep_px),
                     better = near_flags(is_refined_alike, width, height);
-        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] && better[i];
+        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] && (are_all || better[i]);
     }
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {

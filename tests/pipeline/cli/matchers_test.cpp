@@ -145,7 +145,7 @@ TEST_F(Networks, MatchAPairInAnySizeSignAndTiles) {
     for (const std::string name : {"block", "fixed", "unit-tiles"}) {
         const nlohmann::json report = mesh_by(folder_, by(name), name + ".ply");
         EXPECT_GT(report.at("disparity").at("support").get<double>(), 0.7) << name;
-        EXPECT_LT(bad2(folder_), 10) << name;
+        EXPECT_LT(bad2(folder_), 8) << name;
     }
     std::vector<std::string> threads = by("block");
     threads.push_back("run.threads=3");
