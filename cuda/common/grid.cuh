@@ -3,15 +3,21 @@
 
 #include <cooperative_groups.h>
 
+#include <cstdint>
+
 #include "cuda/common/cooperative_launch.h"
+#include "cuda/common/warp_reduce.cuh"
 
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kAllLanes = 0xffffffffu;  // all lanes of a warp
 
-// All blocks of launch_cooperative(). All threads must call each member function together.
+// All blocks of launch_cooperative(), a team like ThreadTeam. All threads must call each member function
+// together.
 class CooperativeGrid {
   public:
+    static constexpr int kBlock = 1;  // pixels that a thread works on at a time: neighbours read together
+
     __device__ explicit CooperativeGrid(GridBoard* board) : board_(board), vote_(board->last_vote) {}
 
     // Index of the thread in the grid. The lanes of a warp are successive; warps are distributed round-robin
@@ -23,6 +29,7 @@ class CooperativeGrid {
     __device__ unsigned warp() const { return thread() / 32; }
     __device__ unsigned warps() const { return gridDim.x * kGridWarps; }
     __device__ unsigned lane() const { return threadIdx.x % 32; }
+    __device__ bool is_first() const { return thread() == 0; }
 
     // A barrier: all threads see after it what any thread wrote before it.
     __device__ void wait() const { cooperative_groups::this_grid().sync(); }
@@ -32,6 +39,36 @@ class CooperativeGrid {
     __device__ void each(unsigned count, const Visit& visit) const {
         for (unsigned i = thread(); i < count; i += threads()) visit(i);
         wait();
+    }
+    // Calls visit(x, y) for each pixel of a map, followed by a barrier.
+    template <typename Visit>
+    __device__ void each_block(int width, int height, const Visit& visit) const {
+        each(static_cast<unsigned>(width) * height, [&](unsigned i) {
+            const unsigned y = i / width;
+            visit(static_cast<int>(i - y * width), static_cast<int>(y));
+        });
+    }
+    // Replaces the numbers of each line by their prefix sums, followed by a barrier. Lines begin `apart`
+    // numbers apart, and hold `count` numbers that are `stride` apart.
+    __device__ void sum_lines(std::uint32_t* numbers, std::size_t lines, std::size_t apart, std::size_t count,
+                              std::size_t stride) const {
+        constexpr unsigned kAtOnce = 4;
+        each_by_warp(lines, [&](unsigned line, unsigned lane) {
+            std::uint32_t* const first = numbers + line * apart;
+            std::uint32_t before = 0;
+            for (std::size_t start = lane; start - lane < count; start += 32 * kAtOnce) {
+                std::uint32_t own[kAtOnce];
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k)
+                    own[k] = start + 32 * k < count ? first[(start + 32 * k) * stride] : 0;
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    own[k] = before + sum_up_to_lane(own[k]);
+                    before = __shfl_sync(kAllLanes, own[k], 31);
+                    if (start + 32 * k < count) first[(start + 32 * k) * stride] = own[k];
+                }
+            }
+        });
     }
     // Calls visit(i, lane) for each i < count with all lanes of a warp, followed by a barrier.
     template <typename Visit>

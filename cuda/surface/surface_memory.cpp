@@ -43,7 +43,7 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes) {
                   reinterpret_cast<Triangle*>(out + layout.triangles),
                   reinterpret_cast<float*>(out + layout.disparities), arena.take<std::uint32_t>(triangles)};
     s.pixels.disparity = arena.take<float>(pixels);
-    s.pixels.flags = arena.take<std::uint8_t>(pixels);
+    s.pixels.flags = arena.take<std::uint8_t>(pixels + step::kMorePixelFlags);
     s.pixels.tile_sums = arena.take<std::uint32_t>(tiles);
     // one behind the other, for a single transfer
     s.board = reinterpret_cast<GridBoard*>(arena.take<char>(sizeof(GridBoard) + points * sizeof(Vec2f)));

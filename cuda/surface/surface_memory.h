@@ -22,7 +22,7 @@ namespace hexrelief::cuda {
 // The state that the parts of the stage share, and the arrays that each has for itself.
 struct SurfaceMemory {
     SurfaceState state;
-    PixelArrays pixels;
+    step::PixelArrays pixels;
     SnapArrays snap;
     SplitArrays split;
     LabelArrays labels;

@@ -20,9 +20,8 @@ struct PixelSurfaces {
     int height = 0;
     float discontinuity_px = 0;
     RawVector<float> disparity;  // px, 0 = no foreground; a speckle has its nearest neighbour's disparity
-    // One value per pixel, see step::PixelView::flags, and kMoreFlags more: see eight_flags.h.
+    // One value per pixel, see step::PixelView::flags, and step::kMorePixelFlags more: see eight_flags.h.
     RawVector<std::uint8_t> flags;
-    static constexpr int kMoreFlags = 7;
 
     int tile_columns = 0;                // number of columns of tile_sums
     RawVector<std::uint32_t> tile_sums;  // step::TileView::sums
