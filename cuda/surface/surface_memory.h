@@ -26,7 +26,7 @@ struct SurfaceMemory {
     SnapArrays snap;
     SplitArrays split;
     LabelArrays labels;
-    CutArrays cuts;
+    step::CutArrays cuts;
     FanArrays fans;
     SilhouetteFitArrays silhouettes;
     FitArrays fit;

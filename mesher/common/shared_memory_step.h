@@ -39,6 +39,25 @@ HEXRELIEF_TEAM unsigned add_to(unsigned* to, unsigned n) {
     return __atomic_fetch_add(to, n, __ATOMIC_RELAXED);
 #endif
 }
+// Replaces the number and returns the one before.
+HEXRELIEF_TEAM unsigned exchange(unsigned* at, unsigned value) {
+#ifdef __CUDACC__
+    return atomicExch(at, value);
+#else
+    return __atomic_exchange_n(at, value, __ATOMIC_RELAXED);
+#endif
+}
+// Replaces the number by `value` if that is lower.
+HEXRELIEF_TEAM void lower_to(std::uint64_t* at, std::uint64_t value) {
+#ifdef __CUDACC__
+    atomicMin(reinterpret_cast<unsigned long long*>(at), static_cast<unsigned long long>(value));
+#else
+    for (std::uint64_t own = load(at);
+         value < own &&
+         !__atomic_compare_exchange_n(at, &own, value, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);) {
+    }
+#endif
+}
 // Replaces `from` by `value` if it is there; true if it was.
 HEXRELIEF_TEAM bool replace(unsigned* at, unsigned from, unsigned value) {
 #ifdef __CUDACC__

@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
 #include "pipeline/base/thread_pool.h"
 
@@ -19,9 +21,9 @@ class ThreadTeam {
     // Calls work(team) on all threads of the pool.
     template <typename Work>
     static void run(ThreadPool& pool, const Work& work) {
-        std::atomic<unsigned> votes[2]{};
+        Board board{{}, std::vector<unsigned>(static_cast<std::size_t>(pool.size()))};
         pool.run([&](int thread) {
-            ThreadTeam team(pool, thread, votes);
+            ThreadTeam team(pool, thread, board);
             work(team);
         });
     }
@@ -32,7 +34,7 @@ class ThreadTeam {
     // True for all threads if `mine` is true for any; includes a barrier.
     bool any(bool mine) {
         // Two slots are enough: before the next vote but one, all threads have passed the next one's barrier.
-        std::atomic<unsigned>& last_yes = votes_[++vote_ % 2];
+        std::atomic<unsigned>& last_yes = board_.votes[++vote_ % 2];
         if (mine) last_yes.store(vote_, std::memory_order_relaxed);
         wait();
         return last_yes.load(std::memory_order_relaxed) == vote_;
@@ -62,11 +64,38 @@ class ThreadTeam {
         });
     }
 
+    // Calls visit(i, sum of value(j) over all j < i) for each i < count, followed by a barrier; returns the
+    // total. The thread that visits i reads value(i) before.
+    template <typename Value, typename Visit>
+    friend unsigned exclusive_scan(const ThreadTeam& team, std::size_t count, const Value& value,
+                                   const Visit& visit) {
+        std::vector<unsigned>& sums = team.board_.sums;
+        const int thread = static_cast<int>(team.thread_);
+        const std::size_t first = team.pool_.share(count, thread), end = team.pool_.share(count, thread + 1);
+        unsigned& own = sums[team.thread_] = 0;
+        for (std::size_t i = first; i < end; ++i) own += value(i);
+        team.wait();
+        unsigned sum = std::accumulate(sums.begin(), sums.begin() + thread, 0u);
+        const unsigned all = std::accumulate(sums.begin(), sums.end(), 0u);
+        for (std::size_t i = first; i < end; ++i) {
+            const unsigned before = sum;
+            sum += value(i);
+            visit(i, before);
+        }
+        team.wait();
+        return all;
+    }
+
   private:
+    // What the threads tell each other.
+    struct Board {
+        std::atomic<unsigned> votes[2];
+        std::vector<unsigned> sums;  // per thread
+    };
     static constexpr std::size_t kItems = 64, kRows = 8;
 
-    ThreadTeam(ThreadPool& pool, int thread, std::atomic<unsigned>* votes)
-        : pool_(pool), thread_(static_cast<std::size_t>(thread)), votes_(votes) {}
+    ThreadTeam(ThreadPool& pool, int thread, Board& board)
+        : pool_(pool), thread_(static_cast<std::size_t>(thread)), board_(board) {}
 
     // Deals chunks to the threads in turn, because one half of an image may hold most of the work.
     template <std::size_t kChunk, typename Visit>
@@ -77,7 +106,7 @@ class ThreadTeam {
 
     ThreadPool& pool_;
     std::size_t thread_;
-    std::atomic<unsigned>* votes_;
+    Board& board_;
     unsigned vote_ = 0;
 };
 

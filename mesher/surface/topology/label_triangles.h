@@ -18,7 +18,7 @@
 
 namespace hexrelief::surface {
 
-// All arrays are indexed by triangle.
+// The arrays are indexed by triangle, if nothing else is said.
 struct TriangleLabels {
     RawVector<std::uint8_t> kept;      // true if the triangle lies on the foreground
     RawVector<std::uint32_t> anchors;  // a pixel of its label, or the pixel at its centre if it has none
@@ -27,6 +27,7 @@ struct TriangleLabels {
     RawVector<std::uint8_t> straddling;  // true if its outliers cost too much
     // True for an edge across which the surfaces differ. Only the entry of an edge's lower triangle is valid.
     RawVector<std::array<std::uint8_t, 3>> open;
+    RawVector<unsigned> cuts;  // per vertex: number of cut edges at it, by join_cuts()
 };
 
 // Gives each triangle the surface that most of its pixels belong to. The edge between two triangles is open
