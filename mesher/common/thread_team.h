@@ -21,7 +21,7 @@ class ThreadTeam {
     // Calls work(team) on all threads of the pool.
     template <typename Work>
     static void run(ThreadPool& pool, const Work& work) {
-        Board board{{}, std::vector<unsigned>(static_cast<std::size_t>(pool.size()))};
+        Board board{{}, std::vector<std::uint64_t>(static_cast<std::size_t>(pool.size()))};
         pool.run([&](int thread) {
             ThreadTeam team(pool, thread, board);
             work(team);
@@ -67,18 +67,19 @@ class ThreadTeam {
     // Calls visit(i, sum of value(j) over all j < i) for each i < count, followed by a barrier; returns the
     // total. The thread that visits i reads value(i) before.
     template <typename Value, typename Visit>
-    friend unsigned exclusive_scan(const ThreadTeam& team, std::size_t count, const Value& value,
-                                   const Visit& visit) {
-        std::vector<unsigned>& sums = team.board_.sums;
+    friend auto exclusive_scan(const ThreadTeam& team, std::size_t count, const Value& value,
+                               const Visit& visit) {
+        using Sum = decltype(value(std::size_t{0}));  // at most 64 bits
+        std::vector<std::uint64_t>& sums = team.board_.sums;
         const int thread = static_cast<int>(team.thread_);
         const std::size_t first = team.pool_.share(count, thread), end = team.pool_.share(count, thread + 1);
-        unsigned& own = sums[team.thread_] = 0;
+        std::uint64_t& own = sums[team.thread_] = 0;
         for (std::size_t i = first; i < end; ++i) own += value(i);
         team.wait();
-        unsigned sum = std::accumulate(sums.begin(), sums.begin() + thread, 0u);
-        const unsigned all = std::accumulate(sums.begin(), sums.end(), 0u);
+        Sum sum = static_cast<Sum>(std::accumulate(sums.begin(), sums.begin() + thread, std::uint64_t{0}));
+        const Sum all = static_cast<Sum>(std::accumulate(sums.begin(), sums.end(), std::uint64_t{0}));
         for (std::size_t i = first; i < end; ++i) {
-            const unsigned before = sum;
+            const Sum before = sum;
             sum += value(i);
             visit(i, before);
         }
@@ -90,7 +91,7 @@ class ThreadTeam {
     // What the threads tell each other.
     struct Board {
         std::atomic<unsigned> votes[2];
-        std::vector<unsigned> sums;  // per thread
+        std::vector<std::uint64_t> sums;  // per thread
     };
     static constexpr std::size_t kItems = 64, kRows = 8;
 

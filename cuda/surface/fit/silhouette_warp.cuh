@@ -6,6 +6,7 @@
 #include "cuda/surface/fit/silhouette_lists.cuh"
 #include "cuda/surface/fit/silhouette_samples.cuh"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "mesher/surface/topology/split_lattice_step.h"
 #include "mesher/surface/topology/triangle_shape_step.h"
 
 namespace hexrelief::cuda {
@@ -311,11 +312,10 @@ class SilhouetteWarp {
         return step::free_corners(from, to, step::kSilhouetteLeastShape) >> corner.k & 1u;
     }
     __device__ void mark(unsigned owners) const {
-        constexpr std::uint8_t kSame = 0, kMoved = 1;  // as SplitLattice::Change
         each_corner([&](const SilhouetteCorner& corner, bool is_one) {
             if (!is_one || !(owners >> corner.owner & 1u)) return;
             std::uint8_t& changed = s_.lattice.changed[corner.triangle];
-            if (changed == kSame) changed = kMoved;
+            if (changed == step::kSame) changed = step::kMoved;
         });
     }
 

@@ -6,6 +6,7 @@
 #include "cuda/surface/topology/triangle_components.cuh"
 #include "cuda/surface/topology/triangle_lists.cuh"
 #include "mesher/surface/topology/label_triangles_step.h"
+#include "mesher/surface/topology/split_lattice_step.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -19,7 +20,7 @@ class DeviceLabels {
         if (first) begin(grid);
         const unsigned count = s_.counts->triangles, known = s_.counts->known;
         each_wanted_by_group(
-            grid, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
+            grid, known, [&](unsigned t) { return s_.lattice.changed[t] != step::kSame; },
             [&](unsigned t, bool has, const TriangleLanes& group) {
                 bool is_large = false;
                 const bool leaves = leave(t, has, group, is_large);
@@ -82,8 +83,7 @@ class DeviceLabels {
         if (grid.thread() == 0) *a_.counts = {};
         grid.wait();
     }
-    enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
-    static constexpr unsigned kAtOnce = 4;               // pixels, because loads take long
+    static constexpr unsigned kAtOnce = 4;  // pixels, because loads take long
 
     struct Corners {
         Vec2f p, q, r;
@@ -106,7 +106,7 @@ class DeviceLabels {
                                     is = rows_of({s_.lattice.points[v[0]], s_.lattice.points[v[1]],
                                                   s_.lattice.points[v[2]]});
         is_large = is_tall(is);
-        bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & LabelArrays::kAny) &&
+        bool same = s_.lattice.changed[t] == step::kMoved && (a_.states[t] & LabelArrays::kAny) &&
                     was.first() == is.first() && was.end() == is.end();
         HEXRELIEF_ROLLED
         for (int y = was.first() + static_cast<int>(group.lane); has && y < was.end();
@@ -137,7 +137,7 @@ class DeviceLabels {
             }
         }
         same = group.ballot(!same) == 0;
-        if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
+        if (has && same && group.lane == 0) s_.lattice.changed[t] = step::kSame;
         return has && !same && group.lane == 0;
     }
     // Finds the triangle's pixels, and its label unless they may have several components. Returns the number
@@ -190,7 +190,7 @@ class DeviceLabels {
                            (row_count > 0 ? LabelArrays::kAny : 0);
             a_.row_counts[t] = whole ? row_count : segments;
             a_.marks[t] = static_cast<std::uint8_t>(s_.counts->votes + 1);
-            s_.lattice.changed[t] = kSame;
+            s_.lattice.changed[t] = step::kSame;
             if (whole) put_label(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
         }
         __syncwarp();

@@ -7,32 +7,23 @@
 #include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
 #include "cuda/surface/pixels/crack_query.h"
-#include "mesher/surface/topology/split_triangles_step.h"
+#include "mesher/surface/topology/split_lattice_step.h"
 
 namespace hexrelief::cuda {
 
-struct SplitFirsts {
-    std::uint32_t point, triangle;  // numbers of a cut triangle's first new vertex and triangle
-};
-
-struct SplitArrays {
+struct SplitArrays : step::SplitArrays {
     SilhouetteArrays silhouettes;  // as snap_to_silhouettes() left them
-    float (*shares)[3];  // per triangle: the shares at which its edges are split; all -1 between calls
-    step::Cut* cuts;     // per triangle
-    SplitFirsts* firsts;
-    std::int32_t* numbers;  // per slot, two a quad: the number of the lattice's triangle; -1: left out
-    std::uint32_t* list;    // the triangles that are cut, in no particular order
-    unsigned* count;        // number of these
+    std::int32_t* numbers;         // of number_slots()
 };
 
 inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const SilhouetteArrays& silhouettes,
                                      Arena& arena) {
-    SplitArrays a;
+    SplitArrays a{};
     a.silhouettes = silhouettes;
     a.shares =
         reinterpret_cast<float(*)[3]>(arena.take<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
     a.cuts = arena.take<step::Cut>(sizes.most_triangles);
-    a.firsts = arena.take<SplitFirsts>(sizes.most_triangles);
+    a.firsts = arena.take<step::LatticeCounts>(sizes.most_triangles);
     a.list = arena.take<std::uint32_t>(sizes.most_triangles);
     a.count = arena.take<unsigned>(1);
     a.numbers = arena.take<std::int32_t>(2 * static_cast<std::size_t>(sizes.vertices()));

@@ -130,8 +130,8 @@ void SilhouetteFitter::mark_moved(SplitLattice& lattice, std::uint32_t t) const 
     std::uint8_t& changed = lattice.changed[t];
     const auto is_marked = [&](std::uint32_t v) { return index_[v] != kNone && marked_[index_[v]]; };
     const Triangle& n = lattice.triangles[t];
-    if (changed == SplitLattice::kSame && (is_marked(n[0]) || is_marked(n[1]) || is_marked(n[2])))
-        changed = SplitLattice::kMoved;
+    if (changed == step::kSame && (is_marked(n[0]) || is_marked(n[1]) || is_marked(n[2])))
+        changed = step::kMoved;
 }
 
 // True if one of the edges at the i-th silhouette vertex has moved.

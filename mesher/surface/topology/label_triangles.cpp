@@ -78,10 +78,10 @@ void TriangleLabeler::update(SplitLattice& lattice) {
         pool_.barrier();
         pool_.run_chunks(count, thread, chunk_counters, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
-                if (lattice.changed[i] == SplitLattice::kSame) continue;
+                if (lattice.changed[i] == step::kSame) continue;
                 const std::uint32_t t = static_cast<std::uint32_t>(i);
                 if (rasterize(lattice, t, work)) label(lattice, t, work);
-                lattice.changed[t] = SplitLattice::kSame;
+                lattice.changed[t] = step::kSame;
             }
         });
         pool_.barrier();  // all triangles have cleared the pixels that they had before
@@ -129,8 +129,7 @@ bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, Th
     const std::span<const PixelRun> runs = find_runs(view_.width, view_.height, lattice.points[v[0]],
                                                      lattice.points[v[1]], lattice.points[v[2]], work.buffer);
     const std::span<const PixelRun> old = rows(t);
-    if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs))
-        return false;
+    if (lattice.changed[t] == step::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs)) return false;
     for (const PixelRun& run : old)
         for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
             if (step::belongs(load(triangle_ids_[i]), t)) store(triangle_ids_[i], 0);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/topology/split_lattice_step.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/geometry.h"
@@ -19,8 +20,7 @@ struct SplitLattice {
     RawVector<Triangle> triangles;  // of positive area; inverted and degenerate ones are left out
     // the triangle across the edge from corner k to k + 1; -1: none
     RawVector<std::array<std::int32_t, 3>> neighbours;
-    enum Change : std::uint8_t { kSame, kMoved, kNew };
-    std::vector<std::uint8_t> changed;  // per triangle: its change since TriangleLabeler last saw it
+    std::vector<std::uint8_t> changed;  // per triangle: step::Change since TriangleLabeler last saw it
 };
 
 // Returns the lattice's triangles, with those split whose edges still cross a silhouette. on_silhouette: one
