@@ -17,10 +17,10 @@ constexpr float kAgree_px = 1;         // largest difference of disparities that
 constexpr float kGivenStep_px = 1.5F;  // range of 3x3 given disparities beside a discontinuity, maybe blurred
 constexpr float kRefinedStep_px = 2;   // the same of refined ones
 constexpr int kNear_px = 3;            // of a discontinuity
-constexpr double kMisplaced = 0.06;  // of the pixels near refined discontinuities; true maps have up to 0.044
-constexpr double kAtFault = 0.01;    // of all pixels; true maps have up to 0.0055
-constexpr int kLevelParts = 16;      // of a px and of a level: the unit of costs
-constexpr int kMostDifferent = 40;   // levels; beyond them the pixels are just different
+constexpr double kMisplaced = 0.14;    // of the pixels near refined discontinuities; see the header
+constexpr double kAtFault = 0.01;      // of all pixels; true maps have up to 0.0055
+constexpr int kLevelParts = 16;        // of a px and of a level: the unit of costs
+constexpr int kMostDifferent = 40;     // levels; beyond them the pixels are just different
 constexpr int kUnlike = 8, kUnlikeTimes = 3;  // levels, and times the median: a pixel of another colour
 constexpr int kSurelyUnlike = 20;     // levels, whatever the median is: the picture may be another scene's
 constexpr int kClearlyMoreAlike = 3;  // levels
@@ -144,8 +144,7 @@ DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, c
     if (share > kMisplaced) {
         const Flags near = near_steps(given.left, kGivenStep_px),
                     better = near_flags(is_refined_alike, width, height);
-        for (std::size_t i = 0; i < replaced.size(); ++i)
-            replaced[i] = at_fault[i] || (near[i] && (better[i] || share > 2 * kMisplaced));
+        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] || (at_fault[i] && better[i]);
     } else {
         for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = at_fault[i] && is_refined_alike[i];
         if (static_cast<double>(std::ranges::count(replaced, std::uint8_t{1})) <=
