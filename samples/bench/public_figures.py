@@ -15,7 +15,6 @@ class PublicFigures(typing.NamedTuple):
     source: str
 
 
-RAFT_STEREO = "3DV 2021, table 1, as others quote it: bad-2 as that table counts it"
 FORMER_STEREO = "FormerStereo's README (ECCV 2024), reproduced results"
 
 # Networks were trained on made-up scenes (SceneFlow) alone, so none has seen these.
@@ -23,16 +22,9 @@ QUARTER_SIZE = [
     PublicFigures(*row)
     for row in (
         ("SGM", "Piano", 13.03, None, None, None, "the evaluation's reference map against the quarter-size truth"),
-        ("HD3", "all 15", None, None, None, 20.3, RAFT_STEREO),
-        ("GwcNet", "all 15", None, None, None, 18.1, RAFT_STEREO),
-        ("PSMNet", "all 15", None, None, None, 14.2, RAFT_STEREO),
-        ("GANet", "all 15", None, None, None, 11.2, RAFT_STEREO),
-        ("RAFT-Stereo", "all 15", None, None, None, 9.36, RAFT_STEREO),
-        ("DSMNet", "all 15", None, None, None, 8.1, RAFT_STEREO),
-        ("FormerPSMNet-SAM-L", "all 15", None, None, 7.75, None, FORMER_STEREO),
+        ("FormerPSMNet-DAM-L", "all 15", None, None, 5.73, None, FORMER_STEREO),
         ("FormerRAFT-DAM-L", "all 15", None, None, 5.60, None, FORMER_STEREO),
         ("FormerGwcNet-DINOv2-L", "all 15", None, None, 4.86, None, FORMER_STEREO),
-        ("StereoRisk", "all 15", 9.32, 12.63, None, None, "ICML 2024, across domains, as others quote it"),
     )
 ]
 

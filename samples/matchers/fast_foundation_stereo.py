@@ -15,6 +15,7 @@ def load(repository, weights):
     import torch
 
     model = torch.load(weights, map_location="cpu", weights_only=False).cuda().eval()
+    model.args.max_disp = 192
 
     def network(left, right, _):
         with torch.amp.autocast("cuda", dtype=torch.float16):

@@ -17,10 +17,10 @@ constexpr float kAgree_px = 1;         // largest difference of disparities that
 constexpr float kGivenStep_px = 1.5F;  // range of 3x3 given disparities beside a discontinuity, maybe blurred
 constexpr float kRefinedStep_px = 2;   // the same of refined ones
 constexpr int kNear_px = 3;            // of a discontinuity
-constexpr double kMisplaced = 0.06;    // of the pixels near refined discontinuities; see the header
-constexpr double kAllMisplaced = 0.13;        // of them, if every step is misplaced
-constexpr int kLevelParts = 16;               // of a px and of a level: the unit of costs
-constexpr int kMostDifferent = 40;            // levels; beyond them the pixels are just different
+constexpr double kMisplaced = 0.14;    // of the pixels near refined discontinuities; see the header
+constexpr double kAtFault = 0.01;      // of all pixels; true maps have up to 0.0055
+constexpr int kLevelParts = 16;        // of a px and of a level: the unit of costs
+constexpr int kMostDifferent = 40;     // levels; beyond them the pixels are just different
 constexpr int kUnlike = 8, kUnlikeTimes = 3;  // levels, and times the median: a pixel of another colour
 constexpr int kSurelyUnlike = 20;     // levels, whatever the median is: the picture may be another scene's
 constexpr int kClearlyMoreAlike = 3;  // levels
@@ -109,16 +109,6 @@ Flags near_steps(const DisparityMap& map, float step_px) {
     return near_flags(steps, map.width, map.height);
 }
 
-// True if most of the pixels around one have a flag: a few are set at silhouettes and in noise.
-bool is_amid(const Flags& flags, int width, int height, int x, int y) {
-    constexpr int reach = 3, most = (2 * reach + 1) * (2 * reach + 1) / 2;
-    int set = 0;
-    for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
-        for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u)
-            set += flags[static_cast<std::size_t>(v) * width + u];
-    return set > most;
-}
-
 // See refine_given(). Known disparities are at least `least_px`.
 DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, const Flags& unlike,
                         DisparityMap refined, float least_px) {
@@ -140,27 +130,33 @@ DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, c
             is_refined_alike[i] = other_sum + count * kLevelParts * kClearlyMoreAlike < own_sum;
             misplaced += is_refined_alike[i] && beside[i];
         }
-    const bool are_misplaced = static_cast<double>(misplaced) > kMisplaced * static_cast<double>(all);
-    const bool are_all = static_cast<double>(misplaced) > kAllMisplaced * static_cast<double>(all);
-    Flags replaced(refined.values.size(), 0);
-    if (are_misplaced) {
-        const Flags near = near_steps(given.left, kGivenStep_px),
-                    better = near_flags(is_refined_alike, width, height);
-        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] && (are_all || better[i]);
-    }
+    std::vector<Verdict> verdicts;
+    Flags at_fault = unlike;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const std::size_t i = static_cast<std::size_t>(y) * width + x;
-            const float own = given.left.values[i];
-            if (!DisparityMap::known(own) || replaced[i]) continue;
-            const Verdict verdict = verdict_on(own, given.right, x, y);
-            const bool is_at_fault = verdict == Verdict::contradicts || unlike[i];
-            const bool is_surely =
-                verdict == Verdict::contradicts || (unlike[i] && is_amid(unlike, width, height, x, y));
-            if (are_misplaced ? is_at_fault : is_surely && is_refined_alike[i]) continue;
-            refined.values[i] = std::max(own, least_px);
-            refined.origins[i] = verdict == Verdict::agrees ? PixelOrigin::matched : PixelOrigin::filled;
+            const float own = given.left.at(x, y);
+            verdicts.push_back(DisparityMap::known(own) ? verdict_on(own, given.right, x, y)
+                                                        : Verdict::hidden);
+            at_fault[verdicts.size() - 1] |= verdicts.back() == Verdict::contradicts;
         }
+    Flags replaced(refined.values.size(), 0);
+    const double share = static_cast<double>(misplaced) / std::max(1.0, static_cast<double>(all));
+    if (share > kMisplaced) {
+        const Flags near = near_steps(given.left, kGivenStep_px),
+                    better = near_flags(is_refined_alike, width, height);
+        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] || (at_fault[i] && better[i]);
+    } else {
+        for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = at_fault[i] && is_refined_alike[i];
+        if (static_cast<double>(std::ranges::count(replaced, std::uint8_t{1})) <=
+            kAtFault * static_cast<double>(replaced.size()))
+            replaced.assign(replaced.size(), 0);
+    }
+    for (std::size_t i = 0; i < replaced.size(); ++i) {
+        const float own = given.left.values[i];
+        if (!DisparityMap::known(own) || replaced[i]) continue;
+        refined.values[i] = std::max(own, least_px);
+        refined.origins[i] = verdicts[i] == Verdict::agrees ? PixelOrigin::matched : PixelOrigin::filled;
+    }
     return refined;
 }
 

@@ -10,10 +10,11 @@ namespace hexrelief::job {
 // another colour than their match are left out of that, and the given disparities stay where the refined ones
 // are not better. They are at fault where the right view's map contradicts, because it sees something farther
 // there, and where the match has another colour. A refined disparity is clearly better if it differs by more
-// than 2 px and matches pixels that are clearly more alike. If that holds for more than 6 % of the pixels
+// than 2 px and matches pixels that are clearly more alike. If that holds for more than 14 % of the pixels
 // beside discontinuities, the given discontinuities are blurred or displaced: the refined disparities count
-// near them within 3 px of such pixels, and at all faults. Else they count at faults that they match
-// clearly better. What the right camera does not see stays as given. Throws as stages::refine_maps().
+// near them, and at faults within 3 px of such pixels. Else they count at faults that they match clearly
+// better, if these are more than 1 % of all pixels: true maps have some, too. What the right camera does not
+// see stays as given otherwise. Throws as stages::refine_maps().
 DisparityMap refine_given(const StereoPair& pair, const stages::ViewMaps& given,
                           const stages::DisparityConfig& config, int threads);
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,8 @@ constexpr float kMostSlope = 0.35F;    // of the step, in a px: a sharp one has 
 constexpr float kLeastSlope = 0.04F;   // of the step, over the reach: it rises all the way
 constexpr float kEnd = 0.08F;          // of the step: what is nearer to an end lies on that surface
 constexpr double kMoreThanSharp = 40;  // times; a true map has at most 0.7, a blurred one more than 100
+constexpr float kOwnSide = 0.42F;  // of the step, from an end: what the blur has not brought to its middle
+constexpr std::ptrdiff_t kOneSided = 6;  // bleeding has one side more by 1 of 4 pixels, a blur by 1 of 8
 constexpr double kLeastBlurred = 0.001, kMostBlurred = 0.25;  // of the map
 
 // A row or a column of the map.
@@ -49,20 +53,33 @@ bool is_sharp_step(const Line& line, int i) {
     return DisparityMap::known(step) && step >= kLeastStep_px && !(around > 2 * step);
 }
 
+bool is_on_other_side(float d, const std::array<float, 2>& ends) {
+    return std::abs(d - ends[0]) > std::abs(d - ends[1]);
+}
+
 struct Steps {
     std::vector<std::uint8_t> blurred;  // 1 for each pixel on a blurred step
-    std::size_t sharp = 0;              // pairs of neighbours with a sharp one between them
+    std::vector<std::array<float, 2>>
+        ends;               // of the largest one there, first that nearer to the pixel's value
+    std::size_t sharp = 0;  // pairs of neighbours with a sharp one between them
 };
 
 Steps find_steps(const DisparityMap& map) {
-    Steps steps{std::vector<std::uint8_t>(map.values.size(), 0), 0};
+    Steps steps{std::vector<std::uint8_t>(map.values.size(), 0),
+                std::vector<std::array<float, 2>>(map.values.size(), {0, 0}), 0};
     const auto search = [&](std::size_t start, std::ptrdiff_t stride, int length) {
         const Line line{map.values.data() + start, stride, length};
         for (int i = 0; i + 1 < length; ++i) steps.sharp += is_sharp_step(line, i);
         for (const int reach : kReaches_px)
             for (int i = reach + 1; i < length - reach - 1; ++i)
-                if (is_on_blurred_step(line, i, reach))
-                    steps.blurred[start + static_cast<std::size_t>(i * stride)] = 1;
+                if (is_on_blurred_step(line, i, reach)) {
+                    const auto pixel = start + static_cast<std::size_t>(i * stride);
+                    std::array ends{line[i - reach], line[i + reach]};
+                    if (is_on_other_side(line[i], ends)) std::swap(ends[0], ends[1]);
+                    auto& largest = steps.ends[pixel];
+                    if (std::abs(ends[1] - ends[0]) > std::abs(largest[1] - largest[0])) largest = ends;
+                    steps.blurred[pixel] = 1;
+                }
     };
     for (int y = 0; y < map.height; ++y) search(static_cast<std::size_t>(y) * map.width, 1, map.width);
     for (int x = 0; x < map.width; ++x) search(static_cast<std::size_t>(x), map.width, map.height);
@@ -82,6 +99,27 @@ std::vector<std::uint8_t> with_neighbours(const std::vector<std::uint8_t>& flags
     return wider;
 }
 
+// Puts pixels back to the side of the step that they had in the blurred map, except those in its middle. The
+// colours decide alone if they move pixels to one side of the step, as where a thing bleeds over its edge; if
+// they move as many to the other side, that is their own error.
+void keep_sides(DisparityMap& filled, const DisparityMap& blurred, const Steps& steps) {
+    std::ptrdiff_t same = 0, to_one_side = 0;
+    for (std::size_t i = 0; i < filled.values.size(); ++i) {
+        if (!steps.blurred[i]) continue;
+        if (const auto& ends = steps.ends[i]; !is_on_other_side(filled.values[i], ends))
+            ++same;
+        else
+            to_one_side += ends[0] < ends[1] ? 1 : -1;
+    }
+    if (kOneSided * std::abs(to_one_side) >= same) return;
+    for (std::size_t i = 0; i < filled.values.size(); ++i) {
+        const auto& ends = steps.ends[i];
+        if (steps.blurred[i] && is_on_other_side(filled.values[i], ends) &&
+            std::abs(blurred.values[i] - ends[0]) < kOwnSide * std::abs(ends[1] - ends[0]))
+            filled.values[i] = ends[0];
+    }
+}
+
 }  // namespace
 
 SharpenedMap sharpen_steps(DisparityMap map, const Image& left, int threads) {
@@ -96,7 +134,8 @@ SharpenedMap sharpen_steps(DisparityMap map, const Image& left, int threads) {
     DisparityMap open{map.width, map.height, map.values, {}};
     for (std::size_t i = 0; i < blurred.size(); ++i)
         if (blurred[i]) open.values[i] = kUnknownDisparity;
-    const DisparityMap filled = fill_holes(open, left, threads);
+    DisparityMap filled = fill_holes(open, left, threads);
+    keep_sides(filled, map, steps);
     for (std::size_t i = 0; i < blurred.size(); ++i)
         if (blurred[i] && DisparityMap::known(map.values[i])) map.values[i] = filled.values[i];
     return {std::move(map), share};

@@ -11,13 +11,14 @@ namespace {
 
 constexpr int kColumns = 160, kRows = 120;
 
-// A bright disc of 30 px in front of a dark, slanted wall.
-bool is_disc(int x, int y) {
-    return (x - 80) * (x - 80) + (y - 60) * (y - 60) < 30 * 30;
+// A bright disc in front of a dark, slanted wall.
+bool is_disc(int x, int y, int radius = 30) {
+    return (x - 80) * (x - 80) + (y - 60) * (y - 60) < radius * radius;
 }
 
-float disparity(int x, int y) {
-    return is_disc(x, y) ? 30.0F : 10.0F + 0.03F * static_cast<float>(x) + 0.02F * static_cast<float>(y);
+float disparity(int x, int y, int radius = 30) {
+    return is_disc(x, y, radius) ? 30.0F
+                                 : 10.0F + 0.03F * static_cast<float>(x) + 0.02F * static_cast<float>(y);
 }
 
 Image picture() {
@@ -30,10 +31,10 @@ Image picture() {
     return image;
 }
 
-DisparityMap true_map() {
+DisparityMap true_map(int radius = 30) {
     DisparityMap map{kColumns, kRows, {}};
     for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kColumns; ++x) map.values.push_back(disparity(x, y));
+        for (int x = 0; x < kColumns; ++x) map.values.push_back(disparity(x, y, radius));
     return map;
 }
 
@@ -71,6 +72,22 @@ TEST(BlurredSteps, AreCutAlongThePicturesEdges) {
         EXPECT_LT(wrong_pixels(sharp.map), wrong_pixels(map) / 3) << radius;
         EXPECT_EQ(sharpen_steps(map, picture(), 1).map.values, sharp.map.values) << radius;
     }
+}
+
+TEST(BlurredSteps, ColoursDecideWhereAThingBleeds) {
+    const DisparityMap map = blurred(true_map(33), 3);
+    EXPECT_LT(wrong_pixels(sharpen_steps(map, picture(), 2).map), wrong_pixels(map) / 4);
+}
+
+TEST(BlurredSteps, PixelsKeepTheirSideWhereColoursSayNothing) {
+    const DisparityMap map = blurred(true_map(), 3);
+    Image noise = picture();
+    std::uint32_t random = 7;
+    for (std::uint8_t& level : noise.pixels) {
+        random = random * 1664525 + 1013904223;
+        level = static_cast<std::uint8_t>(random >> 24);
+    }
+    EXPECT_LT(wrong_pixels(sharpen_steps(map, noise, 2).map), wrong_pixels(map) / 3);
 }
 
 TEST(BlurredSteps, SharpMapsAndSmoothSurfacesStayAsTheyAre) {
