@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "mesher/common/surface_thresholds_step.h"
 #include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/pair_support.h"
@@ -24,6 +25,7 @@
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/dequantize/quantum.h"
+#include "pipeline/stages/join_crumbs.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
 #include "pipeline/stages/smooth_normals.h"
@@ -85,6 +87,10 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
         log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +
                    memory_text(device));
     stages::adjust_silhouettes(cut, view.disparity, background_px, config.silhouette_rounds);
+    // As much as a triangle that lies on two surfaces may cost without being cut.
+    const double cell_px =
+        static_cast<double>(view.meshed.values.size()) / static_cast<double>(lattice.positions.size());
+    stages::join_crumbs(cut, step::kStraddlingError_px2 * cell_px);
     // Planes are fitted beyond their pixels.
     for (float& d : cut.disparities) d = std::max(d, view.least_px);
     return cut;
