@@ -99,7 +99,8 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
 SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config) {
     const int width = view.disparity.width, height = view.disparity.height;
     SurfaceMesh mesh = stages::build_surface(cut_mesh, width, height, view.calibration, config.min_component);
-    if (view.is_measured()) stages::smooth_normals(mesh, view.calibration);
+    if (view.is_measured() || view.quantum_px > 0)
+        stages::smooth_normals(mesh, view.calibration, view.quantum_px);
     return mesh;
 }
 
