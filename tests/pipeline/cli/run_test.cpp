@@ -319,7 +319,7 @@ TEST(Run, SavesEveryStage) {
                   .exit_code,
               0);
     for (const char* name : {"disparity.pfm", "disparity.png", "density.pfm", "density.png", "samples.png",
-                             "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png"})
+                             "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png", "depth.exr"})
         EXPECT_GT(std::filesystem::file_size(folder / (std::string("new/stages/") + name)), 100u) << name;
     // A supplied map goes through unchanged.
     const ProcessResult same =
