@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <utility>
 
-#include "mesher/common/surface_thresholds_step.h"
 #include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/pair_support.h"
@@ -87,10 +86,7 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
         log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +
                    memory_text(device));
     stages::adjust_silhouettes(cut, view.disparity, background_px, config.silhouette_rounds);
-    // As much as a triangle that lies on two surfaces may cost without being cut.
-    const double cell_px =
-        static_cast<double>(view.meshed.values.size()) / static_cast<double>(lattice.positions.size());
-    stages::join_crumbs(cut, step::kStraddlingError_px2 * cell_px);
+    stages::join_crumbs(cut, static_cast<double>(view.meshed.values.size()) / lattice.positions.size());
     // Planes are fitted beyond their pixels.
     for (float& d : cut.disparities) d = std::max(d, view.least_px);
     return cut;
@@ -99,8 +95,7 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
 SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config) {
     const int width = view.disparity.width, height = view.disparity.height;
     SurfaceMesh mesh = stages::build_surface(cut_mesh, width, height, view.calibration, config.min_component);
-    if (view.is_measured() || view.quantum_px > 0)
-        stages::smooth_normals(mesh, view.calibration, view.quantum_px);
+    if (view.is_uneven()) stages::smooth_normals(mesh, view.calibration, view.quantum_px);
     return mesh;
 }
 

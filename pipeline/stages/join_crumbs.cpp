@@ -11,7 +11,8 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kCrumb = 30;  // triangles: smaller components are crumbs
+constexpr int kCrumb = 30;         // triangles: smaller components are crumbs
+constexpr double kMost_px2 = 0.5;  // a pixel of a cell
 
 // A corner of a crumb, and that of a larger component at the same place, on an edge that both have.
 struct Seam {
@@ -132,9 +133,9 @@ bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, do
 
 }  // namespace
 
-void join_crumbs(DisparityMesh& mesh, double most_px2) {
+void join_crumbs(DisparityMesh& mesh, double cell_px) {
     const std::vector<std::uint32_t> places = places_of(mesh.points);
-    while (join_once(mesh, places, most_px2)) mesh.has_one_fan_per_vertex = false;
+    while (join_once(mesh, places, kMost_px2 * cell_px)) mesh.has_one_fan_per_vertex = false;
 }
 
 }  // namespace hexrelief::stages

@@ -52,14 +52,14 @@ TEST(JoinCrumbs, JoinsTheOneThatCostsLittle) {
         return y == 2 && x >= 2 && x < 4 ? 11.5f : y == 8 && x == 8 ? 14.0f : 10.0f;
     });
     DisparityMesh mesh = cut;
-    join_crumbs(mesh, 19);  // two squares of 4 px2 at 1.5 px cost 18, one at 4 px costs 64
+    join_crumbs(mesh, 2 * 19);  // two squares of 4 px2 at 1.5 px cost 18, one at 4 px costs 64
     EXPECT_EQ(mesh.points.size(), cut.points.size());
     EXPECT_FALSE(mesh.has_one_fan_per_vertex);
     EXPECT_EQ(disparities_at(mesh, 2, 2), std::set<float>{10});
     EXPECT_EQ(disparities_at(mesh, 3, 2), std::set<float>{10});
     EXPECT_EQ(disparities_at(mesh, 8, 8), std::set<float>{14});
     mesh = cut;
-    join_crumbs(mesh, 17);
+    join_crumbs(mesh, 2 * 17);
     EXPECT_EQ(mesh.triangles, cut.triangles);
     EXPECT_TRUE(mesh.has_one_fan_per_vertex);
 }
@@ -68,7 +68,7 @@ TEST(JoinCrumbs, TakesTheSideThatCostsLessAndKeepsTheOther) {
     DisparityMesh mesh = mesh_of([](int x, int y) {
         return x < 6 ? 10.0f : x == 6 && y == 5 ? 11.0f : 13.0f;
     });
-    join_crumbs(mesh, 4);
+    join_crumbs(mesh, 2 * 4);
     EXPECT_EQ(disparities_at(mesh, 6, 5), (std::set<float>{10, 11})) << "open on the far side";
     EXPECT_EQ(disparities_at(mesh, 5, 5), std::set<float>{10});
     EXPECT_EQ(disparities_at(mesh, 7, 5), std::set<float>{13});
@@ -78,7 +78,7 @@ TEST(JoinCrumbs, JoinsWhatIsBesideAJoinedOne) {
     DisparityMesh mesh = mesh_of([](int x, int y) {
         return x > 1 || y > 1 ? 10.0f : x + y > 0 ? 11.0f : 12.0f;
     });
-    join_crumbs(mesh, 12);
+    join_crumbs(mesh, 2 * 12);
     EXPECT_EQ(disparities_at(mesh, 1, 1), (std::set<float>{10, 11}));
     EXPECT_EQ(disparities_at(mesh, 0, 0), (std::set<float>{11, 12})) << "touches nothing else";
 }
