@@ -254,7 +254,7 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
                 << relative << " " << other;
     }
     EXPECT_EQ(compared,
-              15u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 9 stage files
+              16u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 10 stage files
 }
 
 TEST(Run, LevelsOfDetailBesideAndInside) {
