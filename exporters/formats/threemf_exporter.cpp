@@ -100,19 +100,9 @@ std::string model_text(const Scene& scene, const SurfaceMesh& mesh, const Encode
            "</triangles>\n</mesh></object>\n</resources>\n<build><item objectid=\"3\"/></build>\n</model>\n";
 }
 
-// Writes the texture as JPEG or PNG, as 3MF's extension for materials has it.
-void write_3mf(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
+void write_3mf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    ExportConfig config = asked;
-    if (config.texture == TextureFormat::webp) config.texture = TextureFormat::jpeg;
-    const TexturedMesh textured = textured_mesh(scene, config);
-    EncodedTexture texture;
-    std::string texture_name;
-    if (textured.textured) {
-        texture = encode_texture(scene, textured, config);
-        texture_name =
-            texture.mime_type == "image/png" ? "/3D/Textures/relief.png" : "/3D/Textures/relief.jpg";
-    }
+    const auto [textured, texture, texture_name] = archived_mesh(scene, config, "/3D/Textures/relief");
     const std::string text = model_text(scene, textured.mesh, texture, texture_name);
     constexpr std::size_t kHeaders = 4096;  // more than those of all files
     if (text.size() + texture.bytes.size() + kHeaders > std::numeric_limits<std::uint32_t>::max())

@@ -161,18 +161,9 @@ std::string usd_text(const Scene& scene, const ExportConfig& config, const Textu
     return text + "}\n";
 }
 
-// Writes the texture as JPEG or PNG; WebP becomes JPEG, because USDZ does not support WebP.
-void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
+void write_usdz(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files) {
-    ExportConfig config = asked;
-    if (config.texture == TextureFormat::webp) config.texture = TextureFormat::jpeg;
-    const TexturedMesh textured = textured_mesh(scene, config);
-    EncodedTexture texture;
-    std::string texture_name;
-    if (textured.textured) {
-        texture = encode_texture(scene, textured, config);
-        texture_name = texture.mime_type == "image/png" ? "texture.png" : "texture.jpg";
-    }
+    const auto [textured, texture, texture_name] = archived_mesh(scene, config, "texture");
     const std::string text = usd_text(scene, config, textured, texture_name);
     constexpr std::size_t kHeaders = 4096;  // more than those of two files
     if (text.size() + texture.bytes.size() + kHeaders > std::numeric_limits<std::uint32_t>::max())

@@ -90,6 +90,14 @@ bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, JpegSink& sink, co
     return true;
 }
 
+// Returns the number of values in a row of a float map.
+std::size_t row_of_map(int width, int height, const std::vector<float>& values) {
+    const std::size_t row = static_cast<std::size_t>(width < 0 ? 0 : width);
+    if (width < 1 || height < 1 || values.size() != row * static_cast<std::size_t>(height))
+        throw std::logic_error("float map to write is empty or inconsistent");
+    return row;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode_png(const Image& image) {
@@ -151,10 +159,7 @@ std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {
 }
 
 std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<float>& values) {
-    const std::size_t row = static_cast<std::size_t>(width < 0 ? 0 : width);
-    if (width < 1 || height < 1 || values.size() != row * height) {
-        throw std::logic_error("float map to write is empty or inconsistent");
-    }
+    const std::size_t row = row_of_map(width, height, values);
     // The negative sign means little endian; the magnitude is 1 because the values are not scaled.
     const std::string header = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
     std::vector<std::uint8_t> bytes(header.begin(), header.end());
@@ -164,6 +169,41 @@ std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<fl
                     values.data() + row * (height - 1 - y), row * sizeof(float));
     }
     return bytes;
+}
+
+std::vector<std::uint8_t> encode_exr(int width, int height, const std::vector<float>& values) {
+    const std::size_t row_bytes = row_of_map(width, height, values) * sizeof(float);
+    std::string bytes;
+    const auto put = [&](auto... numbers) {
+        (bytes.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
+    };
+    const auto attribute = [&](const char* name, const char* type, auto... numbers) {
+        bytes.append(name).append(1, '\0').append(type).append(1, '\0');
+        put(static_cast<std::int32_t>((0 + ... + sizeof numbers)), numbers...);
+    };
+    constexpr std::int32_t kMagic = 20000630, kVersion = 2, kFloat = 2, kOne = 1, kZero = 0;
+    constexpr char kNone = 0;
+    put(kMagic, kVersion);
+    // The channel's name, type, linearity with 3 bytes of nothing, and sampling; then the end of the list.
+    attribute("channels", "chlist", 'Z', kNone, kFloat, kZero, kOne, kOne, kNone);
+    attribute("compression", "compression", kNone);
+    for (const char* window : {"dataWindow", "displayWindow"})
+        attribute(window, "box2i", kZero, kZero, width - 1, height - 1);
+    attribute("lineOrder", "lineOrder", kNone);  // from the top
+    attribute("pixelAspectRatio", "float", 1.0f);
+    attribute("screenWindowCenter", "v2f", 0.0f, 0.0f);
+    attribute("screenWindowWidth", "float", 1.0f);
+    put(kNone);
+    const std::uint64_t line = 2 * sizeof(std::int32_t) + row_bytes,
+                        first = bytes.size() + sizeof(std::uint64_t) * static_cast<std::uint64_t>(height);
+    bytes.reserve(first + line * static_cast<std::uint64_t>(height));
+    for (int y = 0; y < height; ++y) put(first + line * static_cast<std::uint64_t>(y));
+    for (int y = 0; y < height; ++y) {
+        put(y, static_cast<std::int32_t>(row_bytes));
+        bytes.append(reinterpret_cast<const char*>(values.data()) + row_bytes * static_cast<std::size_t>(y),
+                     row_bytes);
+    }
+    return {bytes.begin(), bytes.end()};
 }
 
 void write_png(const std::filesystem::path& path, const Image& image) {

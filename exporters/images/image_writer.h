@@ -17,6 +17,8 @@ std::vector<std::uint8_t> encode_webp(const Image& image, int quality);  // 1..1
 // Encodes a PFM of one channel: float32 little endian, bottom row first. `values` is
 // row-major, top row first.
 std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<float>& values);
+// Encodes an OpenEXR of one channel, uncompressed float32: Z, as compositors name depths. `values` as above.
+std::vector<std::uint8_t> encode_exr(int width, int height, const std::vector<float>& values);
 
 // Write whole files or none. Throw Error(output) naming the path and the system's reason.
 void write_png(const std::filesystem::path& path, const Image& image);

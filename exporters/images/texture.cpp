@@ -156,4 +156,13 @@ EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, cons
     }
 }
 
+ArchivedMesh archived_mesh(const Scene& scene, ExportConfig config, const std::string& stem) {
+    if (config.texture == TextureFormat::webp) config.texture = TextureFormat::jpeg;
+    ArchivedMesh out{textured_mesh(scene, config), {}, {}};
+    if (!out.textured.textured) return out;
+    out.texture = encode_texture(scene, out.textured, config);
+    out.texture_name = stem + (out.texture.mime_type == "image/png" ? ".png" : ".jpg");
+    return out;
+}
+
 }  // namespace hexrelief::exporters

@@ -49,4 +49,13 @@ Image texture_of(const Image& picture, const TexturedMesh& mesh);
 // Encodes it. A JPEG texture never takes more bytes than one encoded as scene.texture_file is.
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config);
 
+// The finest level and its texture for an archive's formats, none of which knows WebP.
+struct ArchivedMesh {
+    TexturedMesh textured;
+    EncodedTexture texture;    // JPEG, in place of WebP, or PNG
+    std::string texture_name;  // in the archive; empty = no texture
+};
+// stem: the name without its extension.
+ArchivedMesh archived_mesh(const Scene& scene, ExportConfig config, const std::string& stem);
+
 }  // namespace hexrelief::exporters

@@ -49,9 +49,8 @@ std::vector<Field> export_fields() {
              MEMBER(exporting.camera)),
         choice("export.origin", {"auto", "camera", "base"},
                "where files have their origin: camera = the left camera; base = below the middle of the "
-               "mesh, as "
-               "low as its lowest point; auto = base in .usdz, which phones put onto the floor; .drc, .stl, "
-               ".3mf and .html always have the camera's",
+               "mesh, as low as its lowest point; auto = base in .usdz, which phones put onto the floor; "
+               ".drc, .stl, .3mf and .html always have the camera's",
                MEMBER(exporting.origin)),
         text("export.copyright", "of the photograph or the mesh, for .glb and .gltf",
              MEMBER(exporting.copyright)),
@@ -68,9 +67,8 @@ std::vector<Field> export_fields() {
              MEMBER(exporting.ply_texcoords)),
         choice("export.solid", {"none", "base", "shell"},
                "contents of .stl, .3mf, .glb and .gltf: none = the surface; base = a closed body on a flat "
-               "base, "
-               "for printing; shell = one as thick everywhere; of the left view only, in mm where the format "
-               "has them",
+               "base, for printing; shell = one as thick everywhere; of the left view only, in mm where the "
+               "format has them",
                MEMBER(exporting.solid)),
         number("export.solid_size_mm", "mm", {10, 10000}, "longer side of that base",
                MEMBER(exporting.solid_size_mm)),

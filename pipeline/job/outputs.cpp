@@ -84,6 +84,7 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
                                     &result.mesh,
                                     view.color.empty() ? nullptr : &view.color,
                                     result.texture(view),
+                                    &view.calibration,
                                     result.config.mesh.seed,
                                     threads};
     double done = 0;

@@ -271,7 +271,8 @@ LeftView Relief::view() const {
             input.texture_file.empty() ? nullptr : &input.texture_file,
             input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright,
             input.pair() && input.pair()->alignment && has_camera_of_points(*input.pair()->alignment),
-            disparity.has_filled_holes};
+            disparity.has_filled_holes,
+            disparity.quantum_px};
 }
 
 double Relief::depth_of_backdrop() const {

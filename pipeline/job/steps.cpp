@@ -24,6 +24,7 @@
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/dequantize/quantum.h"
+#include "pipeline/stages/join_crumbs.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
 #include "pipeline/stages/smooth_normals.h"
@@ -85,6 +86,7 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
         log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +
                    memory_text(device));
     stages::adjust_silhouettes(cut, view.disparity, background_px, config.silhouette_rounds);
+    stages::join_crumbs(cut, static_cast<double>(view.meshed.values.size()) / lattice.positions.size());
     // Planes are fitted beyond their pixels.
     for (float& d : cut.disparities) d = std::max(d, view.least_px);
     return cut;
@@ -93,7 +95,7 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
 SurfaceMesh surface_of(const DisparityMesh& cut_mesh, const LeftView& view, const SurfaceConfig& config) {
     const int width = view.disparity.width, height = view.disparity.height;
     SurfaceMesh mesh = stages::build_surface(cut_mesh, width, height, view.calibration, config.min_component);
-    if (view.is_measured()) stages::smooth_normals(mesh, view.calibration);
+    if (view.is_uneven()) stages::smooth_normals(mesh, view.calibration, view.quantum_px);
     return mesh;
 }
 

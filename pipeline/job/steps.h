@@ -60,8 +60,11 @@ struct LeftView {
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
     bool is_by_points = false;            // has_camera_of_points()
     bool has_filled_holes = false;        // as in DisparityResult: no measure counts them
+    double quantum_px = 0;                // as in DisparityResult
     // True if the map was matched, or filled between measurements.
     bool is_measured() const { return !disparity.origins.empty() && !has_filled_holes; }
+    // True if its disparities have noise or steps that are no shape.
+    bool is_uneven() const { return quantum_px > 0 || is_measured(); }
 };
 
 // A surface with the lattice and the configuration that it was made from.

@@ -8,8 +8,10 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr double kReach = 5;  // times the noise over an edge that gradients at its ends may differ by
-constexpr int kRounds = 8;
+// How far means reach: gradients at the ends of an edge may differ by so many times the noise, or the
+// quantum, over the edge.
+constexpr double kOfNoise = 5, kOfQuantum = 0.25;
+constexpr int kRounds = 8, kRoundsOfQuantum = 4;
 
 struct Gradient {
     double x = 0, y = 0;  // px of disparity per px
@@ -73,7 +75,7 @@ std::vector<Gradient> means_of(const std::vector<Gradient>& gradients, const std
 
 }  // namespace
 
-void smooth_normals(SurfaceMesh& mesh, const Calibration& camera) {
+void smooth_normals(SurfaceMesh& mesh, const Calibration& camera, double quantum_px) {
     const std::size_t count = mesh.positions.size();
     std::vector<Gradient> gradients(count);
     for (std::size_t i = 0; i < count; ++i)
@@ -88,8 +90,10 @@ void smooth_normals(SurfaceMesh& mesh, const Calibration& camera) {
             sides.push_back({a, b, x * x + y * y});
         }
     if (sides.empty()) return;
-    const double reach = kReach * noise_of(mesh, sides, gradients);
-    for (int round = 0; round < kRounds; ++round) gradients = means_of(gradients, sides, reach);
+    const double reach =
+        quantum_px > 0 ? kOfQuantum * quantum_px : kOfNoise * noise_of(mesh, sides, gradients);
+    const int rounds = quantum_px > 0 ? kRoundsOfQuantum : kRounds;
+    for (int round = 0; round < rounds; ++round) gradients = means_of(gradients, sides, reach);
     for (std::size_t i = 0; i < count; ++i)
         mesh.normals[i] = normal_of(gradients[i], mesh.image_points[i], mesh.disparities[i], camera);
 }

@@ -1,6 +1,7 @@
 // validate.mjs MODULES SCENES: checks the glTF files that the `write_scenes` program wrote into SCENES.
 // 1. Khronos' validator reports no error and no warning on any (its notes are printed).
-// 2. glTF-Transform, with Draco's own decoder, finds the counts and the positions that expected.json tells.
+// 2. Bodies are closed, as EXT_mesh_manifold says.
+// 3. glTF-Transform, with Draco's own decoder, finds the counts and the positions that expected.json tells.
 // Exit codes: 0 all is well, 1 something is wrong, 77 the modules in MODULES are missing (ctest: skipped).
 import { readFile, readdir } from 'node:fs/promises';
 import { existsSync } from 'node:fs';
@@ -137,10 +138,30 @@ function read_levels(file, want, document) {
     });
 }
 
-// As written: glTF-Transform does not know the extension.
-async function lod_links(file) {
+// The document as written: glTF-Transform knows neither MSFT_lod nor EXT_mesh_manifold.
+async function as_written(file) {
     const bytes = await readFile(join(scenes, file));
-    const json = JSON.parse(file.endsWith('.glb') ? bytes.subarray(20, 20 + bytes.readUInt32LE(12)) : bytes);
+    return JSON.parse(file.endsWith('.glb') ? bytes.subarray(20, 20 + bytes.readUInt32LE(12)) : bytes);
+}
+
+// A body is closed, and says so of the accessors that it draws: each edge runs once in each direction.
+async function check_body(file, primitive) {
+    const { extensionsUsed, extensionsRequired, meshes: [mesh] } = await as_written(file);
+    const [drawn] = mesh.primitives, said = mesh.extensions?.EXT_mesh_manifold?.manifoldPrimitive;
+    if (!extensionsUsed?.includes('EXT_mesh_manifold')) complain(file, 'does not say that it uses EXT_mesh_manifold');
+    if (extensionsRequired?.includes('EXT_mesh_manifold')) complain(file, 'requires EXT_mesh_manifold');
+    if (said?.indices !== drawn.indices || said?.attributes.POSITION !== drawn.attributes.POSITION)
+        complain(file, 'is a body of other accessors than those drawn');
+    const corners = primitive.getIndices().getArray(), edges = new Set();
+    const ends = (i) => [corners[i], corners[i % 3 === 2 ? i - 2 : i + 1]];
+    for (let i = 0; i < corners.length; i++) edges.add(ends(i).join());
+    if (edges.size !== corners.length) complain(file, `${corners.length - edges.size} edges run twice in one direction`);
+    for (let i = 0; i < corners.length; i++)
+        if (!edges.has(ends(i).reverse().join())) return complain(file, `the edge ${ends(i)} is open`);
+}
+
+async function lod_links(file) {
+    const json = await as_written(file);
     const [node] = json.nodes;
     return { ids: node.extensions?.MSFT_lod?.ids ?? [], coverage: node.extras?.MSFT_screencoverage ?? [],
         roots: json.scenes[0].nodes };
@@ -168,6 +189,7 @@ async function read_back(file, want) {
     const { ids, coverage, roots } = await lod_links(file);
     equal('levels', ids.join(), want.levels.map((_, i) => i + 1).join());
     equal('screen coverages', coverage.length, want.levels.length > 0 ? want.levels.length + 1 : 0);
+    if (want.body) return check_body(file, primitive);
     equal('roots', roots.join(), `0,${1 + want.levels.length}`);  // the finest level and the camera
     const camera = document.getRoot().listCameras()[0];
     equal('aspect ratio', camera?.getAspectRatio(), 4 / 3);

@@ -4,6 +4,7 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
+#include "exporters/formats/solid_body.h"
 #include "tests/exporters/sample_scene.h"
 
 using namespace hexrelief;
@@ -71,6 +72,18 @@ class Writer {
         for (const hexrelief::Vec2f& t : mesh.texcoords)
             for (const float v : {t.x, t.y}) want["texcoord_values"].push_back(v);
         if (texture) want["image"] = {texture->width, texture->height};
+    }
+
+    // The closed body of the mesh.
+    void write_body(const std::string& name, const hexrelief::SurfaceMesh& mesh,
+                    const hexrelief::Image* texture, const hexrelief::exporters::ExportConfig& config) {
+        write(name, mesh, texture, config, false);
+        const hexrelief::SurfaceMesh body =
+            hexrelief::exporters::solid_body(mesh, config.solid_size_mm, config.solid);
+        expected_[name]["vertices"] = body.positions.size();
+        expected_[name]["triangles"] = body.triangles.size();
+        expected_[name]["normals"] = false;
+        expected_[name]["body"] = true;
     }
 
   private:
@@ -160,6 +173,11 @@ void write_all(const std::filesystem::path& folder) {
         none.normals = hexrelief::exporters::NormalsKind::never;
         out.write(stem + "-no-image.glb", small, &colour, none);
     }
+    hexrelief::exporters::ExportConfig body;
+    body.solid = hexrelief::exporters::SolidKind::base;
+    out.write_body("body.glb", small, &colour, body);
+    body.solid = hexrelief::exporters::SolidKind::shell;
+    out.write_body("split-body.gltf", small, nullptr, body);
     hexrelief::exporters::ExportConfig png;
     png.texture = hexrelief::exporters::TextureFormat::png;
     out.write("plain-png.glb", small, &colour, png);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "exporters/images/image_writer.h"
@@ -48,6 +49,17 @@ double uniform(std::uint64_t seed, std::uint64_t index, std::uint64_t draw) {
 void append_number(std::string& text, float value) {
     char buffer[32];
     text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
+
+// Returns depths in the camera's unit; infinity where they are unknown.
+std::vector<float> depths_of(const DisparityMap& map, const Calibration& camera) {
+    std::vector<float> depths(map.values.size(), std::numeric_limits<float>::infinity());
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        const double from_infinity_px = map.values[i] + camera.doffs_px;
+        if (DisparityMap::known(map.values[i]) && from_infinity_px > 0)
+            depths[i] = static_cast<float>(camera.focal_px * camera.baseline_m / from_infinity_px);
+    }
+    return depths;
 }
 
 Image samples_picture(const DensityMap& density, std::uint64_t seed) {
@@ -147,9 +159,9 @@ std::string mesh_obj(const HexMesh2D& mesh) {
 }
 
 const std::vector<std::filesystem::path>& stage_file_names() {
-    static const std::vector<std::filesystem::path> names = {"disparity.pfm", "disparity.png", "density.pfm",
-                                                             "density.png",   "samples.png",   "mesh2d.obj",
-                                                             "mesh2d.png",    "weights.png",   "relief.png"};
+    static const std::vector<std::filesystem::path> names = {
+        "disparity.pfm", "disparity.png", "depth.exr",  "density.pfm", "density.png",
+        "samples.png",   "mesh2d.obj",    "mesh2d.png", "weights.png", "relief.png"};
     return names;
 }
 
@@ -158,6 +170,8 @@ std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const s
     const DensityMap& density = *results.density;
     if (name == "disparity.pfm") return exporters::encode_pfm(map.width, map.height, map.values);
     if (name == "disparity.png") return exporters::encode_png(disparity_picture(map));
+    if (name == "depth.exr")
+        return exporters::encode_exr(map.width, map.height, depths_of(map, *results.camera));
     if (name == "density.pfm") return exporters::encode_pfm(density.width, density.height, density.values);
     if (name == "density.png") return exporters::encode_png(density_picture(density));
     if (name == "samples.png") return exporters::encode_png(samples_picture(density, results.seed));

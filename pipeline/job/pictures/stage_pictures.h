@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/data/calibration.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/hex_mesh.h"
@@ -23,12 +24,13 @@ struct StageResults {
     const SurfaceMesh* surface = nullptr;
     const Image* left = nullptr;
     const Image* texture = nullptr;  // of the surface
+    const Calibration* camera = nullptr;
     std::uint64_t seed = 1;
     int threads = 1;
 };
 
-// Returns the names disparity.pfm disparity.png density.pfm density.png samples.png
-// mesh2d.obj mesh2d.png weights.png relief.png.
+// Returns the names disparity.pfm disparity.png depth.exr density.pfm density.png samples.png mesh2d.obj
+// mesh2d.png weights.png relief.png.
 const std::vector<std::filesystem::path>& stage_file_names();
 
 // Returns the bytes of the file of this name. Throws Error(output).

@@ -123,6 +123,29 @@ TEST(ImageWriter, WritesPngFile) {
     EXPECT_THROW(write_png(folder / "missing/a.png", image), Error);
 }
 
+TEST(ImageWriter, ExrHasOneChannelOfFloatsTopRowFirst) {
+    const std::vector<std::uint8_t> bytes = encode_exr(3, 2, {1, 2, 3, 4, 5, INFINITY});
+    const std::string text(bytes.begin(), bytes.end());
+    EXPECT_EQ(text.substr(0, 8), std::string("v/1\1\2\0\0\0", 8));
+    // After the header: two offsets, then for each row its number, its bytes and its values.
+    std::uint64_t rows[2];
+    const std::size_t header = bytes.size() - sizeof rows - std::size_t{2} * (8 + 12);
+    EXPECT_EQ(bytes[header - 1], 0);
+    std::memcpy(rows, &bytes[header], sizeof rows);
+    const float expected[2][3] = {{1, 2, 3}, {4, 5, INFINITY}};
+    for (int y = 0; y < 2; ++y) {
+        EXPECT_EQ(rows[y], header + sizeof rows + static_cast<std::size_t>(y) * 20);
+        std::int32_t numbers[2];
+        float values[3];
+        std::memcpy(numbers, &bytes[rows[y]], 8);
+        std::memcpy(values, &bytes[rows[y] + 8], 12);
+        EXPECT_EQ(numbers[0], y);
+        EXPECT_EQ(numbers[1], 12);
+        for (int x = 0; x < 3; ++x) EXPECT_EQ(values[x], expected[y][x]);
+    }
+    EXPECT_THROW(encode_exr(3, 3, {1}), std::logic_error);
+}
+
 TEST(ImageWriter, PfmIsBottomRowFirstLittleEndian) {
     const TemporaryFolder folder;
     write_pfm(folder / "a.pfm", 3, 2, {1, 2, 3, 4, 5, INFINITY});

@@ -254,7 +254,7 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
                 << relative << " " << other;
     }
     EXPECT_EQ(compared,
-              15u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 9 stage files
+              16u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 10 stage files
 }
 
 TEST(Run, LevelsOfDetailBesideAndInside) {
@@ -319,7 +319,7 @@ TEST(Run, SavesEveryStage) {
                   .exit_code,
               0);
     for (const char* name : {"disparity.pfm", "disparity.png", "density.pfm", "density.png", "samples.png",
-                             "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png"})
+                             "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png", "depth.exr"})
         EXPECT_GT(std::filesystem::file_size(folder / (std::string("new/stages/") + name)), 100u) << name;
     // A supplied map goes through unchanged.
     const ProcessResult same =

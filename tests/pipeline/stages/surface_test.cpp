@@ -344,6 +344,12 @@ TEST(SmoothNormals, NoiseGoesAndFoldsStay) {
     EXPECT_LT(mean_error(after, wanted, kFold_px, 12), 0.4 * mean_error(before, wanted, kFold_px, 12));
     smooth_normals(still, exact.calibration);
     EXPECT_LT(mean_error(still, wanted, kFold_px, 0), 0.1) << "without noise";
+
+    SurfaceMesh of_steps = before, of_fine_steps = before;
+    smooth_normals(of_steps, rough.calibration, 1);
+    EXPECT_LT(mean_error(of_steps, wanted, kFold_px, 0), 0.6 * mean_error(before, wanted, kFold_px, 0));
+    smooth_normals(of_fine_steps, rough.calibration, 0.01);
+    EXPECT_GT(mean_error(of_fine_steps, wanted, kFold_px, 0), 0.9 * mean_error(before, wanted, kFold_px, 0));
 }
 
 }  // namespace

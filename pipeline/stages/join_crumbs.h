@@ -1,0 +1,15 @@
+// Crumbs: parts of a cut mesh that are too small to be things of their own.
+#pragma once
+
+#include "pipeline/data/disparity_mesh.h"
+
+namespace hexrelief::stages {
+
+// Joins connected components of fewer than 30 triangles to the larger one beside them, whichever costs least:
+// the joined corners take its disparities, and the squares of what that changes are summed over the pixels.
+// No join costs more than 0.5 px2 a pixel of a lattice cell, which has cell_px pixels: a triangle on two
+// surfaces that costs no more is not cut. Triangles and points stay. The joined mesh may have vertices
+// without triangles.
+void join_crumbs(DisparityMesh& mesh, double cell_px);
+
+}  // namespace hexrelief::stages
