@@ -19,7 +19,7 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 4;               // what continues behind the left view's silhouettes is smooth
+constexpr int kReduced = 2;               // what continues behind the left view's silhouettes is smooth
 constexpr double kCoarser = 3.5;          // spacing of the other views: what has no match has little detail
 constexpr double kHiddenStep_px = 20;     // a higher one is cut in what no camera saw
 constexpr double kShownStep_px = 6;       // the same if the right camera, which has no view, sees some of it
