@@ -20,8 +20,8 @@ constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface who
 // Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
 // by the second number; of so many pixels a side at most.
 constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
-constexpr int kLongestShare = 8;      // of a view's side
-constexpr int kMirroredShare = 40;    // the same of the colours that are repeated
+// What continues is no longer than this share of a view's side; in photographs, with colours from the last.
+constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 4, kMirroredShareOfPhotographs = 40;
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
@@ -60,6 +60,7 @@ struct Continued {
 struct Side {
     double baselines;
     int mixed_px;
+    bool is_photograph() const { return mixed_px > kMixed; }
 };
 
 // Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
@@ -100,7 +101,7 @@ int nearest_after(const Disparities& front, const Line& line, int end, int mixed
 // Returns the place from first to last that mirrors at both lead to, from a place behind first on.
 int folded(int place, int first, int last) {
     const int length = last - first;
-    if (length == 0) return last;
+    if (length <= 0) return last;
     const int along = (place - first) % (2 * length);
     return first + std::min(along, 2 * length - along);
 }
@@ -108,12 +109,13 @@ int folded(int place, int first, int last) {
 // Continues the surface that ends at line(end) before a nearer one.
 void continue_from(const Disparities& front, const Image& picture, const Line& line, int end, Side side,
                    Continued& result) {
-    const int longest = line.count / kLongestShare, mirrored = line.count / kMirroredShare;
+    const bool is_mixed = side.is_photograph();
+    const int longest = line.count / (is_mixed ? kLongestShareOfPhotographs : kLongestShare);
+    const int mirrored = is_mixed ? line.count / kMirroredShareOfPhotographs : longest;
     const double far = front[line(end)];
     const int nearest = nearest_after(front, line, end, side.mixed_px);
     const double near = front[line(nearest)];
     int reach = reach_of(front, line, end, 1, std::max(kSlope_px, side.mixed_px + kMixed) + 1);
-    const bool is_mixed = side.mixed_px > kMixed;
     // A narrow surface in front of a farther one is mixed of that and the nearer one.
     if (is_mixed && reach <= side.mixed_px && end >= reach && far - front[line(end - reach)] > kOneSurface_px)
         return;
@@ -127,7 +129,9 @@ void continue_from(const Disparities& front, const Image& picture, const Line& l
         const double d = std::min(far + slope * std::min(k, span), near);
         if (k > side.baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
         reach = reach_of(front, line, end, reach, std::min(k, mirrored) + mixed);
-        result.offer(pixel, d, k, line(end - folded(k - 1 + mixed, std::min(mixed, reach - 1), reach - 1)));
+        const int last = reach - 1, place = k - 1 + mixed;
+        result.offer(pixel, d, k,
+                     line(end - (is_mixed ? folded(place, mixed, last) : std::min(place, last))));
     }
 }
 
@@ -242,10 +246,10 @@ void spread_colours(Continued& continued, const OtherView& view, const Dispariti
 }
 
 // Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
-// each, as lines that continue beside each other have colours from different distances, and the detail that
+// each, as lines that continue beside each other have colours from different distances. has_detail: with what
 // the pixel of such a colour has beside an average as wide.
 void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
-           ThreadPool& pool) {
+           bool has_detail, ThreadPool& pool) {
     if (picture.empty()) return;
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
@@ -284,17 +288,19 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
     };
     // The colours are taken before any pixel is painted.
     RawVector<std::uint64_t> colours(continued.disparities.size());
-    RawVector<Levels> details(continued.pixels.size());
+    std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
     pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
             colours[pixel] = colour_of(from);
+            if (!has_detail) continue;
             const Levels mean = mean_around(from, continued.distances[pixel], front, colour_of);
             details[i] = levels_of(colours[pixel]);
             for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
         }
     });
-    const auto paint_at = [&](std::uint32_t pixel, const Levels& detail) {
+    const auto paint_at = [&](std::size_t i) {
+        const std::uint32_t pixel = continued.pixels[i];
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
             return;  // a smaller picture has no such pixel
@@ -302,13 +308,14 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
                                         [&](std::size_t other) { return colours[other]; });
         std::uint8_t colour[3] = {};
         for (int c = 0; c < picture.channels; ++c)
-            colour[c] = static_cast<std::uint8_t>(std::clamp(mean[c] + detail[c], 0, 255));
+            colour[c] =
+                static_cast<std::uint8_t>(std::clamp(mean[c] + (has_detail ? details[i][c] : 0), 0, 255));
         for (int v = row(y); v < row(y + 1); ++v)
             for (int u = column(x); u < column(x + 1); ++u)
                 std::copy_n(colour, picture.channels, picture.at(u, v));
     };
     pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) paint_at(continued.pixels[i], details[i]);
+        for (std::size_t i = begin; i < end; ++i) paint_at(i);
     });
 }
 
@@ -360,8 +367,8 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered) view.missing.values[i] = kUnknownDisparity;
     spread_colours(continued, view, front);
-    paint(view.color, place, continued, front, pool);
-    paint(view.picture, place, continued, front, pool);
+    for (Image* const picture : {&view.color, &view.picture})
+        paint(*picture, place, continued, front, beyond.mixed_px > kMixed, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here) {
