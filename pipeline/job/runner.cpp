@@ -205,7 +205,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     if (pair && !config.given.contains("surface.behind"))
-        config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration);
+        config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration,
+                                                  pair->alignment && has_camera_of_points(*pair->alignment));
     if (is_smoothed) smooth_noise(relief.disparity, backend.threads(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),

@@ -124,6 +124,8 @@ void continue_from(const Disparities& front, const Image& picture, const Line& l
     const double slope = slope_at(front, line, end, span);
     const int mixed =
         is_mixed ? mixed_at(picture, line, end, nearest + kMixed, reach, side.mixed_px) : kMixed;
+    // Lines beside it continue what shows no colours of its own here.
+    if (is_mixed && reach <= mixed) return;
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
