@@ -197,7 +197,7 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
         if (has_camera_of_points(*pair->alignment))
             relief.disparity.map =
-                stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views);
+                stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
         if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
         flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
     }

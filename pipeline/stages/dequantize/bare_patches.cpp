@@ -17,7 +17,7 @@ constexpr int kBare = 4 * kSquare;
 constexpr int kSureShare = 100;   // of the longer side: the radius within which 3/4 of the pixels are matched
 constexpr int kSmoothShare = 32;  // the same, of the means of what is led to several farther surfaces
 constexpr std::size_t kPatchShare = 1000;  // of the picture
-constexpr float kRangeShare = 16;
+constexpr float kRangeShare = 2;
 constexpr float kNearer_px = 1;
 
 // Calls take(i) for the pixels beside, above and below a pixel.
@@ -128,8 +128,7 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
 
 }  // namespace
 
-DisparityMap with_bare_patches_behind(DisparityMap map, const StereoPair& pair) {
-    const Image &left = pair.left, &right = pair.right;
+DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
     if (map.origins.empty() || left.empty()) return map;
     const std::vector<std::uint32_t> source = flood(map, left);
     std::vector<float> known;
@@ -141,15 +140,6 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const StereoPair& pair) 
     const auto fall_of = [&](std::size_t i) {
         return source[i] == kNoSource ? 0 : map.values[i] - map.values[source[i]];
     };
-    // Returns what a pixel's colour differs by from the right picture's where a disparity leads to, or -1.
-    const auto misfit = [&](std::size_t i, float d) {
-        const int x = static_cast<int>(i % map.width), y = static_cast<int>(i / map.width);
-        const int there = static_cast<int>(std::lround(x - d));
-        if (there < 0 || there >= right.width) return -1;
-        int sum = 0;
-        for (int c = 0; c < left.channels; ++c) sum += std::abs(left.at(x, y)[c] - right.at(there, y)[c]);
-        return sum;
-    };
     std::vector<std::uint8_t> is_seen(source.size()), is_moved = is_seen;
     std::vector<std::size_t> patch;
     for (std::size_t seed = 0; seed < source.size(); ++seed) {
@@ -157,20 +147,15 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const StereoPair& pair) 
         is_seen[seed] = 1;
         patch.assign(1, seed);
         double sum = 0;
-        std::int64_t worse = 0;
         for (std::size_t next = 0; next < patch.size(); ++next) {
-            const std::size_t own = patch[next];
-            sum += fall_of(own);
-            const int before = misfit(own, map.values[own]), behind = misfit(own, map.values[source[own]]);
-            if (before >= 0 && behind >= 0) worse += behind - before;
-            for_each_beside(own, map, [&](std::size_t i) {
+            sum += fall_of(patch[next]);
+            for_each_beside(patch[next], map, [&](std::size_t i) {
                 if (is_seen[i] || fall_of(i) <= kNearer_px) return;
                 is_seen[i] = 1;
                 patch.push_back(i);
             });
         }
-        if (worse <= 0 && patch.size() * kPatchShare >= source.size() &&
-            sum >= fall * static_cast<double>(patch.size()))
+        if (patch.size() * kPatchShare >= source.size() && sum >= fall * static_cast<double>(patch.size()))
             for (const std::size_t i : patch) is_moved[i] = 1;
     }
     const Sums moved(map.width, map.height, [&](std::size_t i) { return is_moved[i]; });

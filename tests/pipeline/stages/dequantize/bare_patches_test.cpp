@@ -14,7 +14,7 @@ constexpr float kHead_px = 40, kWall_px = 4;
 // the head.
 struct Room {
     DisparityMap map{kRoomWidth, kRoomHeight, {}, {}};
-    StereoPair pair{{kRoomWidth, kRoomHeight, 3, {}}, {kRoomWidth, kRoomHeight, 3, {}}};
+    Image left{kRoomWidth, kRoomHeight, 3, {}};
 
     explicit Room(int wall_level) {
         for (int y = 0; y < kRoomHeight; ++y)
@@ -23,15 +23,14 @@ struct Room {
                 map.values.push_back(is_foot ? kWall_px : kHead_px);
                 map.origins.push_back(is_head || is_foot ? PixelOrigin::matched : PixelOrigin::filled);
                 for (int c = 0; c < 3; ++c)
-                    pair.left.pixels.push_back(static_cast<std::uint8_t>(is_head ? 200 : wall_level));
+                    left.pixels.push_back(static_cast<std::uint8_t>(is_head ? 200 : wall_level));
             }
-        pair.right.pixels.assign(pair.left.pixels.size(), static_cast<std::uint8_t>(wall_level));
     }
 };
 
 TEST(BarePatches, FollowTheFartherSurfaceOfTheirColour) {
     const Room room(90);
-    const DisparityMap result = with_bare_patches_behind(room.map, room.pair);
+    const DisparityMap result = with_bare_patches_behind(room.map, room.left);
     for (int y = 0; y < kRoomHeight; ++y)
         for (int x = 0; x < kRoomWidth; ++x) {
             if (x >= kWall - 2 && x < kWall + 2) continue;  // squares of both colours
@@ -42,24 +41,16 @@ TEST(BarePatches, FollowTheFartherSurfaceOfTheirColour) {
 
 TEST(BarePatches, OfTheNearerSurfacesColourStay) {
     const Room room(200);
-    const DisparityMap result = with_bare_patches_behind(room.map, room.pair);
+    const DisparityMap result = with_bare_patches_behind(room.map, room.left);
     EXPECT_EQ(result.at(kWall + 3, 2), kHead_px);
-}
-
-TEST(BarePatches, StayWhereTheRightPictureFitsBetter) {
-    Room room(90);
-    for (int y = 0; y < kRoomHeight; ++y)
-        for (int x = kRoomWidth - static_cast<int>(kHead_px); x < kRoomWidth; ++x)
-            room.pair.right.at(x, y)[0] = 0;
-    EXPECT_EQ(with_bare_patches_behind(room.map, room.pair).values, room.map.values);
 }
 
 TEST(BarePatches, UnknownPixelsAndMapsWithoutOriginsStay) {
     Room room(90);
     room.map.at(kRoomWidth - 1, 0) = kUnknownDisparity;
-    EXPECT_EQ(with_bare_patches_behind(room.map, room.pair).at(kRoomWidth - 1, 0), kUnknownDisparity);
+    EXPECT_EQ(with_bare_patches_behind(room.map, room.left).at(kRoomWidth - 1, 0), kUnknownDisparity);
     room.map.origins.clear();
-    EXPECT_EQ(with_bare_patches_behind(room.map, room.pair).values, room.map.values);
+    EXPECT_EQ(with_bare_patches_behind(room.map, room.left).values, room.map.values);
 }
 
 }  // namespace
