@@ -238,7 +238,7 @@ std::vector<Field> surface_fields() {
         number("surface.behind", "baselines", {0, 8},
                "with views=both, also of one map: behind silhouettes the farther surface continues, as far "
                "as cameras so many baselines beyond both see; 0 = not at all; if not given, a pair has as "
-               "many as a turn by 20 degrees takes, 1 to 8",
+               "many as a turn by 20 degrees, of photographs without a calibration by 30, takes, 1 to 8",
                MEMBER(surface.behind)),
     };
 }

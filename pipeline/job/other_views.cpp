@@ -19,7 +19,8 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 4;               // what continues behind the left view's silhouettes is smooth
+// What continues behind the left view's silhouettes is smooth; in photographs it has detail.
+constexpr int kReduced = 4, kReducedOfPhotographs = 2;
 constexpr double kCoarser = 3.5;          // spacing of the other views: what has no match has little detail
 constexpr double kHiddenStep_px = 20;     // a higher one is cut in what no camera saw
 constexpr double kShownStep_px = 6;       // the same if the right camera, which has no view, sees some of it
@@ -54,7 +55,8 @@ bool is_without_background(const LeftView& view) {
 // The left view with nothing missing yet. Its texture is smaller, as what continues is smooth.
 OtherView copy_of_left(const LeftView& view) {
     OtherView left{left_place(view), {}, {}, view.color};
-    const int width = view.color.width / kReduced, height = view.color.height / kReduced;
+    const int reduced = view.is_by_points ? kReducedOfPhotographs : kReduced;
+    const int width = view.color.width / reduced, height = view.color.height / reduced;
     if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height);
     return left;
 }
@@ -89,7 +91,8 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     coarse.spacing_px = std::min(kCoarser * coarse.spacing_px, std::min(width, height) / kFittingSpacings);
     const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     SurfaceConfig surface = config.surface;
-    if (other.place.right == 0) surface.least_discontinuity_px = left.right ? kHiddenStep_px : kShownStep_px;
+    if (other.place.right == 0 || left.is_by_points)
+        surface.least_discontinuity_px = left.right ? kHiddenStep_px : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
     stages::keep_behind(cut, other.place, visible, backend.threads());
     if (cut.triangles.empty()) return {};

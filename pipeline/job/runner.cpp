@@ -20,6 +20,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/source.h"
+#include "pipeline/stages/dequantize/bare_patches.h"
 
 namespace hexrelief::job {
 
@@ -194,6 +195,9 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     const bool is_smoothed = config.disparity.dequantize == stages::Dequantization::automatic;
     if (pair && pair->alignment) {
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
+        if (has_camera_of_points(*pair->alignment))
+            relief.disparity.map =
+                stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
         if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
         flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
     }
@@ -201,7 +205,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     end_scene(relief.disparity, relief.input.calibration, config.surface, log);
     count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
     if (pair && !config.given.contains("surface.behind"))
-        config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration);
+        config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration,
+                                                  pair->alignment && has_camera_of_points(*pair->alignment));
     if (is_smoothed) smooth_noise(relief.disparity, backend.threads(), log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),

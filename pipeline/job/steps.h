@@ -142,9 +142,10 @@ void press_near(DisparityResult& disparity, double nearest_px, const RunLog& log
 void count_from_infinity(DisparityResult& disparity, Calibration& calibration, bool always,
                          const RunLog& log);
 
-// Returns how many baselines beside the camera a scene is seen from if it is turned by 20 degrees about its
-// median depth, to a tenth, at least 1 and at most 8. camera: with the doffs of the map's disparities.
-double baselines_of_turn(const DisparityMap& map, const Calibration& camera);
+// Returns how many baselines beside the camera a scene is seen from if it is turned by 20 degrees, by 30
+// of_photographs that their points aligned, about its median depth, to a tenth, at least 1 and at most 8.
+// camera: with the doffs of the map's disparities.
+double baselines_of_turn(const DisparityMap& map, const Calibration& camera, bool of_photographs);
 
 // Refines the map of photographs by themselves (dequantize/by_pictures.h) if their points say their camera
 // and the map is noisy (dequantize/noise.h).

@@ -167,8 +167,8 @@ std::string camera_text(const Calibration& camera, const std::string& focal_from
                         const std::string& baseline_from) {
     return "focal " + fixed(camera.focal_px, 2) + " px, baseline " + fixed(camera.baseline_m, 4) +
            (camera.metric ? " m" : " (relative)") + ", principal point (" + fixed(camera.cx, 2) + ", " +
-           fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px; focal by " + focal_from +
-           ", baseline by " + baseline_from;
+           fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px; focal: " + focal_from +
+           ", baseline: " + baseline_from;
 }
 
 Calibration scaled_to(const Calibration& camera, ViewSize size) {

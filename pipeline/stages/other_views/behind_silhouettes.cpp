@@ -1,6 +1,7 @@
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,8 @@ constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface who
 // Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
 // by the second number; of so many pixels a side at most.
 constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
-constexpr int kLongestShare = 8;      // of a view's side
+// What continues is no longer than this share of a view's side; in photographs, with colours from the last.
+constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 4, kMirroredShareOfPhotographs = 40;
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
@@ -58,6 +60,7 @@ struct Continued {
 struct Side {
     double baselines;
     int mixed_px;
+    bool is_photograph() const { return mixed_px > kMixed; }
 };
 
 // Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
@@ -95,15 +98,24 @@ int nearest_after(const Disparities& front, const Line& line, int end, int mixed
     return nearest;
 }
 
+// Returns the place from first to last that mirrors at both lead to, from a place behind first on.
+int folded(int place, int first, int last) {
+    const int length = last - first;
+    if (length <= 0) return last;
+    const int along = (place - first) % (2 * length);
+    return first + std::min(along, 2 * length - along);
+}
+
 // Continues the surface that ends at line(end) before a nearer one.
 void continue_from(const Disparities& front, const Image& picture, const Line& line, int end, Side side,
                    Continued& result) {
-    const int longest = line.count / kLongestShare;
+    const bool is_mixed = side.is_photograph();
+    const int longest = line.count / (is_mixed ? kLongestShareOfPhotographs : kLongestShare);
+    const int mirrored = is_mixed ? line.count / kMirroredShareOfPhotographs : longest;
     const double far = front[line(end)];
     const int nearest = nearest_after(front, line, end, side.mixed_px);
     const double near = front[line(nearest)];
     int reach = reach_of(front, line, end, 1, std::max(kSlope_px, side.mixed_px + kMixed) + 1);
-    const bool is_mixed = side.mixed_px > kMixed;
     // A narrow surface in front of a farther one is mixed of that and the nearer one.
     if (is_mixed && reach <= side.mixed_px && end >= reach && far - front[line(end - reach)] > kOneSurface_px)
         return;
@@ -112,12 +124,16 @@ void continue_from(const Disparities& front, const Image& picture, const Line& l
     const double slope = slope_at(front, line, end, span);
     const int mixed =
         is_mixed ? mixed_at(picture, line, end, nearest + kMixed, reach, side.mixed_px) : kMixed;
+    // Lines beside it continue what shows no colours of its own here.
+    if (is_mixed && reach <= mixed) return;
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
         if (k > side.baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
-        reach = reach_of(front, line, end, reach, k + mixed);
-        result.offer(pixel, d, k, line(end - std::min(k - 1 + mixed, reach - 1)));
+        reach = reach_of(front, line, end, reach, std::min(k, mirrored) + mixed);
+        const int last = reach - 1, place = k - 1 + mixed;
+        result.offer(pixel, d, k,
+                     line(end - (is_mixed ? folded(place, mixed, last) : std::min(place, last))));
     }
 }
 
@@ -231,53 +247,77 @@ void spread_colours(Continued& continued, const OtherView& view, const Dispariti
     }
 }
 
-// Paints what continues into a picture of any size, in colours averaged over the pixels of one surface around
-// each: lines that continue beside each other have colours from different distances.
-void paint(Image& picture, const ViewPlace& place, const Continued& continued, ThreadPool& pool) {
+// Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
+// each, as lines that continue beside each other have colours from different distances. has_detail: with what
+// the pixel of such a colour has beside an average as wide.
+void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
+           bool has_detail, ThreadPool& pool) {
     if (picture.empty()) return;
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
     const auto width = static_cast<std::uint32_t>(place.width);
-    // The colours are taken before any pixel is painted. A channel has 16 bits of a sum, the last 16 bits are
-    // the count.
+    // A channel has 16 bits of a sum, the last 16 bits are the count.
     constexpr int kBits = 16, kCount = 48;
-    RawVector<std::uint64_t> colours(continued.disparities.size());
-    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
-            const std::uint8_t* const colour =
-                picture.at(column(static_cast<int>(from % width)), row(static_cast<int>(from / width)));
-            colours[pixel] = std::uint64_t{1} << kCount;
-            for (int c = 0; c < picture.channels; ++c)
-                colours[pixel] |= std::uint64_t{colour[c]} << kBits * c;
-        }
-    });
-    const auto paint_at = [&](std::uint32_t pixel) {
+    const auto colour_of = [&](std::size_t pixel) {
+        const std::uint8_t* const colour =
+            picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width)));
+        std::uint64_t packed = std::uint64_t{1} << kCount;
+        for (int c = 0; c < picture.channels; ++c) packed |= std::uint64_t{colour[c]} << kBits * c;
+        return packed;
+    };
+    using Levels = std::array<int, 3>;
+    const auto levels_of = [&](std::uint64_t sums) {
+        const std::uint64_t count = sums >> kCount;
+        Levels levels = {};
+        for (int c = 0; c < picture.channels; ++c)
+            levels[c] = static_cast<int>(((sums >> kBits * c & 0xffff) + count / 2) / count);
+        return levels;
+    };
+    const auto mean_around = [&](std::uint32_t pixel, int distance, const Disparities& surface,
+                                 const auto& colour_at) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        if (column(x) == column(x + 1) || row(y) == row(y + 1))
-            return;  // a smaller picture has no such pixel
-        const double own = continued.disparities[pixel];
-        const int radius = kSoft_px + continued.distances[pixel] / kSofterEvery;
-        const int stride = 1 + 2 * radius / kTaps;
+        const int radius = kSoft_px + distance / kSofterEvery, stride = 1 + 2 * radius / kTaps;
         std::uint64_t sums = 0;
         for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
             if (v < 0 || v >= place.height) continue;
             for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
                 if (u < 0 || u >= place.width) continue;
                 const std::size_t other = static_cast<std::size_t>(v) * width + u;
-                if (std::abs(continued.disparities[other] - own) <= kNeighbours_px) sums += colours[other];
+                if (std::abs(surface[other] - surface[pixel]) <= kNeighbours_px) sums += colour_at(other);
             }
         }
-        const std::uint64_t count = sums >> kCount;
-        std::uint8_t mean[3] = {};
+        return levels_of(sums);
+    };
+    // The colours are taken before any pixel is painted.
+    RawVector<std::uint64_t> colours(continued.disparities.size());
+    std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
+    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
+            colours[pixel] = colour_of(from);
+            if (!has_detail) continue;
+            const Levels mean = mean_around(from, continued.distances[pixel], front, colour_of);
+            details[i] = levels_of(colours[pixel]);
+            for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
+        }
+    });
+    const auto paint_at = [&](std::size_t i) {
+        const std::uint32_t pixel = continued.pixels[i];
+        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        if (column(x) == column(x + 1) || row(y) == row(y + 1))
+            return;  // a smaller picture has no such pixel
+        const Levels mean = mean_around(pixel, continued.distances[pixel], continued.disparities,
+                                        [&](std::size_t other) { return colours[other]; });
+        std::uint8_t colour[3] = {};
         for (int c = 0; c < picture.channels; ++c)
-            mean[c] = static_cast<std::uint8_t>(((sums >> kBits * c & 0xffff) + count / 2) / count);
+            colour[c] =
+                static_cast<std::uint8_t>(std::clamp(mean[c] + (has_detail ? details[i][c] : 0), 0, 255));
         for (int v = row(y); v < row(y + 1); ++v)
             for (int u = column(x); u < column(x + 1); ++u)
-                std::copy_n(mean, picture.channels, picture.at(u, v));
+                std::copy_n(colour, picture.channels, picture.at(u, v));
     };
     pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) paint_at(continued.pixels[i]);
+        for (std::size_t i = begin; i < end; ++i) paint_at(i);
     });
 }
 
@@ -329,8 +369,8 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered) view.missing.values[i] = kUnknownDisparity;
     spread_colours(continued, view, front);
-    paint(view.color, place, continued, pool);
-    paint(view.picture, place, continued, pool);
+    for (Image* const picture : {&view.color, &view.picture})
+        paint(*picture, place, continued, front, beyond.mixed_px > kMixed, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here) {

@@ -59,11 +59,13 @@ TEST(PairSteps, SurfacesContinueAsFarAsATurnBy20DegreesLooks) {
     DisparityMap map{100, 3, std::vector<float>(300, 40.0f)};
     std::fill_n(map.values.begin(), 100, kUnknownDisparity);
     std::fill_n(map.values.begin() + 100, 50, 200.0f);
-    EXPECT_DOUBLE_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 100}), 2.6) << ".14 of the depth";
-    EXPECT_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 0}), 8) << "at most";
-    EXPECT_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 900}), 1) << "at least";
+    EXPECT_DOUBLE_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 100}, false), 2.6)
+        << ".14 of the depth";
+    EXPECT_DOUBLE_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 100}, true), 4.1);
+    EXPECT_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 0}, false), 8) << "at most";
+    EXPECT_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 900}, false), 1) << "at least";
     map.values.assign(300, kUnknownDisparity);
-    EXPECT_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 0}), 1) << "nothing is known";
+    EXPECT_EQ(baselines_of_turn(map, {.focal_px = 1000, .doffs_px = 0}, false), 1) << "nothing is known";
 }
 
 TEST(PairSteps, MoreBackgroundThanForegroundIsTold) {

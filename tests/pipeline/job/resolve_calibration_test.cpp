@@ -178,6 +178,13 @@ TEST(ResolveCalibration, APrincipalPointTellsAnotherSize) {
     EXPECT_TRUE(resolve(config, {320, 240}).warnings.empty());
 }
 
+TEST(CameraText, SaysWhereItsLengthsAreFrom) {
+    const std::string text = camera_text({}, "by the points that both pictures show", "not known");
+    EXPECT_NE(text.find("; focal: by the points that both pictures show, baseline: not known"),
+              std::string::npos)
+        << text;
+}
+
 TEST(SameAspect, RoundsToAPixel) {
     EXPECT_TRUE(same_aspect({640, 480}, {640, 480}));
     EXPECT_TRUE(same_aspect({518, 389}, {4000, 3000}));

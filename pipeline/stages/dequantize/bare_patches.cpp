@@ -1,0 +1,173 @@
+#include "pipeline/stages/dequantize/bare_patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kColourRadius_px = 2, kSquare = (2 * kColourRadius_px + 1) * (2 * kColourRadius_px + 1);
+// Sum over three channels of the difference of neighbours' sums over squares: a bare patch has less.
+constexpr int kBare = 4 * kSquare;
+constexpr int kSureShare = 100;   // of the longer side: the radius within which 3/4 of the pixels are matched
+constexpr int kSmoothShare = 32;  // the same, of the means of what is led to several farther surfaces
+constexpr std::size_t kPatchShare = 1000;  // of the picture
+constexpr float kRangeShare = 2;
+constexpr float kNearer_px = 1;
+
+// Calls take(i) for the pixels beside, above and below a pixel.
+template <class Take>
+void for_each_beside(std::size_t pixel, const DisparityMap& map, const Take& take) {
+    const auto width = static_cast<std::size_t>(map.width);
+    if (pixel % width > 0) take(pixel - 1);
+    if (pixel % width + 1 < width) take(pixel + 1);
+    if (pixel >= width) take(pixel - width);
+    if (pixel + width < map.values.size()) take(pixel + width);
+}
+
+// Sums of a value of pixels over rectangles.
+class Sums {
+  public:
+    template <class Value>
+    Sums(int width, int height, const Value& value)
+        : width_(width), height_(height), sums_((width + std::size_t{1}) * (height + std::size_t{1})) {
+        for (int y = 0; y < height; ++y) {
+            double row = 0;
+            for (int x = 0; x < width; ++x) {
+                row += value(static_cast<std::size_t>(y) * width + x);
+                sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
+            }
+        }
+    }
+    // Returns the sum over the square around a pixel, as far as it lies in the picture, and its pixels.
+    double around(std::size_t pixel, int radius, double& pixels) const {
+        const int x = static_cast<int>(pixel % width_), y = static_cast<int>(pixel / width_);
+        const int left = std::max(x - radius, 0), right = std::min(x + radius + 1, width_);
+        const int top = std::max(y - radius, 0), bottom = std::min(y + radius + 1, height_);
+        pixels = static_cast<double>(right - left) * (bottom - top);
+        return sums_[index(right, bottom)] - sums_[index(left, bottom)] - sums_[index(right, top)] +
+               sums_[index(left, top)];
+    }
+
+  private:
+    std::size_t index(int x, int y) const { return y * (width_ + std::size_t{1}) + x; }
+    int width_, height_;
+    std::vector<double> sums_;
+};
+
+std::vector<std::uint8_t> sure_pixels(const DisparityMap& map) {
+    const auto is_matched = [&](std::size_t i) {
+        return DisparityMap::known(map.values[i]) && map.origins[i] == PixelOrigin::matched;
+    };
+    const Sums matched(map.width, map.height, is_matched);
+    const int radius = std::max(map.width, map.height) / kSureShare;
+    std::vector<std::uint8_t> sure(map.values.size());
+    for (std::size_t i = 0; i < sure.size(); ++i) {
+        double pixels = 0;
+        sure[i] = is_matched(i) && 4 * matched.around(i, radius, pixels) >= 3 * pixels;
+    }
+    return sure;
+}
+
+// Sums of a colour over squares; beyond the border the nearest pixel counts.
+using Colours = std::vector<std::array<std::int16_t, 3>>;
+Colours colour_sums(const Image& image) {
+    const int width = image.width, height = image.height;
+    const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * width + x; };
+    Colours across(at(0, height)), sums = across;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            for (int u = x - kColourRadius_px; u <= x + kColourRadius_px; ++u)
+                for (int c = 0; c < image.channels; ++c)
+                    across[at(x, y)][c] += image.at(std::clamp(u, 0, width - 1), y)[c];
+    for (int y = 0; y < height; ++y)
+        for (int v = y - kColourRadius_px; v <= y + kColourRadius_px; ++v)
+            for (int x = 0; x < width; ++x)
+                for (int c = 0; c < image.channels; ++c)
+                    sums[at(x, y)][c] += across[at(x, std::clamp(v, 0, height - 1))][c];
+    return sums;
+}
+
+constexpr std::uint32_t kNoSource = ~std::uint32_t{0};
+
+// Returns the sure pixel that leads to each one over the least difference of colours; kNoSource if none does
+// within a bare patch.
+std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
+    const Colours colours = colour_sums(left);
+    const std::vector<std::uint8_t> sure = sure_pixels(map);
+    std::vector<std::uint32_t> source(sure.size(), kNoSource);
+    std::vector<std::int16_t> levels(sure.size(), kBare + 1);
+    std::vector<std::vector<std::uint32_t>> waiting(kBare + 1);
+    for (std::size_t i = 0; i < sure.size(); ++i) {
+        if (!sure[i]) continue;
+        source[i] = static_cast<std::uint32_t>(i);
+        levels[i] = 0;
+        waiting[0].push_back(source[i]);
+    }
+    for (int level = 0; level <= kBare; ++level)
+        for (std::size_t next = 0; next < waiting[level].size(); ++next) {
+            const std::uint32_t from = waiting[level][next];
+            if (levels[from] < level) continue;
+            for_each_beside(from, map, [&](std::size_t i) {
+                int step = 0;
+                for (int c = 0; c < left.channels; ++c) step += std::abs(colours[i][c] - colours[from][c]);
+                const int reached = std::max(level, step * 3 / left.channels);
+                if (reached >= levels[i] || !DisparityMap::known(map.values[i])) return;
+                levels[i] = static_cast<std::int16_t>(reached);
+                source[i] = source[from];
+                waiting[reached].push_back(static_cast<std::uint32_t>(i));
+            });
+        }
+    return source;
+}
+
+}  // namespace
+
+DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
+    if (map.origins.empty() || left.empty()) return map;
+    const std::vector<std::uint32_t> source = flood(map, left);
+    std::vector<float> known;
+    for (const float d : map.values)
+        if (DisparityMap::known(d)) known.push_back(d);
+    if (known.empty()) return map;
+    const auto [least, most] = std::minmax_element(known.begin(), known.end());
+    const double fall = (*most - *least) / kRangeShare;
+    const auto fall_of = [&](std::size_t i) {
+        return source[i] == kNoSource ? 0 : map.values[i] - map.values[source[i]];
+    };
+    std::vector<std::uint8_t> is_seen(source.size()), is_moved = is_seen;
+    std::vector<std::size_t> patch;
+    for (std::size_t seed = 0; seed < source.size(); ++seed) {
+        if (is_seen[seed] || fall_of(seed) <= kNearer_px) continue;
+        is_seen[seed] = 1;
+        patch.assign(1, seed);
+        double sum = 0;
+        for (std::size_t next = 0; next < patch.size(); ++next) {
+            sum += fall_of(patch[next]);
+            for_each_beside(patch[next], map, [&](std::size_t i) {
+                if (is_seen[i] || fall_of(i) <= kNearer_px) return;
+                is_seen[i] = 1;
+                patch.push_back(i);
+            });
+        }
+        if (patch.size() * kPatchShare >= source.size() && sum >= fall * static_cast<double>(patch.size()))
+            for (const std::size_t i : patch) is_moved[i] = 1;
+    }
+    const Sums moved(map.width, map.height, [&](std::size_t i) { return is_moved[i]; });
+    const Sums values(map.width, map.height,
+                      [&](std::size_t i) { return is_moved[i] ? map.values[source[i]] : 0; });
+    const int radius = std::max(map.width, map.height) / kSmoothShare;
+    double pixels = 0;
+    for (std::size_t i = 0; i < source.size(); ++i)
+        if (is_moved[i])
+            map.values[i] =
+                static_cast<float>(values.around(i, radius, pixels) / moved.around(i, radius, pixels));
+    return map;
+}
+
+}  // namespace hexrelief::stages
