@@ -220,9 +220,8 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
 }
 
 double baselines_of_turn(const DisparityMap& map, const Calibration& camera, bool of_photographs) {
-    const double tangent = of_photographs ? 0.577 : 0.364;
-    constexpr double kMost = 8;         // as many as surface.behind takes
-    constexpr std::size_t kEvery = 13;  // pixels; a sample tells the median
+    const double tangent = of_photographs ? 0.577 : 0.364, most = 8;  // as many as surface.behind takes
+    constexpr std::size_t kEvery = 13;                                // pixels; a sample tells the median
     std::vector<float> known;
     for (std::size_t i = 0; i < map.values.size(); i += kEvery)
         if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
@@ -230,7 +229,7 @@ double baselines_of_turn(const DisparityMap& map, const Calibration& camera, boo
     const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
     std::nth_element(known.begin(), middle, known.end());
     const double from_infinity_px = std::max(*middle + camera.doffs_px, 1e-3);
-    return std::clamp(std::round(10 * tangent * camera.focal_px / from_infinity_px) / 10, 1.0, kMost);
+    return std::clamp(std::round(10 * tangent * camera.focal_px / from_infinity_px) / 10, 1.0, most);
 }
 
 DisparityMap densify_map(DisparityMap map, const Image& left, const readers::PixelMask& mask, int threads,
