@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM));
 
 // Whenever the signal comes, all files are there or none.
 TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
-    constexpr std::size_t kAll = 5 + 10;  // glb, obj, mtl, texture, report; the folder and its nine
+    constexpr std::size_t kAll = 5 + 11;  // glb, obj, mtl, texture, report; the folder and its ten
     int interrupted = 0;
     for (int delay_ms = 20; delay_ms <= 1200; delay_ms += 60) {
         const TemporaryFolder folder;
