@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "pipeline/data/four_neighbours.h"
+
 namespace hexrelief::stages {
 namespace {
 
@@ -19,16 +21,6 @@ constexpr int kSmoothShare = 32;  // the same, of the means of what is led to se
 constexpr std::size_t kPatchShare = 1000;  // of the picture
 constexpr float kRangeShare = 2;
 constexpr float kNearer_px = 1;
-
-// Calls take(i) for the pixels beside, above and below a pixel.
-template <class Take>
-void for_each_beside(std::size_t pixel, const DisparityMap& map, const Take& take) {
-    const auto width = static_cast<std::size_t>(map.width);
-    if (pixel % width > 0) take(pixel - 1);
-    if (pixel % width + 1 < width) take(pixel + 1);
-    if (pixel >= width) take(pixel - width);
-    if (pixel + width < map.values.size()) take(pixel + width);
-}
 
 // Sums of a value of pixels over rectangles.
 class Sums {
@@ -113,7 +105,7 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
         for (std::size_t next = 0; next < waiting[level].size(); ++next) {
             const std::uint32_t from = waiting[level][next];
             if (levels[from] < level) continue;
-            for_each_beside(from, map, [&](std::size_t i) {
+            for_four_neighbours(from, map.width, map.height, [&](std::size_t i) {
                 int step = 0;
                 for (int c = 0; c < left.channels; ++c) step += std::abs(colours[i][c] - colours[from][c]);
                 const int reached = std::max(level, step * 3 / left.channels);
@@ -149,7 +141,7 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
         double sum = 0;
         for (std::size_t next = 0; next < patch.size(); ++next) {
             sum += fall_of(patch[next]);
-            for_each_beside(patch[next], map, [&](std::size_t i) {
+            for_four_neighbours(patch[next], map.width, map.height, [&](std::size_t i) {
                 if (is_seen[i] || fall_of(i) <= kNearer_px) return;
                 is_seen[i] = 1;
                 patch.push_back(i);

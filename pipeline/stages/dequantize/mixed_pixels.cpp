@@ -7,22 +7,13 @@
 #include <vector>
 
 #include "pipeline/data/color_difference.h"
+#include "pipeline/data/four_neighbours.h"
 
 namespace hexrelief::stages {
 namespace {
 
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
 constexpr float kLargestStep_px = 1.0001f;
-
-// Calls take(i) for the pixels beside, above and below a pixel.
-template <class Take>
-void for_neighbours_of(std::size_t pixel, const DisparityMap& map, const Take& take) {
-    const auto width = static_cast<std::size_t>(map.width);
-    if (pixel % width > 0) take(pixel - 1);
-    if (pixel % width + 1 < width) take(pixel + 1);
-    if (pixel >= width) take(pixel - width);
-    if (pixel + width < map.values.size()) take(pixel + width);
-}
 
 // Returns the pixels of small regions between nearer and farther ones.
 std::vector<std::size_t> find_mixed(const DisparityMap& map) {
@@ -35,7 +26,7 @@ std::vector<std::size_t> find_mixed(const DisparityMap& map) {
         bool has_nearer = false, has_farther = false;
         for (std::size_t next = 0; next < region.size(); ++next) {
             const float own = map.values[region[next]];
-            for_neighbours_of(region[next], map, [&](std::size_t i) {
+            for_four_neighbours(region[next], map.width, map.height, [&](std::size_t i) {
                 if (!DisparityMap::known(map.values[i])) return;
                 const float step = map.values[i] - own;
                 has_nearer |= step > kLargestStep_px;
@@ -68,7 +59,7 @@ DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
         for (const Open& o : open) {
             int least = std::numeric_limits<int>::max();
             float value = o.value;
-            for_neighbours_of(o.pixel, map, [&](std::size_t i) {
+            for_four_neighbours(o.pixel, map.width, map.height, [&](std::size_t i) {
                 if (is_open[i] || !DisparityMap::known(map.values[i])) return;
                 const int here = color_difference(left, o.pixel, i);
                 if (here >= least) return;

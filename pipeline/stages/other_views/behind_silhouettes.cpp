@@ -9,6 +9,7 @@
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/color_difference.h"
+#include "pipeline/data/four_neighbours.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
@@ -186,18 +187,6 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
     return result;
 }
 
-// Calls take(i) for the neighbours i of a pixel beside, above and below it.
-template <class Take>
-void for_four_neighbours(std::uint32_t pixel, const ViewPlace& place, const Take& take) {
-    const auto width = static_cast<std::uint32_t>(place.width),
-               height = static_cast<std::uint32_t>(place.height);
-    const std::uint32_t column = pixel % width;
-    if (column > 0) take(pixel - 1);
-    if (column + 1 < width) take(pixel + 1);
-    if (pixel >= width) take(pixel - width);
-    if (pixel + width < width * height) take(pixel + width);
-}
-
 // Makes lines that continue one surface agree.
 void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool) {
     const std::vector<std::uint32_t>& pixels = continued.pixels;
@@ -207,7 +196,7 @@ void smooth(Continued& continued, const Disparities& front, const ViewPlace& pla
         const double own = disparities[pixel];
         double sum = own;
         int count = 1;
-        for_four_neighbours(pixel, place, [&](std::uint32_t other) {
+        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t other) {
             const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
             if (std::abs(d - own) > kNeighbours_px) return;
             sum += d;
@@ -234,14 +223,14 @@ void spread_colours(Continued& continued, const OtherView& view, const Dispariti
         const std::size_t end = continued.pixels.size();
         for (; begin < end; ++begin) {
             const std::uint32_t from = continued.pixels[begin];
-            for_four_neighbours(from, view.place, [&](std::uint32_t i) {
+            for_four_neighbours(from, view.place.width, view.place.height, [&](std::size_t i) {
                 if (continued.disparities[i] != kNotCovered || DisparityMap::known(view.missing.values[i]) ||
                     front[i] - continued.disparities[from] <= kOneSurface_px)
                     return;
                 continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];
                 continued.distances[i] = continued.distances[from];
-                continued.pixels.push_back(i);
+                continued.pixels.push_back(static_cast<std::uint32_t>(i));
             });
         }
     }
