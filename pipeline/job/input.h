@@ -95,7 +95,7 @@ int find_reduction(const RunInput& input, const stages::DisparityConfig& config,
                    const RunLog& log);
 
 // Reduces a pair that is larger than config.working_px, its mask and its calibration; the left picture stays
-// as InputPair::picture. Does nothing to a map. Throws as stages::check_matchable().
+// as InputPair::pictures.left. Does nothing to a map. Throws as stages::check_matchable().
 void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log);
 
 }  // namespace hexrelief::job

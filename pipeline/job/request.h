@@ -31,8 +31,8 @@ struct DepthFiles {
     std::filesystem::path map, color = {}, mask = {}, confidence = {};
 };
 
-// Arrays in memory; an empty array means none. A pair is rectified and used only for its disparities, so that
-// a missing calibration gives no warning.
+// Arrays in memory; an empty array means none. A pair is rectified; a missing calibration gives no warning,
+// because the library takes such pairs for their disparities alone.
 struct PairArrays {
     StereoPair views;
 };

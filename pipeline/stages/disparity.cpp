@@ -222,13 +222,17 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
     check(pair, config);
     DisparityConfig ranged = config;
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
-    if (gives_maps(config.method))
-        throw Error(
-            ErrorKind::usage,
-            "disparity.method=command and onnx are for whole pairs of `run` and `batch`; take sgm here");
-    if (config.method == DisparityMethod::sgm)
-        return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
-    return to_pixels(refine_sgbm(pair, ranged, threads), config, threads);
+    switch (config.method) {
+        case DisparityMethod::sgm:
+            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
+        case DisparityMethod::sgbm:
+            return to_pixels(refine_sgbm(pair, ranged, threads), config, threads);
+        case DisparityMethod::command:
+        case DisparityMethod::onnx:
+            break;
+    }
+    throw Error(ErrorKind::usage,
+                "disparity.method=command and onnx are for whole pairs of `run` and `batch`; take sgm here");
 }
 
 DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,
