@@ -122,7 +122,7 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
     const Alignment& found = pair.found;
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
         throw Error(ErrorKind::input, given.name + ": cannot be aligned: " + found.reason +
-                                          "; give --calib or --rectify never");
+                                          "; give its calibration by --calib, or try --rectify never");
     if (found.verdict == Verdict::unclear)
         pair.decisions.push_back("alignment: " + found.reason + ", so the pair is taken as it is");
     if (found.verdict == Verdict::rectified) leave_rectified(views, pair, given.is_rig, threads);
