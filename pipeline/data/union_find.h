@@ -17,11 +17,6 @@ class UnionFind {
     }
     // Adds one element as a set of its own.
     void add() { parents_.push_back(static_cast<std::uint32_t>(parents_.size())); }
-    // Adds copies of all sets of `other`, whose elements are numbered after those present.
-    void append(const UnionFind& other) {
-        const std::uint32_t offset = static_cast<std::uint32_t>(parents_.size());
-        for (const std::uint32_t parent : other.parents_) parents_.push_back(offset + parent);
-    }
     void clear() { parents_.clear(); }
 
     std::uint32_t find(std::uint32_t i) {
