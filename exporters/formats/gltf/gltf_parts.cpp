@@ -51,34 +51,4 @@ void describe_provenance(tinygltf::Accessor& accessor, const std::vector<Provena
     accessor.extras = tinygltf::Value(std::move(extras));
 }
 
-void add_provenance(GltfParts& parts, const std::vector<Provenance>& provenance,
-                    tinygltf::Primitive& primitive) {
-    if (provenance.empty()) return;
-    constexpr const char* kName = "provenance";
-    const auto vertices = static_cast<long long>(provenance.size());
-    std::vector<std::uint32_t> indices;
-    std::vector<Provenance> values;
-    for (std::size_t i = 0; i < provenance.size(); ++i)
-        if (provenance[i] != Provenance::both) {
-            indices.push_back(static_cast<std::uint32_t>(i));
-            values.push_back(provenance[i]);
-        }
-    const int index =
-        add_accessor(parts, -1, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_SCALAR, vertices, kName);
-    primitive.attributes[kProvenance] = index;
-    describe_provenance(parts.model.accessors[index], provenance);
-    if (indices.empty()) return;
-    const std::vector<std::uint16_t> narrow(indices.begin(), indices.end());
-    auto& sparse = parts.model.accessors[index].sparse;
-    sparse.isSparse = true;
-    sparse.count = static_cast<int>(indices.size());
-    sparse.indices.byteOffset = sparse.values.byteOffset = 0;
-    sparse.indices.componentType = index_type(vertices);
-    sparse.indices.bufferView =
-        short_indices(vertices)
-            ? add_view(parts, narrow.data(), narrow.size() * sizeof(narrow[0]), kNoTarget, kName)
-            : add_view(parts, indices.data(), indices.size() * sizeof(indices[0]), kNoTarget, kName);
-    sparse.values.bufferView = add_view(parts, values.data(), values.size(), kNoTarget, kName);
-}
-
 }  // namespace hexrelief::exporters

@@ -57,10 +57,6 @@ inline int index_type(long long vertices) {
                                    : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-// Adds the attribute _PROVENANCE to a primitive, whose vertices are in the order of `provenance`, as a sparse
-// accessor: most vertices were seen by both cameras, which is 0. Does nothing if it is empty.
-void add_provenance(GltfParts& parts, const std::vector<Provenance>& provenance,
-                    tinygltf::Primitive& primitive);
 // Says what the numbers of an accessor of _PROVENANCE mean, and how many vertices have each.
 void describe_provenance(tinygltf::Accessor& accessor, const std::vector<Provenance>& provenance);
 inline constexpr const char* kProvenance = "_PROVENANCE";

@@ -3,6 +3,26 @@
 #include "pipeline/data/bounds.h"
 
 namespace hexrelief::exporters {
+namespace {
+
+// One byte in four, because attributes lie at multiples of four. With a sparse accessor files would be 7 %
+// shorter, but CesiumJS 1.140 shows nothing of a mesh that has one.
+void add_provenance(GltfParts& parts, const std::vector<Provenance>& provenance,
+                    tinygltf::Primitive& primitive) {
+    constexpr const char* kName = "provenance";
+    constexpr std::size_t kStride = 4;
+    std::vector<std::uint8_t> bytes(provenance.size() * kStride);
+    for (std::size_t i = 0; i < provenance.size(); ++i)
+        bytes[i * kStride] = static_cast<std::uint8_t>(provenance[i]);
+    const int view = add_view(parts, bytes.data(), bytes.size(), TINYGLTF_TARGET_ARRAY_BUFFER, kName);
+    parts.model.bufferViews[view].byteStride = kStride;
+    primitive.attributes[kProvenance] =
+        add_accessor(parts, view, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_SCALAR,
+                     static_cast<long long>(provenance.size()), kName);
+    describe_provenance(parts.model.accessors.back(), provenance);
+}
+
+}  // namespace
 
 GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     const SurfaceMesh& mesh = textured.mesh;
@@ -35,7 +55,7 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     }
     out.primitive.indices = add_accessor(parts, view, index_type(vertices), TINYGLTF_TYPE_SCALAR,
                                          static_cast<long long>(mesh.triangles.size()) * 3, "indices");
-    add_provenance(parts, mesh.provenance, out.primitive);
+    if (!mesh.provenance.empty()) add_provenance(parts, mesh.provenance, out.primitive);
     return out;
 }
 

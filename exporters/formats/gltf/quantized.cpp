@@ -110,12 +110,9 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
     add("POSITION", mesh.positions, "positions");
     add("NORMAL", mesh.normals, "normals");
     add("TEXCOORD_0", mesh.texcoords, "texcoords");
-    const std::vector<Provenance>& provenance = textured.mesh.provenance;
-    if (!meshopt) {
-        add_provenance(parts, provenance, out.primitive);
-    } else if (!provenance.empty()) {
+    if (mesh.provenance.count > 0) {
         add(kProvenance, mesh.provenance, "provenance");
-        describe_provenance(parts.model.accessors.back(), provenance);
+        describe_provenance(parts.model.accessors.back(), textured.mesh.provenance);
     }
     const std::size_t vertices = mesh.positions.count;
     const bool narrow = short_indices(static_cast<long long>(vertices));
