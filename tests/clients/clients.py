@@ -6,7 +6,11 @@ A picture "shows colours" where what differs from its ground is coloured as the 
 DIR/pictures, to be looked at. Exits with 1 where a program that is here does not show the colours of relief.glb,
 or of relief-emissive.glb if it does not know the unlit material.
 
-Debian's packages: blender, python3-open3d, assimp-utils, f3d, python3-vtk9, chromium, xvfb, xauth, python3-pil, nodejs, npm.
+A picture of relief-whole.glb that a program takes with the file's camera is compared with the photograph: dB of all pixels,
+without the outermost 2, where the program's antialiasing mixes in its ground, and of the median pixel.
+
+Debian's packages: blender, python3-open3d, assimp-utils, f3d, python3-vtk9, chromium, xvfb, xauth, python3-pil, python3-numpy,
+nodejs, npm.
 """
 import argparse
 import re
@@ -15,6 +19,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageChops, ImageStat
 
 HERE = Path(__file__).resolve().parent
@@ -22,6 +27,7 @@ SAMPLES = HERE.parent.parent / "samples"
 PYTHON = "/usr/bin/python3"  # Debian's, which has Debian's modules
 FILES = {  # name -> settings
     "relief.glb": [],
+    "relief-whole.glb": ["density.background.method=none"],  # without ground: the photograph itself
     "relief-lit.glb": ["export.material=lit"],
     "relief-emissive.glb": ["export.material=emissive"],
     "relief-draco.glb": ["export.compression=draco"],
@@ -44,6 +50,7 @@ PICTURED = {  # program -> formats, Debian's package, command
     "VTK": (r"glb|gltf|obj|ply|stl", "python3-vtk9", [PYTHON, HERE / "vtk_client.py", "FILE", "PICTURE"]),
 }
 LEAST_COVERED, LEAST_CHROMA = 0.02, 20  # share of the picture; of 255
+WITH_FILES_CAMERA = ("three.js", "Cesium", "Babylon.js", "Blender")
 
 
 def colours(picture):
@@ -62,6 +69,19 @@ def colours(picture):
                                  ImageChops.darker(ImageChops.darker(red, green), blue))
     mean = ImageStat.Stat(chroma, covered).mean[0]
     return "shows colours" if mean > LEAST_CHROMA else "shows a shape without colours"
+
+
+def shown(name, file, picture):
+    """What colours() says of a picture, and how close it is to the photograph if it is meant to be that."""
+    said = colours(picture)
+    if file != "relief-whole.glb" or name not in WITH_FILES_CAMERA or not picture.exists():
+        return said
+    taken, photograph = (np.asarray(Image.open(path).convert("RGB"), float) for path in (picture, SAMPLES / "left.png"))
+    if taken.shape != photograph.shape:
+        return said
+    errors = ((taken - photograph) ** 2).mean(axis=2)
+    whole, inside, median = (10 * np.log10(255**2 / e) for e in (errors.mean(), errors[2:-2, 2:-2].mean(), np.median(errors)))
+    return f"{said}, {whole:.1f} dB ({inside:.1f} inside, {median:.1f} median)"
 
 
 def debian_version(package):
@@ -104,7 +124,7 @@ def pictured(files, pictures, wanted):
                 said = told(run.stdout) if run.returncode == 0 else f"exit code {run.returncode}: " + told(run.stderr)
             except subprocess.TimeoutExpired:
                 said = "took longer than 120 s"
-            yield name, version, file.name, f"{colours(picture)}; {said}"
+            yield name, version, file.name, f"{shown(name, file.name, picture)}; {said}"
 
 
 def assimp(files, wanted):
@@ -151,7 +171,7 @@ def npm_programs(out, files_folder, pictures, wanted):
         for line in run.stdout.splitlines():
             name, version, file, said = line.split("\t")
             picture = pictures / f"{name}--{file}.png"
-            yield name, version, file, f"{colours(picture)}; {said}" if picture.exists() else said
+            yield name, version, file, f"{shown(name, file, picture)}; {said}" if picture.exists() else said
 
 
 def main():
@@ -175,9 +195,9 @@ def main():
             print(f"{name:15} {version:28} {file:22} {said}", flush=True)
             skipped += said.startswith("SKIPPED")
             told_unlit = name not in ("f3d", "VTK")  # Debian's do not know the unlit material
-            shown = file == ("relief.glb" if told_unlit else "relief-emissive.glb") and (
+            judged = file == ("relief.glb" if told_unlit else "relief-emissive.glb") and (
                 name in PICTURED or name in ("three.js", "model-viewer", "Cesium", "Babylon.js"))
-            failed += shown and not said.startswith("shows colours")
+            failed += judged and not said.startswith("shows colours")
     print(f"{failed} programs do not show relief.glb, {skipped} skipped")
     return 1 if failed else 0
 

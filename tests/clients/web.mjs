@@ -1,5 +1,5 @@
-// web.mjs MODULES SCENES PICTURES CHROMIUM: shows the mesh files of SCENES in headless Chromium with three.js, model-viewer
-// and Babylon.js from MODULES/node_modules, as far as they know the format, and saves a picture of each in PICTURES as
+// web.mjs MODULES SCENES PICTURES CHROMIUM [ONLY]: shows the mesh files of SCENES in headless Chromium with three.js, model-viewer,
+// CesiumJS and Babylon.js from MODULES/node_modules, as far as they know the format, and saves a picture of each in PICTURES as
 // PROGRAM--FILE.png. Prints one line a file: PROGRAM, VERSION, FILE, and ok or what went wrong, separated by tabs.
 import { createServer } from 'node:http';
 import { readFile, readdir, mkdir } from 'node:fs/promises';
@@ -7,7 +7,7 @@ import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { extname, join, resolve } from 'node:path';
 
-const [modules, scenes, pictures, browser_path] = process.argv.slice(2);
+const [modules, scenes, pictures, browser_path, only = ''] = process.argv.slice(2);
 const require = createRequire(resolve(modules, 'package.json'));
 const { chromium } = require('playwright-core');
 const version = (name) => JSON.parse(readFileSync(join(modules, 'node_modules', name, 'package.json'))).version;
@@ -124,7 +124,7 @@ const kCesium = kHead + `<canvas id="c" width="320" height="240"></canvas>
 <script type="module">
 const file = decodeURIComponent(location.hash.slice(1));
 try {
-    const scene = new Cesium.Scene({ canvas: document.getElementById('c'),
+    const scene = new Cesium.Scene({ canvas: document.getElementById('c'), creditContainer: document.createElement('div'),
         contextOptions: { webgl: { preserveDrawingBuffer: true } } });
     scene.backgroundColor = Cesium.Color.fromBytes(51, 51, 85);
     scene.highDynamicRange = false;
@@ -137,7 +137,7 @@ try {
     camera.up = new Cesium.Cartesian3(0, 1, 0);
     camera.right = new Cesium.Cartesian3(1, 0, 0);
     camera.frustum = new Cesium.PerspectiveFrustum({ fov: 2 * Math.atan(160 / 320), aspectRatio: 4 / 3, near: 0.1, far: 1e4 });
-    for (let i = 0; i < 100 && !(model.ready && i > 20); i++) {
+    for (let i = 0, after = 0; i < 800 && after < 20; i++, after += model.ready) {
         scene.render();
         await new Promise((done) => setTimeout(done, 30));
     }
@@ -171,7 +171,7 @@ const browser = await chromium.launch({ executablePath: browser_path,
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
 await mkdir(pictures, { recursive: true });
 const files = (await readdir(scenes)).filter((name) => !/^\.|_texture\.|\.(bin|mtl|json)$/.test(name)).sort();
-for (const program of programs) {
+for (const program of programs.filter(({ name }) => RegExp(only).test(name))) {
     for (const file of files.filter((name) => program.knows.test(name))) {
         const page = await browser.newPage({ viewport: { width: 320, height: 240 } });
         const said = [];
