@@ -14,7 +14,7 @@
 // Threads: a call uses the given number of threads (>= 1), which includes the calling thread. Calls share no
 // state, so several may run at once.
 //
-// Determinism: the same input gives the same bytes for any number of threads, on every x86-64 CPU and on CUDA
+// Determinism: the same input gives the same bytes for any number of threads, on x86-64, arm64 and CUDA
 // devices (cuda/cuda_mesher.h). All randomness comes from MeshConfig::seed.
 //
 // Errors: Error(usage) if parameters do not fit the image, Error(input) if maps do not fit each other.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# install-packages.sh [tests|nightly]: the Debian 12 packages that the build needs; with `tests` also what the tests read results
-# back with, with `nightly` also clang-tidy, lintian and others. Needs root or sudo only where something is missing; touches nothing
-# otherwise.
+# install-packages.sh [tests|nightly|print]: the Debian 12 packages that the build needs; with `tests` also what the tests read
+# results back with, with `nightly` also clang-tidy, lintian and others. Needs root or sudo only where something is missing; touches
+# nothing otherwise. `print` names the packages.
 set -euo pipefail
 
 packages=(
@@ -26,9 +26,12 @@ if [[ ${1:-} == tests || ${1:-} == nightly ]]; then
     packages+=(python3-onnx python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
     [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
-    [[ $1 == tests ]] || packages+=(clang clang-tidy lintian pandoc python3-venv)
+    [[ $1 == tests ]] || packages+=(clang clang-tidy g++-aarch64-linux-gnu lintian mmdebstrap pandoc python3-venv qemu-user)
+elif [[ ${1:-} == print ]]; then
+    printf '%s\n' "${packages[@]}"
+    exit 0
 elif [[ $# -gt 0 ]]; then
-    echo "usage: $0 [tests|nightly]" >&2
+    echo "usage: $0 [tests|nightly|print]" >&2
     exit 2
 fi
 
