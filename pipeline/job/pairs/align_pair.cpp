@@ -121,17 +121,19 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
                        std::move(camera)};
     const Alignment& found = pair.found;
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
-        throw Error(ErrorKind::input, given.name + ": cannot be aligned: " + found.reason +
-                                          "; give its calibration by --calib, or try --rectify never");
+        throw Error(ErrorKind::input, "the pair cannot be aligned: " + found.reason +
+                                          "; give its calibration by --calib, or try --rectify never (" +
+                                          given.name + ")");
     if (found.verdict == Verdict::unclear)
         pair.decisions.push_back("alignment: " + found.reason + ", so the pair is taken as it is");
     if (found.verdict == Verdict::rectified) leave_rectified(views, pair, given.is_rig, threads);
     if (found.verdict == Verdict::aligned) {
         if (given.has_mask)
-            throw Error(ErrorKind::input,
-                        given.name +
-                            ": the mask is for the left picture as it is, but the pair has to be "
-                            "aligned; give it as the picture's alpha, or --rectify never");
+            throw Error(
+                ErrorKind::input,
+                "the mask is for the left picture as it is, but the pair has to be aligned; give it as "
+                "the picture's alpha, or --rectify never (" +
+                    given.name + ")");
         take_aligned(views, pair, !given.is_foreseen, threads);
     }
     pair.found.estimate.matches.clear();

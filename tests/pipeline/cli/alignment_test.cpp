@@ -181,7 +181,7 @@ TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {
     write_picture(folder / "l.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).left);
     write_picture(folder / "r.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).right);
     expect_failure({"run", "--left", folder / "l.pgm", "--right", folder / "r.pgm", "-o", folder / "o.glb"},
-                   3, "the camera was turned, not moved");
+                   3, "the pair cannot be aligned: the camera was turned, not moved");
     EXPECT_FALSE(std::filesystem::exists(folder / "o.glb"));
 }
 
