@@ -297,10 +297,10 @@ void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads
 
 void flatten_relief(const DisparityResult& disparity, const InputPair& pair, Calibration& camera,
                     const RunLog& log) {
-    const Calibration flat = flattened(camera, *pair.alignment, disparity.map, pair.reduced_by);
-    if (flat.doffs_px == camera.doffs_px) return;
-    camera = flat;
-    log.decide("disparity: spreads more than the matches', so infinity is taken to be at " +
+    const ReliefMap relief{disparity.map, disparity.noise.noise_px, pair.reduced_by};
+    const double before_px = std::exchange(camera, flattened(camera, *pair.alignment, relief)).doffs_px;
+    if (camera.doffs_px == before_px) return;
+    log.decide("disparity: deeper than matches or noise let, so infinity is taken to be at " +
                fixed(-camera.doffs_px, 2) + " px");
 }
 

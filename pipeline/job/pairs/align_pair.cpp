@@ -32,7 +32,7 @@ void tell_infinity(PairAlignment& pair) {
     const DisparityBounds& bounds = pair.found.disparities;
     if (bounds.is_infinity_known) return;
     const double farthest = (bounds.largest_px - bounds.infinity_px) / (bounds.least_px - bounds.infinity_px);
-    pair.warnings.push_back("where infinity lies is not known: the farthest point is taken to be " +
+    pair.warnings.push_back("where infinity lies is not known: the farthest point is taken to be at most " +
                             digits(farthest, 1) + " times as far as the nearest");
 }
 
@@ -146,8 +146,10 @@ std::array<double, 2> up_if_turned(const Alignment& found) {
     return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
 }
 
-Calibration flattened(Calibration camera, const Alignment& found, const DisparityMap& map, int reduced_by) {
+Calibration flattened(Calibration camera, const Alignment& found, const ReliefMap& relief) {
     constexpr double kFar = 0.005, kNear = 0.995;  // quantiles, as for the matches
+    constexpr double kLeastNoises = 400;           // in the width of the far end
+    const DisparityMap& map = relief.map;
     std::vector<float> known;
     for (const float d : map.values)
         if (DisparityMap::known(d)) known.push_back(d);
@@ -159,9 +161,12 @@ Calibration flattened(Calibration camera, const Alignment& found, const Disparit
         return static_cast<double>(*nth);
     };
     const DisparityBounds& matches = found.disparities;
-    const double least = quantile(kFar), most = quantile(kNear), median = matches.median_px / reduced_by;
-    const double infinity = least - (most - least) * (matches.least_px - matches.infinity_px) /
-                                        (matches.largest_px - matches.least_px);
+    const double least = quantile(kFar), most = quantile(kNear),
+                 median = matches.median_px / relief.reduced_by;
+    const double by_matches = least - (most - least) * (matches.least_px - matches.infinity_px) /
+                                          (matches.largest_px - matches.least_px),
+                 by_noise = most - kLeastNoises * relief.noise_px * camera.focal_px / map.width;
+    const double infinity = std::min(by_matches, by_noise);
     if (!(-infinity > camera.doffs_px)) return camera;
     camera.baseline_m *= (median - infinity) / (median + camera.doffs_px);
     camera.doffs_px = -infinity;
