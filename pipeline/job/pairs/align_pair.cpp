@@ -78,11 +78,33 @@ void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int th
     pair.decisions.push_back(alignment_text(pair.found, calibration, camera.focal_from));
 }
 
-// True if views of which nearly all lies behind infinity are shifted and not exchanged.
-bool are_shifted(const StereoPair& views, const DisparityBounds& bounds, int threads) {
+// Matches views of which nearly all lies behind infinity: they are shifted, or exchanged.
+stages::SmallMatch match_behind(const StereoPair& views, const DisparityBounds& bounds, int threads) {
     const double spread = bounds.largest_px - bounds.least_px;
     const int least = static_cast<int>(std::floor(bounds.least_px - kFarMargin * spread - kFarMargin_px));
-    return checks::is_surely_left(stages::match_coarsely(views, least, threads, stages::kFineColumns));
+    return stages::match_coarsely(views, least, threads, stages::kFineColumns);
+}
+
+constexpr const char* kShifted =
+    "all that both pictures show lies behind infinity: taken for a pair shifted for a stereo window; if the "
+    "mesh is "
+    "inside out, give the pictures the other way round";
+
+// True if an aligned pair should not have been exchanged: cameras that are hardly turned to each other stand
+// on one mount, whose pictures are shifted for a stereo window more often than they are given the wrong way
+// round, and what only one of them shows does not tell otherwise.
+bool is_wrongly_exchanged(const StereoPair& views, const Alignment& found, int threads) {
+    constexpr double kOneMount_deg = 1;  // mounts that were tried are off by 0.6 at most
+    if (!is_aligned(found) || !found.estimate.is_exchanged || found.estimate.is_quarter_turned) return false;
+    const alignment::Angles angles = alignment::angles_of(found.estimate.fit.parameters);
+    if (std::max({std::fabs(angles.pitch), std::fabs(angles.yaw), std::fabs(angles.roll)}) > kOneMount_deg)
+        return false;
+    StereoPair aligned = alignment::aligned_pair(views, found, threads).pair;
+    std::swap(aligned.left, aligned.right);
+    DisparityBounds as_given;
+    as_given.least_px = -found.disparities.largest_px;
+    as_given.largest_px = -found.disparities.least_px;
+    return !checks::is_surely_right(match_behind(aligned, as_given, threads));
 }
 
 void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
@@ -92,10 +114,8 @@ void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, 
                              std::to_string(pair.found.matches) + " points");
     // Two files whose points nearly all lie behind infinity may be exchanged, which the checks tell.
     if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) {
-        if (are_shifted(views, bounds, threads))
-            pair.warnings.emplace_back(
-                "all that both pictures show lies behind infinity: taken for a pair shifted for a stereo "
-                "window; if the mesh is inside out, give the pictures the other way round");
+        if (checks::is_surely_left(match_behind(views, bounds, threads)))
+            pair.warnings.emplace_back(kShifted);
         else
             bounds = {};
     }
@@ -119,6 +139,13 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
     const double focal_px = camera.is_focal_known ? camera.calibration.focal_px : 0;
     PairAlignment pair{alignment::find_alignment(views, {focal_px, given.is_rig, always}, threads),
                        std::move(camera)};
+    if (is_wrongly_exchanged(views, pair.found, threads)) {
+        Alignment ordered = alignment::find_alignment(views, {focal_px, given.is_rig, always, true}, threads);
+        if (is_aligned(ordered)) {
+            pair.found = std::move(ordered);
+            pair.warnings.emplace_back(kShifted);
+        }
+    }
     const Alignment& found = pair.found;
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
         throw Error(ErrorKind::input, "the pair cannot be aligned: " + found.reason +

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/data/crop.h"
 #include "tests/pipeline/alignment/turned_pair.h"
 #include "tests/pipeline/process.h"
 
@@ -174,6 +175,19 @@ TEST(Alignment, AMaskForAPairThatHasToBeAlignedIsRefusedInOneLine) {
     EXPECT_NE(result.err.find("the mask is for the left picture as it is, but the pair has to be aligned"),
               std::string::npos)
         << result.err;
+}
+
+TEST(Alignment, TwoFilesOfOneMountThatAreShiftedForAStereoWindowKeepTheirOrder) {
+    const TemporaryFolder folder;
+    const auto told = [&](const TurnedCameras& cameras, int shift) {
+        const StereoPair pair = render_pair(cameras);
+        write_picture(folder / "l.pgm", cropped(pair.left, {shift, 0, 640 - shift, 480}));
+        write_picture(folder / "r.pgm", cropped(pair.right, {0, 0, 640 - shift, 480}));
+        return run_program({"info", folder / "l.pgm", folder / "r.pgm"}).out;
+    };
+    const std::string one_mount = told({.pitch = 0.3}, 60), by_hand = told({.pitch = 3}, 60);
+    EXPECT_NE(one_mount.find("taken for a pair shifted for a stereo window"), std::string::npos) << one_mount;
+    EXPECT_NE(by_hand.find("the views were exchanged"), std::string::npos) << by_hand;
 }
 
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {
