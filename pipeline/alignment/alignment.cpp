@@ -136,7 +136,7 @@ Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, 
         out.disparities = bounds_as_given(out.estimate, scale);
         return out;
     }
-    const EstimateConfig estimating{is_focal_known, config.is_rig};
+    const EstimateConfig estimating{is_focal_known, config.is_rig, config.is_ordered};
     Estimate& estimate = out.estimate = estimate_views(camera, matches, estimating, pool);
     out.reason = obstacle(estimate);
     if (out.reason.empty()) {

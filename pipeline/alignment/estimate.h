@@ -23,6 +23,7 @@ struct EstimateConfig {
     bool is_focal_known = false;
     // Both pictures are from one mount with two lenses: turned by a few degrees at most, and in order.
     bool is_rig = false;
+    bool is_ordered = false;  // the left camera's picture is the first one; so are a rig's
 };
 
 struct Estimate {

@@ -26,12 +26,16 @@ int contrast_at(const Image& image, int x, int y) {
     return largest;
 }
 
-}  // namespace
+struct Edges {
+    int at_left = 0, at_right = 0;
+    bool are_many() const { return at_left + at_right >= kLeastEdges; }
+    double share_of(int some) const { return static_cast<double>(some) / (at_left + at_right); }
+};
 
-bool is_surely_left(const stages::SmallMatch& match) {
+Edges edges_of(const stages::SmallMatch& match) {
     const matching::MatchedMap& map = match.map;
     const Image& image = match.small.pair.left;
-    int at_left = 0, at_right = 0;
+    Edges edges;
     for (int y = 0; y < map.height; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         int before = -1;
@@ -44,14 +48,26 @@ bool is_surely_left(const stages::SmallMatch& match) {
                     (d - map.disparities[row + before]) / static_cast<double>(matching::kOnePixel);
                 if (step >= kLeastRun_px && std::fabs(step - run) <= std::max(kOff_px, kOffShare * run)) {
                     const int left = contrast_at(image, before, y), right = contrast_at(image, x - 1, y);
-                    at_left += left > kStronger * right;
-                    at_right += right > kStronger * left;
+                    edges.at_left += left > kStronger * right;
+                    edges.at_right += right > kStronger * left;
                 }
             }
             before = x;
         }
     }
-    return at_left + at_right >= kLeastEdges && at_right >= kLeastShare * (at_left + at_right);
+    return edges;
+}
+
+}  // namespace
+
+bool is_surely_left(const stages::SmallMatch& match) {
+    const Edges edges = edges_of(match);
+    return edges.are_many() && edges.share_of(edges.at_right) >= kLeastShare;
+}
+
+bool is_surely_right(const stages::SmallMatch& match) {
+    const Edges edges = edges_of(match);
+    return edges.are_many() && edges.share_of(edges.at_left) >= kLeastShare;
 }
 
 }  // namespace hexrelief::checks

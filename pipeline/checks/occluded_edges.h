@@ -9,5 +9,7 @@ namespace hexrelief::checks {
 // only one view shows lie between a near and a far surface, and belong to the far one: the picture's edge,
 // the silhouette of the near surface, is their right end in a left view and their left end in a right view.
 bool is_surely_left(const stages::SmallMatch& match);
+// True if it is surely the right one.
+bool is_surely_right(const stages::SmallMatch& match);
 
 }  // namespace hexrelief::checks

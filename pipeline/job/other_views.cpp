@@ -10,6 +10,7 @@
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/noise.h"
+#include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/provenance.h"
 
@@ -27,7 +28,8 @@ constexpr double kShownStep_px = 6;       // the same if the right camera, which
 constexpr int kFilled = 3;                // holes of the right view are filled at a third of its size
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
-constexpr double kFittingSpacings = 4;    // of solve_mesh() in the shorter side
+constexpr double kLeastSpacing_px = 4;
+constexpr double kFittingSpacings = 4;  // of solve_mesh() in the shorter side
 
 ViewPlace left_place(const LeftView& view) {
     return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
@@ -88,7 +90,8 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
         other.texture(), camera,        camera, left.least_px / static_cast<float>(other.place.scale)};
     backend.expect_map(other.missing);
     MeshConfig coarse = config.mesh;
-    coarse.spacing_px = std::min(kCoarser * coarse.spacing_px, std::min(width, height) / kFittingSpacings);
+    coarse.spacing_px = std::min(std::max(kCoarser * coarse.spacing_px / other.place.scale, kLeastSpacing_px),
+                                 std::min(width, height) / kFittingSpacings);
     const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     SurfaceConfig surface = config.surface;
     if (other.place.right == 0 || left.is_by_points)
@@ -210,8 +213,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-    const auto add = [&](OtherView other, const stages::SeenSurface& here) {
-        stages::join_to_surface(other, here);
+    const auto add = [&](OtherView other) {
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
@@ -228,7 +230,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
-        add(std::move(missing), visible.seen[1]);
+        stages::join_to_surface(missing, visible.seen[1]);
+        add(std::move(missing));
     }
     if (behind > 0) {
         OtherView left = copy_of_left(view);
@@ -236,7 +239,9 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         show(left, here);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
                                 visible, threads);
-        add(std::move(left), here);
+        stages::join_to_surface(left, here);
+        add(std::move(left));
+        if (view.is_by_points) add(stages::backing_of(here, view.color));
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);

@@ -288,19 +288,19 @@ void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads
     const auto noise = stages::smoothing_for(
         stages::find_noise_px(disparity.map),
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
+    if (noise.noise_px > 0) disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
+    disparity.map = stages::without_mixed_pixels(std::move(disparity.map), pair.views.left);
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
-    disparity.map = stages::without_mixed_pixels(
-        stages::refine_by_pictures(disparity.map, pair.views, threads), pair.views.left);
     log.decide("disparity: refined by the pictures, as its noise was " + fixed(noise.noise_px, 3) + " px");
 }
 
 void flatten_relief(const DisparityResult& disparity, const InputPair& pair, Calibration& camera,
                     const RunLog& log) {
-    const Calibration flat = flattened(camera, *pair.alignment, disparity.map, pair.reduced_by);
-    if (flat.doffs_px == camera.doffs_px) return;
-    camera = flat;
-    log.decide("disparity: spreads more than the matches', so infinity is taken to be at " +
+    const ReliefMap relief{disparity.map, disparity.noise.noise_px, pair.reduced_by};
+    const double before_px = std::exchange(camera, flattened(camera, *pair.alignment, relief)).doffs_px;
+    if (camera.doffs_px == before_px) return;
+    log.decide("disparity: deeper than matches or noise let, so infinity is taken to be at " +
                fixed(-camera.doffs_px, 2) + " px");
 }
 

@@ -151,7 +151,7 @@ double baselines_of_turn(const DisparityMap& map, const Calibration& camera, boo
 // and the map is noisy (dequantize/noise.h).
 void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads, const RunLog& log);
 
-// Makes a relief no deeper than its matches were taken to be (flattened(), pipeline/job/pairs/align_pair.h).
+// Makes a relief no deeper than its matches and its noise let (flattened(), pipeline/job/pairs/align_pair.h).
 void flatten_relief(const DisparityResult& disparity, const InputPair& pair, Calibration& camera,
                     const RunLog& log);
 

@@ -32,7 +32,7 @@ void tell_infinity(PairAlignment& pair) {
     const DisparityBounds& bounds = pair.found.disparities;
     if (bounds.is_infinity_known) return;
     const double farthest = (bounds.largest_px - bounds.infinity_px) / (bounds.least_px - bounds.infinity_px);
-    pair.warnings.push_back("where infinity lies is not known: the farthest point is taken to be " +
+    pair.warnings.push_back("where infinity lies is not known: the farthest point is taken to be at most " +
                             digits(farthest, 1) + " times as far as the nearest");
 }
 
@@ -78,11 +78,33 @@ void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int th
     pair.decisions.push_back(alignment_text(pair.found, calibration, camera.focal_from));
 }
 
-// True if views of which nearly all lies behind infinity are shifted and not exchanged.
-bool are_shifted(const StereoPair& views, const DisparityBounds& bounds, int threads) {
+// Matches views of which nearly all lies behind infinity: they are shifted, or exchanged.
+stages::SmallMatch match_behind(const StereoPair& views, const DisparityBounds& bounds, int threads) {
     const double spread = bounds.largest_px - bounds.least_px;
     const int least = static_cast<int>(std::floor(bounds.least_px - kFarMargin * spread - kFarMargin_px));
-    return checks::is_surely_left(stages::match_coarsely(views, least, threads, stages::kFineColumns));
+    return stages::match_coarsely(views, least, threads, stages::kFineColumns);
+}
+
+constexpr const char* kShifted =
+    "all that both pictures show lies behind infinity: taken for a pair shifted for a stereo window; if the "
+    "mesh is "
+    "inside out, give the pictures the other way round";
+
+// True if an aligned pair should not have been exchanged: cameras that are hardly turned to each other stand
+// on one mount, whose pictures are shifted for a stereo window more often than they are given the wrong way
+// round, and what only one of them shows does not tell otherwise.
+bool is_wrongly_exchanged(const StereoPair& views, const Alignment& found, int threads) {
+    constexpr double kOneMount_deg = 1;  // mounts that were tried are off by 0.6 at most
+    if (!is_aligned(found) || !found.estimate.is_exchanged || found.estimate.is_quarter_turned) return false;
+    const alignment::Angles angles = alignment::angles_of(found.estimate.fit.parameters);
+    if (std::max({std::fabs(angles.pitch), std::fabs(angles.yaw), std::fabs(angles.roll)}) > kOneMount_deg)
+        return false;
+    StereoPair aligned = alignment::aligned_pair(views, found, threads).pair;
+    std::swap(aligned.left, aligned.right);
+    DisparityBounds as_given;
+    as_given.least_px = -found.disparities.largest_px;
+    as_given.largest_px = -found.disparities.least_px;
+    return !checks::is_surely_right(match_behind(aligned, as_given, threads));
 }
 
 void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
@@ -92,10 +114,8 @@ void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, 
                              std::to_string(pair.found.matches) + " points");
     // Two files whose points nearly all lie behind infinity may be exchanged, which the checks tell.
     if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) {
-        if (are_shifted(views, bounds, threads))
-            pair.warnings.emplace_back(
-                "all that both pictures show lies behind infinity: taken for a pair shifted for a stereo "
-                "window; if the mesh is inside out, give the pictures the other way round");
+        if (checks::is_surely_left(match_behind(views, bounds, threads)))
+            pair.warnings.emplace_back(kShifted);
         else
             bounds = {};
     }
@@ -119,19 +139,28 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
     const double focal_px = camera.is_focal_known ? camera.calibration.focal_px : 0;
     PairAlignment pair{alignment::find_alignment(views, {focal_px, given.is_rig, always}, threads),
                        std::move(camera)};
+    if (is_wrongly_exchanged(views, pair.found, threads)) {
+        Alignment ordered = alignment::find_alignment(views, {focal_px, given.is_rig, always, true}, threads);
+        if (is_aligned(ordered)) {
+            pair.found = std::move(ordered);
+            pair.warnings.emplace_back(kShifted);
+        }
+    }
     const Alignment& found = pair.found;
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
-        throw Error(ErrorKind::input, given.name + ": cannot be aligned: " + found.reason +
-                                          "; give its calibration by --calib, or try --rectify never");
+        throw Error(ErrorKind::input, "the pair cannot be aligned: " + found.reason +
+                                          "; give its calibration by --calib, or try --rectify never (" +
+                                          given.name + ")");
     if (found.verdict == Verdict::unclear)
         pair.decisions.push_back("alignment: " + found.reason + ", so the pair is taken as it is");
     if (found.verdict == Verdict::rectified) leave_rectified(views, pair, given.is_rig, threads);
     if (found.verdict == Verdict::aligned) {
         if (given.has_mask)
-            throw Error(ErrorKind::input,
-                        given.name +
-                            ": the mask is for the left picture as it is, but the pair has to be "
-                            "aligned; give it as the picture's alpha, or --rectify never");
+            throw Error(
+                ErrorKind::input,
+                "the mask is for the left picture as it is, but the pair has to be aligned; give it as "
+                "the picture's alpha, or --rectify never (" +
+                    given.name + ")");
         take_aligned(views, pair, !given.is_foreseen, threads);
     }
     pair.found.estimate.matches.clear();
@@ -144,8 +173,10 @@ std::array<double, 2> up_if_turned(const Alignment& found) {
     return up[1] < kCosine ? up : std::array<double, 2>{0, 1};
 }
 
-Calibration flattened(Calibration camera, const Alignment& found, const DisparityMap& map, int reduced_by) {
+Calibration flattened(Calibration camera, const Alignment& found, const ReliefMap& relief) {
     constexpr double kFar = 0.005, kNear = 0.995;  // quantiles, as for the matches
+    constexpr double kLeastNoises = 400;           // in the width of the far end
+    const DisparityMap& map = relief.map;
     std::vector<float> known;
     for (const float d : map.values)
         if (DisparityMap::known(d)) known.push_back(d);
@@ -157,9 +188,12 @@ Calibration flattened(Calibration camera, const Alignment& found, const Disparit
         return static_cast<double>(*nth);
     };
     const DisparityBounds& matches = found.disparities;
-    const double least = quantile(kFar), most = quantile(kNear), median = matches.median_px / reduced_by;
-    const double infinity = least - (most - least) * (matches.least_px - matches.infinity_px) /
-                                        (matches.largest_px - matches.least_px);
+    const double least = quantile(kFar), most = quantile(kNear),
+                 median = matches.median_px / relief.reduced_by;
+    const double by_matches = least - (most - least) * (matches.least_px - matches.infinity_px) /
+                                          (matches.largest_px - matches.least_px),
+                 by_noise = most - kLeastNoises * relief.noise_px * camera.focal_px / map.width;
+    const double infinity = std::min(by_matches, by_noise);
     if (!(-infinity > camera.doffs_px)) return camera;
     camera.baseline_m *= (median - infinity) / (median + camera.doffs_px);
     camera.doffs_px = -infinity;

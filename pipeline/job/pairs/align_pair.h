@@ -54,11 +54,19 @@ inline bool has_camera_of_points(const alignment::Alignment& found) {
     return is_aligned(found) || found.is_partly_negative();
 }
 
-// Returns the camera of a relief whose map spreads more than its matches: infinity is farther, so that the
-// scene stays as deep for its width as the matches were taken to be, and the baseline is longer, so that the
-// unit stays. Returns the given camera for other pairs. map: of the pair reduced by so much, camera: its own.
-Calibration flattened(Calibration camera, const alignment::Alignment& found, const DisparityMap& map,
-                      int reduced_by);
+// The map of a relief as it is meshed.
+struct ReliefMap {
+    const DisparityMap& map;
+    double noise_px = 0;  // that its match had
+    int reduced_by = 1;   // px of the pictures along a side of its px
+};
+
+// Returns the camera of a relief that has to be shallower than its matches tell. Infinity is farther, and the
+// baseline longer, so that the unit stays. If the map spreads more than the matches, the scene stays as deep
+// for its width as they were taken to be; and noise moves a point at the near end by a 400th of its distance
+// times the width that is seen at a distance of 1 at most, else straight things wave when they are turned.
+// Returns the given camera for other pairs. camera: the map's.
+Calibration flattened(Calibration camera, const alignment::Alignment& found, const ReliefMap& relief);
 
 // Returns what is up in an aligned pair, if it was turned by more than 20 degrees; else (0, 1), so that the
 // camera's rows stay horizontal. As in exporters::Scene.

@@ -1,5 +1,6 @@
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,19 +14,29 @@ namespace hexrelief::stages {
 namespace {
 
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
+constexpr std::size_t kScrapShare = 1700;  // of the picture: pixels of a scrap without matches, at most
+constexpr int kStripShare = 200;           // of the longer side: the width of a strip without matches
 constexpr float kLargestStep_px = 1.0001f;
 
-// Returns the pixels of small regions between nearer and farther ones.
-std::vector<std::size_t> find_mixed(const DisparityMap& map) {
-    std::vector<std::size_t> mixed, region;
-    std::vector<std::uint8_t> is_seen(map.values.size());
-    for (std::size_t seed = 0; seed < is_seen.size(); ++seed) {
+bool is_filled(const DisparityMap& map, std::size_t i) {
+    return !map.origins.empty() && map.origins[i] == PixelOrigin::filled;
+}
+
+// Marks the pixels of small regions between nearer and farther ones, and of larger ones in front of farther
+// ones if less than half of their pixels was matched.
+void mark_regions(const DisparityMap& map, std::vector<std::uint8_t>& is_open) {
+    const std::size_t count = map.values.size(), most = std::max(kLeastSurface, count / kScrapShare);
+    std::vector<std::uint8_t> is_seen(count);
+    std::vector<std::size_t> region;
+    for (std::size_t seed = 0; seed < count; ++seed) {
         if (is_seen[seed] || !DisparityMap::known(map.values[seed])) continue;
         is_seen[seed] = 1;
         region.assign(1, seed);
         bool has_nearer = false, has_farther = false;
+        std::size_t filled = 0;
         for (std::size_t next = 0; next < region.size(); ++next) {
             const float own = map.values[region[next]];
+            filled += is_filled(map, region[next]);
             for_four_neighbours(region[next], map.width, map.height, [&](std::size_t i) {
                 if (!DisparityMap::known(map.values[i])) return;
                 const float step = map.values[i] - own;
@@ -36,10 +47,28 @@ std::vector<std::size_t> find_mixed(const DisparityMap& map) {
                 region.push_back(i);
             });
         }
-        if (region.size() < kLeastSurface && has_nearer && has_farther)
-            mixed.insert(mixed.end(), region.begin(), region.end());
+        const bool is_small = has_nearer && region.size() < kLeastSurface;
+        const bool is_scrap = 2 * filled > region.size() && region.size() < most;
+        if (has_farther && (is_small || is_scrap))
+            for (const std::size_t i : region) is_open[i] = 1;
     }
-    return mixed;
+}
+
+// Marks the filled pixels of narrow runs along a row or a column that lie in front of both their ends.
+void mark_strips(const DisparityMap& map, std::size_t first, std::size_t step, int count,
+                 std::vector<std::uint8_t>& is_open) {
+    const int widest = std::max(map.width, map.height) / kStripShare;
+    const auto at = [&](int i) { return first + static_cast<std::size_t>(i) * step; };
+    const auto fall = [&](int from, int to) { return map.values[at(from)] - map.values[at(to)]; };
+    for (int begin = 0, end = 1; end < count; begin = end++) {
+        while (end < count && std::abs(fall(end - 1, end)) <= kLargestStep_px) ++end;
+        if (begin == 0 || end == count || end - begin > widest ||
+            !DisparityMap::known(map.values[at(begin)]) ||
+            !(fall(begin, begin - 1) > kLargestStep_px && fall(end - 1, end) > kLargestStep_px))
+            continue;
+        for (int i = begin; i < end; ++i)
+            if (is_filled(map, at(i))) is_open[at(i)] = 1;
+    }
 }
 
 }  // namespace
@@ -49,10 +78,15 @@ DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
         std::size_t pixel;
         float value;
     };
-    std::vector<Open> open;
-    for (const std::size_t i : find_mixed(map)) open.push_back({i, map.values[i]});
+    const auto width = static_cast<std::size_t>(map.width);
     std::vector<std::uint8_t> is_open(map.values.size());
-    for (const Open& o : open) is_open[o.pixel] = 1;
+    mark_regions(map, is_open);
+    for (int y = 0; y < map.height; ++y) mark_strips(map, y * width, 1, map.width, is_open);
+    for (int x = 0; x < map.width; ++x)
+        mark_strips(map, static_cast<std::size_t>(x), width, map.height, is_open);
+    std::vector<Open> open;
+    for (std::size_t i = 0; i < is_open.size(); ++i)
+        if (is_open[i]) open.push_back({i, map.values[i]});
     // Surfaces grow by a pixel a round.
     for (std::size_t given = 1; given > 0;) {
         std::vector<Open> still, now;

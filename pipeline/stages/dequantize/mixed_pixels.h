@@ -1,14 +1,20 @@
-// Gives pixels between two surfaces to one of these.
+// Gives pixels between two surfaces, and scraps without matches, to the surfaces around them.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/image.h"
 
 namespace hexrelief::stages {
 
 // Pixels at a silhouette whose colours are mixed are matched somewhere between both surfaces, which would be
 // meshed as shreds. Each region of fewer than 60 pixels (neighbours at most 1 px apart) that has both nearer
 // and farther neighbours is given to the surfaces around it: a pixel follows the neighbour whose colour is
-// most like its own. left: the picture of the map's view and size. Origins and unknown pixels stay.
+// most like its own.
+//
+// So is what was filled from a nearer thing and stands in front of something: regions of up to 1/1700 of the
+// picture of which less than half was matched, and the filled pixels of strips along a row or a column, up to
+// 1/200 of the longer side wide, with what is farther on both sides. left: the picture of the map's view and
+// size. Origins and unknown pixels stay.
 DisparityMap without_mixed_pixels(DisparityMap map, const Image& left);
 
 }  // namespace hexrelief::stages

@@ -22,7 +22,7 @@ constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface who
 // by the second number; of so many pixels a side at most.
 constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
 // What continues is no longer than this share of a view's side; in photographs, with colours from the last.
-constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 4, kMirroredShareOfPhotographs = 40;
+constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 16, kMirroredShareOfPhotographs = 40;
 constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
 constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
 constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well

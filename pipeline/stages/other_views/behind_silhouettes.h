@@ -20,7 +20,7 @@ struct Beyond {
 // Adds to `missing` what the view's silhouettes hide from itself, and the cameras beyond see: the farther one
 // of the two surfaces at a silhouette continues behind the nearer one along its slope, as far as the
 // outermost of these cameras sees. It stays behind `visible`, and is no more than an eighth of the view long,
-// in photographs a quarter.
+// in photographs a sixteenth.
 // The view's map and pictures show what continues, in the farther surface's mirrored colours, in place of
 // what hides it. here: the surface as the view shows it. Nothing continues behind a border of the surface
 // that has nothing behind it. The same for any number of threads.

@@ -64,6 +64,12 @@ TEST(OccludedEdges, TellALeftViewWhateverTheSignOfItsDisparities) {
     EXPECT_TRUE(is_left({left, mistakes::shifted(right, 20, 0)})) << "all disparities are below 0";
     EXPECT_FALSE(is_left({mistakes::shifted(right, 20, 0), left}));
     EXPECT_FALSE(is_left({left, left})) << "nothing is hidden";
+    const auto is_right = [](const StereoPair& pair) {
+        return is_surely_right(stages::match_coarsely(pair, -40, 1, stages::kFineColumns));
+    };
+    EXPECT_TRUE(is_right({right, left}));
+    EXPECT_FALSE(is_right(scene().pair));
+    EXPECT_FALSE(is_right({left, left}));
 }
 
 TEST(CheckPair, NoticesSwappedViews) {

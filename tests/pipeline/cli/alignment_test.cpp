@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/data/crop.h"
 #include "tests/pipeline/alignment/turned_pair.h"
 #include "tests/pipeline/process.h"
 
@@ -176,12 +177,25 @@ TEST(Alignment, AMaskForAPairThatHasToBeAlignedIsRefusedInOneLine) {
         << result.err;
 }
 
+TEST(Alignment, TwoFilesOfOneMountThatAreShiftedForAStereoWindowKeepTheirOrder) {
+    const TemporaryFolder folder;
+    const auto told = [&](const TurnedCameras& cameras, int shift) {
+        const StereoPair pair = render_pair(cameras);
+        write_picture(folder / "l.pgm", cropped(pair.left, {shift, 0, 640 - shift, 480}));
+        write_picture(folder / "r.pgm", cropped(pair.right, {0, 0, 640 - shift, 480}));
+        return run_program({"info", folder / "l.pgm", folder / "r.pgm"}).out;
+    };
+    const std::string one_mount = told({.pitch = 0.3}, 60), by_hand = told({.pitch = 3}, 60);
+    EXPECT_NE(one_mount.find("taken for a pair shifted for a stereo window"), std::string::npos) << one_mount;
+    EXPECT_NE(by_hand.find("the views were exchanged"), std::string::npos) << by_hand;
+}
+
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {
     const TemporaryFolder folder;
     write_picture(folder / "l.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).left);
     write_picture(folder / "r.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).right);
     expect_failure({"run", "--left", folder / "l.pgm", "--right", folder / "r.pgm", "-o", folder / "o.glb"},
-                   3, "the camera was turned, not moved");
+                   3, "the pair cannot be aligned: the camera was turned, not moved");
     EXPECT_FALSE(std::filesystem::exists(folder / "o.glb"));
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/steps.h"
 
 namespace hexrelief::job {
@@ -86,6 +87,26 @@ TEST(PairSteps, MoreBackgroundThanForegroundIsTold) {
         log.warnings()[0],
         "more goes as background than stays, 70 % of what is known: all that lies farther than 4.0 times "
         "the nearest; set density.background.method=none to keep it");
+}
+
+// The farthest over the nearest distance of a relief whose matches lie from 0 to 30 px, with infinity at -90,
+// and its map from 0 to 30 px, too.
+double farthest_with(double noise_px) {
+    DisparityMap map{300, 10, {}};
+    for (int i = 0; i < 3000; ++i) map.values.push_back(static_cast<float>(i % 300) / 10);
+    alignment::Alignment found;
+    found.verdict = alignment::Verdict::aligned;
+    found.disparities = {.least_px = 0, .largest_px = 30, .median_px = 15, .infinity_px = -90};
+    const Calibration camera{.focal_px = 300, .baseline_m = 0.35, .doffs_px = 90};
+    const Calibration flat = flattened(camera, found, {map, noise_px});
+    EXPECT_NEAR(flat.baseline_m * flat.focal_px / (15 + flat.doffs_px), 1, 1e-6);  // the unit stays
+    return (30 + flat.doffs_px) / flat.doffs_px;
+}
+
+TEST(PairSteps, ANoisyReliefIsShallower) {
+    EXPECT_NEAR(farthest_with(0), 120. / 90, 0.01);
+    EXPECT_NEAR(farthest_with(0.2), 120. / 90, 0.01);
+    EXPECT_NEAR(farthest_with(0.6), 240. / 210, 0.01);
 }
 
 }  // namespace

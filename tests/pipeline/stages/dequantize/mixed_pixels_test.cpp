@@ -37,5 +37,38 @@ TEST(MixedPixels, ThinThingsInFrontAndUnknownPixelsStay) {
     EXPECT_EQ(without_mixed_pixels(map, picture_of(map)).values, map.values);
 }
 
+// A thing at 12 px in front of a wall at 5 px, in the columns and rows from first to last.
+DisparityMap with_thing(int first_x, int last_x, int first_y, int last_y, PixelOrigin origin) {
+    constexpr int kSide = 800;
+    DisparityMap map{kSide, 10, std::vector<float>(kSide * 10, 5.0f),
+                     std::vector<PixelOrigin>(kSide * 10, PixelOrigin::matched)};
+    for (int y = first_y; y <= last_y; ++y)
+        for (int x = first_x; x <= last_x; ++x) {
+            map.at(x, y) = 12.0f;
+            map.origins[static_cast<std::size_t>(y) * kSide + x] = origin;
+        }
+    return map;
+}
+
+float value_after(const DisparityMap& map, int x, int y) {
+    const Image left{map.width, map.height, 1, std::vector<std::uint8_t>(map.values.size(), 90)};
+    return without_mixed_pixels(map, left).at(x, y);
+}
+
+TEST(MixedPixels, ScrapsInFrontGoIfTheyWereNotMatched) {
+    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::filled), 33, 4), 5.0f);
+    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::matched), 33, 4), 12.0f);
+}
+
+TEST(MixedPixels, StripsThatWereNotMatchedGoEvenIfTheyHangOnAThing) {
+    for (const PixelOrigin origin : {PixelOrigin::filled, PixelOrigin::matched}) {
+        DisparityMap map = with_thing(0, 600, 4, 5, origin);
+        for (int y = 0; y < map.height; ++y)
+            for (int x = 601; x < map.width; ++x) map.at(x, y) = 12.0f;
+        EXPECT_EQ(value_after(map, 300, 4), origin == PixelOrigin::filled ? 5.0f : 12.0f);
+        EXPECT_EQ(value_after(map, 700, 4), 12.0f);
+    }
+}
+
 }  // namespace
 }  // namespace hexrelief::stages

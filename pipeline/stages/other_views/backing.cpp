@@ -1,0 +1,145 @@
+#include "pipeline/stages/other_views/backing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kSide_px = 320, kReachShare = 10;
+constexpr int kOverlap_px = 2;            // that the backing reaches beyond a silhouette
+constexpr double kBehindFarthest_px = 1;  // of the left view
+constexpr double kFarSide_px = 2;         // from the farthest surface; what is no farther has its colours
+
+struct Grid {
+    int width, height;
+    std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+};
+using Values = std::vector<double>;
+
+// Combines the values of each square of this radius, first along rows and then along columns.
+template <typename Combine>
+Values over_squares(const Values& values, const Grid& grid, int radius, const Combine& combine) {
+    Values across(values.size()), result(values.size());
+    for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x) {
+            double all = values[grid.at(x, y)];
+            for (int u = std::max(0, x - radius); u <= std::min(grid.width - 1, x + radius); ++u)
+                if (u != x) all = combine(all, values[grid.at(u, y)]);
+            across[grid.at(x, y)] = all;
+        }
+    for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x) {
+            double all = across[grid.at(x, y)];
+            for (int v = std::max(0, y - radius); v <= std::min(grid.height - 1, y + radius); ++v)
+                if (v != y) all = combine(all, across[grid.at(x, v)]);
+            result[grid.at(x, y)] = all;
+        }
+    return result;
+}
+
+Values largest(const Values& values, const Grid& grid, int radius) {
+    return over_squares(values, grid, radius, [](double a, double b) { return std::max(a, b); });
+}
+
+Values sums(const Values& values, const Grid& grid, int radius) {
+    return over_squares(values, grid, radius, [](double a, double b) { return a + b; });
+}
+
+// The surface at a reduced size.
+struct Reduced {
+    Grid grid;
+    Values nearest;        // of each square's pixels; kNotCovered = none is covered
+    Values is_silhouette;  // 1 for squares with a step between neighbours
+    Values is_open;        // 1 for squares with a pixel that is not covered
+};
+
+Reduced reduced(const SeenSurface& here, int by) {
+    const int width = here.place.width, height = here.place.height;
+    Reduced small{{width / by, height / by}, {}, {}, {}};
+    const auto at = [&](int x, int y) { return here.disparities[static_cast<std::size_t>(y) * width + x]; };
+    const auto are_apart = [](double a, double b) {
+        return a != kNotCovered && b != kNotCovered && std::abs(a - b) > kOneSurface_px;
+    };
+    for (int row = 0; row < small.grid.height; ++row)
+        for (int column = 0; column < small.grid.width; ++column) {
+            double nearest = kNotCovered;
+            bool is_silhouette = false, is_open = false;
+            for (int y = row * by; y < row * by + by; ++y)
+                for (int x = column * by; x < column * by + by; ++x) {
+                    nearest = std::max(nearest, at(x, y));
+                    is_open |= at(x, y) == kNotCovered;
+                    is_silhouette |= (x + 1 < width && are_apart(at(x, y), at(x + 1, y))) ||
+                                     (y + 1 < height && are_apart(at(x, y), at(x, y + 1)));
+                }
+            small.nearest.push_back(nearest);
+            small.is_silhouette.push_back(is_silhouette);
+            small.is_open.push_back(is_open);
+        }
+    return small;
+}
+
+}  // namespace
+
+OtherView backing_of(const SeenSurface& here, const Image& picture) {
+    const int longer = std::max(here.place.width, here.place.height);
+    const int by = (longer + kSide_px - 1) / kSide_px, radius = longer / by / kReachShare;
+    const Reduced small = reduced(here, by);
+    const Grid& grid = small.grid;
+    const std::size_t count = small.nearest.size();
+    OtherView view;
+    view.place = here.place;
+    view.place.scale = by;
+    view.place.width = grid.width;
+    view.place.height = grid.height;
+    view.map = view.missing = {grid.width, grid.height, std::vector<float>(count, kUnknownDisparity)};
+
+    const Values farthest = over_squares(small.nearest, grid, radius, [](double a, double b) {
+        return a == kNotCovered ? b : b == kNotCovered ? a : std::min(a, b);
+    });
+    Values is_covered(count), covered(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        is_covered[i] = farthest[i] != kNotCovered;
+        covered[i] = is_covered[i] > 0 ? farthest[i] : 0;
+    }
+    const Values numbers = sums(is_covered, grid, radius / 2), totals = sums(covered, grid, radius / 2);
+    const Values in_front = largest(small.nearest, grid, kOverlap_px),
+                 is_near = largest(small.is_silhouette, grid, radius),
+                 is_at_end = largest(small.is_open, grid, kOverlap_px);
+    for (std::size_t i = 0; i < count; ++i) {
+        if (numbers[i] == 0) continue;
+        const double d = totals[i] / numbers[i] - kBehindFarthest_px;
+        view.map.values[i] = static_cast<float>(d / by);
+        if (is_near[i] > 0 && is_at_end[i] == 0 && in_front[i] != kNotCovered &&
+            in_front[i] - d > kBehindFarthest_px + kOneSurface_px)
+            view.missing.values[i] = view.map.values[i];
+    }
+    if (picture.empty()) return view;
+
+    Values is_far(count);
+    for (std::size_t i = 0; i < count; ++i)
+        is_far[i] = small.nearest[i] != kNotCovered && small.nearest[i] <= farthest[i] + kFarSide_px;
+    const Values far_count = sums(is_far, grid, radius);
+    const int channels = picture.channels;
+    view.color = {grid.width, grid.height, channels, std::vector<std::uint8_t>(count * channels)};
+    for (int c = 0; c < channels; ++c) {
+        Values levels(count), far_levels(count);
+        for (int y = 0; y < grid.height; ++y)
+            for (int x = 0; x < grid.width; ++x) {
+                double sum = 0;
+                for (int v = y * by; v < y * by + by; ++v)
+                    for (int u = x * by; u < x * by + by; ++u) sum += picture.at(u, v)[c];
+                levels[grid.at(x, y)] = sum / (by * by);
+                far_levels[grid.at(x, y)] = is_far[grid.at(x, y)] * levels[grid.at(x, y)];
+            }
+        const Values total = sums(far_levels, grid, radius);
+        for (std::size_t i = 0; i < count; ++i)
+            view.color.pixels[i * channels + c] =
+                static_cast<std::uint8_t>(far_count[i] > 0 ? total[i] / far_count[i] : levels[i]);
+    }
+    return view;
+}
+
+}  // namespace hexrelief::stages

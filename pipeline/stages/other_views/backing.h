@@ -1,0 +1,15 @@
+// A coarse surface behind all silhouettes of a photograph.
+#pragma once
+
+#include "pipeline/stages/other_views/other_view.h"
+
+namespace hexrelief::stages {
+
+// Returns the left view, 320 px wide or high at most. Missing is what lies more than 1 px in front of the
+// farthest surface around it, within a tenth of the longer side of a silhouette, but for the view's border:
+// the view's map shows that surface, smoothed, and its picture the mean of its colours. So what nothing
+// continues behind silhouettes is closed. here: the surface as the left view shows it. picture: the left one,
+// of its size; empty = none.
+OtherView backing_of(const SeenSurface& here, const Image& picture);
+
+}  // namespace hexrelief::stages
