@@ -211,7 +211,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     SurfaceResult::OtherViews others;
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const auto add = [&](OtherView other, const stages::SeenSurface& here) {
-        stages::join_to_surface(other, here);
+        stages::join_to_surface(other, here, threads);
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
