@@ -1,4 +1,4 @@
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 
 #include <algorithm>
 
