@@ -9,7 +9,7 @@
 #include "cuda/common/surface_state.h"
 #include "cuda/surface/fit/fit_disparities.h"
 #include "cuda/surface/fit/fit_silhouettes.h"
-#include "cuda/surface/pixels/discontinuities.h"
+#include "cuda/surface/pixels/pixel_surfaces.h"
 #include "cuda/surface/topology/cut_vertices.h"
 #include "cuda/surface/topology/join_cuts.h"
 #include "cuda/surface/topology/label_triangles.h"

@@ -25,7 +25,7 @@ struct DisparityMeshInput {
 };
 
 // Cuts the mesh of `input` and fits its disparities. The steps, one header each:
-//  1. pixels/discontinuities.h: depth discontinuities between neighbouring pixels; holes and speckles are
+//  1. pixels/pixel_surfaces.h: depth discontinuities between neighbouring pixels; holes and speckles are
 //     merged into their surroundings (pixels/pixel_surfaces_step.h)
 //  2. topology/snap_vertices.h: lattice vertices move onto the silhouettes that these form
 //  3. topology/split_triangles.h: triangles whose edges still cross a silhouette are split there

@@ -22,10 +22,11 @@ using stages::ViewPlace;
 
 // What continues behind the left view's silhouettes is smooth; in photographs it has detail.
 constexpr int kReduced = 4, kReducedOfPhotographs = 2;
-constexpr double kCoarser = 3.5;          // spacing of the other views: what has no match has little detail
-constexpr double kHiddenStep_px = 20;     // a higher one is cut in what no camera saw
-constexpr double kShownStep_px = 6;       // the same if the right camera, which has no view, sees some of it
-constexpr int kFilled = 3;                // holes of the right view are filled at a third of its size
+constexpr double kCoarser = 3.5;       // spacing of the other views: what has no match has little detail
+constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera saw
+constexpr double kShownStep_px = 6;    // the same if the right camera, which has no view, sees some of it
+// Holes of the right view are filled at a third of its size, or at this length if that is less.
+constexpr int kFilled = 3, kFilled_px = 320;
 constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kLeastSpacing_px = 4;
@@ -152,11 +153,12 @@ DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& h
     stages::for_row_bands(height, threads, [&](int begin, int end) {
         for (int y = begin; y < end; ++y) fill_row(y);
     });
-    DisparityMap small{std::max(1, width / kFilled), std::max(1, height / kFilled), {}};
+    const int reduced = std::max(kFilled, std::max(width, height) / kFilled_px);
+    DisparityMap small{std::max(1, width / reduced), std::max(1, height / reduced), {}};
     for (int y = 0; y < small.height; ++y)
         for (int x = 0; x < small.width; ++x)
             small.values.push_back(
-                map.at(std::min(width - 1, kFilled * x), std::min(height - 1, kFilled * y)));
+                map.at(std::min(width - 1, reduced * x), std::min(height - 1, reduced * y)));
     if (std::none_of(small.values.begin(), small.values.end(), DisparityMap::known)) return map;
     small = stages::fill_holes(
         small, right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height),
@@ -166,8 +168,8 @@ DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& h
             for (int x = 0; x < width; ++x) {
                 float& d = map.at(x, y);
                 if (!DisparityMap::known(d))
-                    d = small.at(std::min(small.width - 1, x / kFilled),
-                                 std::min(small.height - 1, y / kFilled));
+                    d = small.at(std::min(small.width - 1, x / reduced),
+                                 std::min(small.height - 1, y / reduced));
             }
     });
     return map;
@@ -230,7 +232,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
-        stages::join_to_surface(missing, visible.seen[1]);
+        stages::join_to_surface(missing, visible.seen[1], threads);
         add(std::move(missing));
     }
     if (behind > 0) {
@@ -239,7 +241,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         show(left, here);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
                                 visible, threads);
-        stages::join_to_surface(left, here);
+        stages::join_to_surface(left, here, threads);
         add(std::move(left));
         if (view.is_by_points) add(stages::backing_of(here, view.color));
     }

@@ -10,6 +10,7 @@
 #include "pipeline/checks/pair_support.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/fields.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/stages/surface.h"
 
@@ -304,10 +305,11 @@ void take_measures(const std::vector<std::filesystem::path>& outputs, const RunL
     const SurfaceResult& surface = report.relief->surface;
     const LeftView view = report.relief->view();
     const int threads = report.relief->backend->threads();
-    report.topology = stages::count_topology(surface.mesh);
+    auto topology = start_work(threads, [&] { return stages::count_topology(surface.mesh); });
     report.quality = measure_written(view, surface, outputs, threads, log);
     report.holes = stages::measure_holes(surface.mesh, view.disparity,
                                          view.pair_camera.doffs_px - view.calibration.doffs_px, threads);
+    report.topology = topology.get();
 }
 
 void take_figures(const RunLog& log, RunReport& report) {

@@ -156,6 +156,19 @@ Disparities rasterise_disparity(const View& view, int threads) {
     return shown;
 }
 
+std::vector<char> rasterise_coverage(const View& view, int threads) {
+    std::vector<char> is_covered(static_cast<std::size_t>(view.width) * view.height);
+    for_row_bands(view.height, threads, [&](int begin, int end) {
+        for (const Triangle& t : *view.triangles)
+            for_rows_of(view, t, begin, end, 1, [&](const Filler& filler, int y) {
+                const Span span = filler.columns(y, view.width);
+                char* const row = &is_covered[static_cast<std::size_t>(y) * view.width];
+                if (span.first <= span.last) std::fill(row + span.first, row + span.last + 1, char{1});
+            });
+    });
+    return is_covered;
+}
+
 void rasterise_over(Disparities& shown, const View& view, int threads) {
     for_row_bands(view.height, threads, [&](int begin, int end) { rasterise_rows(shown, view, begin, end); });
 }

@@ -31,6 +31,8 @@ using Disparities = RawVector<double>;
 // their edges included; kNotCovered if none does. Disparity is linear over a triangle, which is exact for
 // planes in space. The result is the same for any number of threads (>= 1).
 Disparities rasterise_disparity(const View& view, int threads);
+// Returns 1 for each pixel, row-major, that has a disparity then.
+std::vector<char> rasterise_coverage(const View& view, int threads);
 // Raises the disparities that such triangles show so far, of the same size, to those of more triangles.
 void rasterise_over(Disparities& shown, const View& view, int threads);
 

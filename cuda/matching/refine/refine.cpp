@@ -57,7 +57,7 @@ RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::in
                       {arrays.speckles.sizes, counts}};
     for (int round = 0; round < step::kVoteRounds; ++round)
         arrays.votes[round] =
-            take_vote_arrays(arena, width, height, {arrays.speckles.labels, counts + 1 + round});
+            take_vote_arrays(arena, width, height, {arrays.speckles.parents, counts + 1 + round});
     arrays.known = take_known_pixels(arena, width, height);
     arrays.frame = frame;
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);

@@ -6,9 +6,9 @@
 
 namespace hexrelief::cuda {
 
-// labels, sizes: uninitialised, an entry per pixel.
+// Those of step::Patches: uninitialised, an entry per pixel.
 struct SpeckleArrays {
-    std::uint32_t *labels, *sizes;
+    std::uint32_t *parents, *sizes;
 };
 // Removes speckles from a map with a border of kUnknown16.
 void remove_speckles(cudaStream_t stream, const matching::ConsistencyConfig& config,

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 #include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
 #include "pipeline/base/thread_pool.h"

@@ -1,7 +1,7 @@
 // Insets silhouettes at high depth discontinuities into their own surfaces.
 #pragma once
 
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 #include "mesher/surface/topology/cut_vertices.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/disparity_map.h"

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <cstring>
 
-#include "mesher/common/shared_memory_step.h"
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
+#include "pipeline/base/shared_memory_step.h"
 
 namespace hexrelief::step {
 

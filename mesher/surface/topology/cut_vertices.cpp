@@ -1,7 +1,7 @@
 #include "mesher/surface/topology/cut_vertices.h"
 
-#include "mesher/common/thread_team.h"
 #include "mesher/surface/topology/cut_vertices_step.h"
+#include "pipeline/base/thread_team.h"
 
 namespace hexrelief::surface {
 

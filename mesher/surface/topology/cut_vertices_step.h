@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/shared_memory_step.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
+#include "pipeline/base/shared_memory_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {

@@ -1,7 +1,7 @@
 #include "mesher/surface/topology/join_cuts_step.h"
 
-#include "mesher/common/thread_team.h"
 #include "mesher/surface/topology/label_triangles.h"
+#include "pipeline/base/thread_team.h"
 
 namespace hexrelief::surface {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 #include "mesher/surface/topology/edge_votes_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/split_triangles.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/hex_mesh.h"

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/common/shared_memory_step.h"
 #include "mesher/surface/pixels/edge_crossings_step.h"
 #include "mesher/surface/topology/split_triangles_step.h"
+#include "pipeline/base/shared_memory_step.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::step {

@@ -1,7 +1,7 @@
 #include "mesher/surface/topology/split_triangles.h"
 
-#include "mesher/common/thread_team.h"
 #include "mesher/surface/pixels/crack_query.h"
+#include "pipeline/base/thread_team.h"
 
 namespace hexrelief::surface {
 namespace {

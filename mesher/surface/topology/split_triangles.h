@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 #include "mesher/surface/topology/split_lattice_step.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"

@@ -1,12 +1,14 @@
 #include "pipeline/matching/refine/consistency.h"
 
-#include <vector>
+#include <cstddef>
+#include <utility>
 
 #include "pipeline/base/simd.h"
-#include "pipeline/data/union_find.h"
+#include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/median_step.h"
+#include "pipeline/matching/refine/speckle_step.h"
 
 namespace hexrelief::matching {
 namespace {
@@ -16,28 +18,22 @@ HEXRELIEF_SMALL_VECTORS void median_row(DisparityView map, int y, std::int16_t* 
     for (int x = 0; x < map.width; ++x) out[x] = step::median_around(row + x, map.stride);
 }
 
-// Removes small patches of neighbours that differ by at most config.speckle_step.
-void remove_speckles(const ConsistencyConfig& config, Disparities16& map) {
-    const DisparityOut view = map.view();
-    const int width = map.width(), height = map.height();
-    UnionFind patches(static_cast<std::size_t>(width) * height);
-    const auto joined = [&](std::int16_t a, std::int16_t b) {
-        return step::joined(a, b, config.speckle_step);
+void remove_speckles(const ConsistencyConfig& config, Disparities16& map, ThreadPool& pool) {
+    const std::size_t pixels = static_cast<std::size_t>(map.width()) * map.height();
+    RawVector<unsigned> parents(pixels), sizes(pixels);
+    const DisparityOut out = map.view();
+    const step::Patches patches{std::as_const(map).view(), config, parents.data(), sizes.data()};
+    const auto for_each_pixel = [&](const auto& visit) {
+        for_each_row(pool, map.height(), [&](int y) {
+            for (int x = 0; x < map.width(); ++x) visit(x, y);
+        });
     };
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            const auto pixel = static_cast<std::uint32_t>(y) * width + x;
-            if (joined(view.at(x, y), view.at(x + 1, y))) patches.join(pixel, pixel + 1);
-            if (joined(view.at(x, y), view.at(x, y + 1))) patches.join(pixel, pixel + width);
-        }
-    }
-    std::vector<int> pixels(static_cast<std::size_t>(width) * height);
-    for (std::uint32_t i = 0; i < pixels.size(); ++i) ++pixels[patches.find(i)];
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            if (pixels[patches.find(static_cast<std::uint32_t>(y) * width + x)] <=
-                step::largest_speckle(config, view.at(x, y)))
-                view.at(x, y) = kUnknown16;
+    for_each_pixel([&](int x, int y) { patches.begin(x, y); });
+    for_each_pixel([&](int x, int y) { patches.join(x, y); });
+    for_each_pixel([&](int x, int y) { patches.count(x, y); });
+    for_each_pixel([&](int x, int y) {
+        if (patches.is_speckle(x, y)) out.at(x, y) = kUnknown16;
+    });
 }
 
 }  // namespace
@@ -61,7 +57,7 @@ TrustedMatches find_trusted_matches(const ViewDisparities& unfiltered, const Con
         for (int x = 0; x < width; ++x)
             checked.at(x, y) = step::checked_match(left.at(x, y), right.row(y), x, width, config);
     });
-    if (config.speckle_pixels > 0) remove_speckles(config, result.left);
+    if (config.speckle_pixels > 0) remove_speckles(config, result.left, pool);
     const DisparityOut trusted = result.right.view();
     for_each_row(pool, height, [&](int y) {
         for (int x = 0; x < width; ++x) {

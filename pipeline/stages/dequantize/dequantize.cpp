@@ -1,6 +1,7 @@
 #include "pipeline/stages/dequantize/dequantize.h"
 
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/stages/dequantize/evidence.h"
 #include "pipeline/stages/dequantize/pyramid.h"
 #include "pipeline/stages/dequantize/relax.h"
 
@@ -28,9 +29,10 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
         relax(pyramid[level], pulls[level], half_px, pool);
     }
     const PyramidLevel& fine = pyramid.front();
-    for (int y = 0; y < map.height; ++y)
+    for_rows(pool, map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x)
             if (fine.flags[fine.at(x, y)] & kIsSmoothed) result.at(x, y) = fine.smooth[fine.at(x, y)];
+    });
     return result;
 }
 

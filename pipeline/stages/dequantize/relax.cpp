@@ -13,6 +13,8 @@ namespace {
 // of eight, whose first steps are so long that the bounds cut off most of their gain.
 constexpr int kRounds = 2, kSteps = 4;
 constexpr float kLargestCurvature = 64, kLeastCurvature = 64.f / (kSteps * kSteps);
+// Threads take longer to start and to meet than one takes for a level of fewer pixels.
+constexpr std::size_t kFewPixels = 16384;
 // cos((2 k + 1) pi / 8)
 constexpr float kChebyshev[kSteps] = {0.92387953f, 0.38268343f, -0.38268343f, -0.92387953f};
 
@@ -101,9 +103,14 @@ void relax_rows(const PyramidLevel& level, const Descend& step, int first, int e
 
 template <typename Descend>
 void relax_level(PyramidLevel& level, std::vector<float>& next, ThreadPool& pool, const Descend& step) {
-    pool.parallel_for(static_cast<std::size_t>(level.height), [&](std::size_t first, std::size_t end) {
+    const auto relax_share = [&](std::size_t first, std::size_t end) {
         relax_rows(level, step, static_cast<int>(first), static_cast<int>(end), next.data());
-    });
+    };
+    const auto rows = static_cast<std::size_t>(level.height);
+    if (level.smooth.size() < kFewPixels)
+        relax_share(0, rows);
+    else
+        pool.parallel_for(rows, relax_share);
     level.smooth.swap(next);
 }
 

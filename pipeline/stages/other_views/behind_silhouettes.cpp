@@ -311,24 +311,31 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
 }
 
 // Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
-void grow(DisparityMap& map, const Disparities& covered) {
-    std::vector<std::uint32_t> border, beside;
-    for (std::uint32_t i = 0; i < map.values.size(); ++i)
-        if (DisparityMap::known(map.values[i])) border.push_back(i);
-    for (int px = 0; px < kBorder_px; ++px) {
-        beside.clear();
-        for (const std::uint32_t from : border)
-            for_neighbours(map, from, [&](std::uint32_t i) {
-                if (covered[i] != kNotCovered && !DisparityMap::known(map.values[i]) &&
-                    std::abs(map.values[from] - covered[i]) <= kOneSurface_px)
-                    beside.push_back(i);
-            });
-        border.clear();
-        for (const std::uint32_t i : beside)
-            if (!DisparityMap::known(map.values[i])) {
-                map.values[i] = static_cast<float>(covered[i]);
-                border.push_back(i);
-            }
+void grow(DisparityMap& map, const Disparities& covered, ThreadPool& pool) {
+    const auto add_beside = [&](std::uint32_t from, std::vector<std::uint32_t>& beside) {
+        for_neighbours(map, from, [&](std::uint32_t i) {
+            if (covered[i] != kNotCovered && !DisparityMap::known(map.values[i]) &&
+                std::abs(map.values[from] - covered[i]) <= kOneSurface_px)
+                beside.push_back(i);
+        });
+    };
+    std::vector<std::vector<std::uint32_t>> found(static_cast<std::size_t>(pool.size()));
+    pool.run([&](int thread) {
+        const std::size_t end = pool.share(map.values.size(), thread + 1);
+        for (std::size_t i = pool.share(map.values.size(), thread); i < end; ++i)
+            if (DisparityMap::known(map.values[i])) add_beside(static_cast<std::uint32_t>(i), found[thread]);
+    });
+    for (int px = 1;; ++px) {
+        std::vector<std::uint32_t> border;
+        for (const std::vector<std::uint32_t>& beside : found)
+            for (const std::uint32_t i : beside)
+                if (!DisparityMap::known(map.values[i])) {
+                    map.values[i] = static_cast<float>(covered[i]);
+                    border.push_back(i);
+                }
+        if (px == kBorder_px) return;
+        found.assign(1, {});
+        for (const std::uint32_t from : border) add_beside(from, found[0]);
     }
 }
 
@@ -358,13 +365,14 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered) view.missing.values[i] = kUnknownDisparity;
     spread_colours(continued, view, front);
-    for (Image* const picture : {&view.color, &view.picture})
-        paint(*picture, place, continued, front, beyond.mixed_px > kMixed, pool);
+    paint(view.picture.empty() ? view.color : view.picture, place, continued, front, beyond.mixed_px > kMixed,
+          pool);
 }
 
-void join_to_surface(OtherView& view, const SeenSurface& here) {
+void join_to_surface(OtherView& view, const SeenSurface& here, int threads) {
     merge_specks(view.missing);
-    grow(view.missing, here.disparities);
+    ThreadPool pool(threads);
+    grow(view.missing, here.disparities, pool);
 }
 
 }  // namespace hexrelief::stages

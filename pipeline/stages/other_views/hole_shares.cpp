@@ -13,7 +13,7 @@ namespace hexrelief::stages {
 namespace {
 
 constexpr int kSamples = 3;        // along each side of a pixel
-constexpr int kBand = 128;         // rows that are rasterised at once
+constexpr int kBand = 512;         // rows that are rasterised at once
 constexpr int kMedianLines = 9;    // of the field's ends: maps err at the picture's border
 constexpr double kNearest = 0.95;  // percentile of the disparities that stay in place seen from above
 
@@ -88,7 +88,7 @@ double open_share(const std::vector<ViewPoint>& points, const SurfaceMesh& mesh,
             p.x *= kSamples;
             p.y = (p.y - top) * kSamples;
         }
-        const Disparities samples = rasterise_disparity(band, threads);
+        const std::vector<char> is_covered = rasterise_coverage(band, threads);
         for_row_bands(rows, threads, [&](int begin, int end) {
             long long inside = 0, open = 0;
             for (int y = begin; y < end; ++y)
@@ -97,7 +97,7 @@ double open_share(const std::vector<ViewPoint>& points, const SurfaceMesh& mesh,
                     int covered = 0;
                     for (int v = y * kSamples; v < (y + 1) * kSamples; ++v)
                         for (int u = x * kSamples; u < (x + 1) * kSamples; ++u)
-                            covered += samples[static_cast<std::size_t>(v) * band.width + u] != kNotCovered;
+                            covered += is_covered[static_cast<std::size_t>(v) * band.width + u];
                     ++inside;
                     open += 2 * covered < kSamples * kSamples;
                 }

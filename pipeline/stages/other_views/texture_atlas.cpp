@@ -16,12 +16,13 @@ struct Blocks {
     std::vector<char> is_used;
 
     bool at(int column, int row) const { return is_used[static_cast<std::size_t>(row) * columns + column]; }
-    void use(double x, double y) {
+    // Uses what lies in a row of the picture from x on, to last_x.
+    void use(double x, double last_x, double y) {
         const auto block = [](double at, int blocks) {
             return std::clamp(static_cast<int>(at / kBlock_px), 0, blocks - 1);
         };
         for (int r = block(y - kBeside_px, rows); r <= block(y + kBeside_px, rows); ++r)
-            for (int c = block(x - kBeside_px, columns); c <= block(x + kBeside_px, columns); ++c)
+            for (int c = block(x - kBeside_px, columns); c <= block(last_x + kBeside_px, columns); ++c)
                 is_used[static_cast<std::size_t>(r) * columns + c] = 1;
     }
 };
@@ -31,10 +32,13 @@ Blocks used_blocks(const PictureInUse& view) {
     Blocks blocks{
         (picture.width + kBlock_px - 1) / kBlock_px, (picture.height + kBlock_px - 1) / kBlock_px, {}};
     blocks.is_used.resize(static_cast<std::size_t>(blocks.columns) * blocks.rows);
+    const auto middle = [&](int x) { return (x + 0.5) * picture.width / used.width; };
     for (int y = 0; y < used.height; ++y)
-        for (int x = 0; x < used.width; ++x)
-            if (DisparityMap::known(used.at(x, y)))
-                blocks.use((x + 0.5) * picture.width / used.width, (y + 0.5) * picture.height / used.height);
+        for (int x = 0; x < used.width; ++x) {
+            const int first = x;
+            while (x < used.width && DisparityMap::known(used.at(x, y))) ++x;
+            if (x > first) blocks.use(middle(first), middle(x - 1), (y + 0.5) * picture.height / used.height);
+        }
     return blocks;
 }
 

@@ -47,6 +47,22 @@ struct InFront {
     double little_px = 0;  // the same where it is in front by at most kMostPush_px
 };
 
+// True if all that the view shows where it has the triangle is nearer than the triangle's corners.
+bool is_all_behind(const SeenSurface& seen, const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) {
+    const auto pixel = [](double at, int size) { return static_cast<int>(std::clamp(at, 0.0, size - 1.0)); };
+    const int left = pixel(std::min({a.x, b.x, c.x}), seen.place.width),
+              right = pixel(std::max({a.x, b.x, c.x}), seen.place.width),
+              top = pixel(std::min({a.y, b.y, c.y}), seen.place.height),
+              bottom = pixel(std::max({a.y, b.y, c.y}), seen.place.height);
+    const double nearest = std::max({a.d, b.d, c.d});
+    bool is_behind = true;
+    for (int y = top; y <= bottom; ++y) {
+        const double* const row = &seen.disparities[static_cast<std::size_t>(y) * seen.place.width];
+        for (int x = left; x <= right; ++x) is_behind &= !(row[x] < nearest) || row[x] == kNotCovered;
+    }
+    return is_behind;
+}
+
 // Looks at points of a triangle of this view less than a pixel apart, until one is in front by more than
 // enough_px. Views of a point are linear in (x, y, d).
 InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& place,
@@ -58,6 +74,7 @@ InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& 
                 place.to_left({mesh.points[v].x, mesh.points[v].y, mesh.disparities[v]}));
         };
         const ViewPoint a = corner(t[0]), b = corner(t[1]), c = corner(t[2]);
+        if (is_all_behind(seen, a, b, c)) continue;
         const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
                                          std::abs(c.y - a.y), std::abs(c.x - b.x), std::abs(c.y - b.y)});
         const int steps = 1 + static_cast<int>(kSamples_per_px * longest);

@@ -1,5 +1,5 @@
 // Tests what a team's threads do together against plain loops, on several numbers of threads.
-#include "mesher/common/thread_team.h"
+#include "pipeline/base/thread_team.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "mesher/common/shared_memory_step.h"
+#include "pipeline/base/shared_memory_step.h"
 #include "pipeline/data/union_find.h"
 
 namespace hexrelief::testing_mesher {

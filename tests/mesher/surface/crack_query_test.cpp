@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "mesher/surface/pixels/crack_query.h"
-#include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/pixels/eight_flags.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 
 namespace hexrelief::surface {
 namespace {

@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 #include "pipeline/data/error.h"
 #include "tests/mesher/surface/made_up_scene.h"
 

@@ -1,4 +1,4 @@
-#include "cuda/surface/pixels/discontinuities.h"
+#include "cuda/surface/pixels/pixel_surfaces.h"
 
 #include <cfloat>
 

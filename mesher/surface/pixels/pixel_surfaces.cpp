@@ -1,11 +1,11 @@
-#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
 
 #include <algorithm>
 
-#include "mesher/common/thread_team.h"
 #include "mesher/surface/pixels/eight_flags.h"
 #include "mesher/surface/pixels/pixel_surfaces_step.h"
 #include "pipeline/base/simd.h"
+#include "pipeline/base/thread_team.h"
 
 namespace hexrelief::surface {
 namespace {
