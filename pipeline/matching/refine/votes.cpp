@@ -139,12 +139,9 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
     Raster<VoteWindow> result(width, height, VoteWindow::none);
     const DisparityView view = map.view();
     for_each_row(pool, height, [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            const int own = view.at(x, y);
-            const auto far = [&](int other) { return step::discontinuous(own, other); };
-            steps.view().at(x, y) = far(view.at(x - 1, y)) | far(view.at(x + 1, y)) | far(view.at(x, y - 1)) |
-                                    far(view.at(x, y + 1));
-        }
+        const std::int16_t* const row = view.row(y);
+        for (int x = 0; x < width; ++x)
+            steps.view().at(x, y) = step::beside_discontinuity(row + x, view.stride);
     });
     for_each_row(pool, height, [&](int y) {
         const std::uint8_t* from = steps.view().row(y);
