@@ -24,25 +24,27 @@ HEXRELIEF_HD Sides both(const Sides& a, const Sides& b) {
 
 enum class Certainty : std::uint8_t { wrong, undecided, right };
 inline constexpr int kConfirmed = 7;  // by which the own side's difference of colours must be smaller
+// The difference of a side that is hidden from the right camera, which therefore has no match.
+inline constexpr int kHiddenDifference = 40;
 
 // Returns how certain a pixel's disparity is. difference(disparity): difference between the pixel's colour
-// and that of its match in the right picture. Sides that the right camera cannot see have no match; a pixel
-// without another visible side is certain.
+// and that of its match in the right picture. A pixel without a possible other side is certain, and so is one
+// whose own surface the right picture does not show.
 template <typename Difference>
 HEXRELIEF_HD Certainty certainty(const RowSite& site, int own, const Sides& sides,
                                  const Difference& difference) {
-    const auto is_visible = [&](int disparity) {
-        return is_in_right(site.x, site.width, site.min_px, disparity) &&
-               !is_hidden(site.nearest_seen[matching_column(site.x, site.min_px, disparity)], disparity);
+    const auto hidden = [&](int disparity) {
+        return is_hidden(site.nearest_seen[matching_column(site.x, site.min_px, disparity)], disparity);
     };
     int rival = INT32_MAX;
     const std::int16_t others[2] = {sides.farthest, sides.nearest};
     for (const std::int16_t other : others) {
-        if (!is_possible_side(site, own, other) || !is_visible(other)) continue;
-        const int here = difference(other);
+        if (!is_possible_side(site, own, other)) continue;
+        const int here = hidden(other) ? kHiddenDifference : difference(other);
         rival = here < rival ? here : rival;
     }
-    if (rival == INT32_MAX || own < 0 || !is_visible(own)) return Certainty::right;
+    if (rival == INT32_MAX || !is_in_right(site.x, site.width, site.min_px, own) || hidden(own))
+        return Certainty::right;
     const int of_own = difference(own);
     return of_own <= rival - kConfirmed   ? Certainty::right
            : of_own >= rival + kConfirmed ? Certainty::wrong

@@ -159,10 +159,11 @@
 // least
 //     and the largest disparity of its pixels at discontinuities (9). A pixel's other surfaces are the least
 //     and the largest side of its block and the eight around that one, if they differ from the pixel's own
-//     disparity by more than 24 and their match is inside (12) and neither in front nor hidden (6). A pixel
-//     is certain if it is unknown, if it has no other surface, or if its own match is outside or hidden.
-//     Otherwise it is certain if its difference of colours (12) is below that of each other surface by at
-//     least 7, wrong if it is above that of one of them by at least 7, and else undecided.
+//     disparity by more than 24 and their match is inside (12) and not in front (6). Their difference is that
+//     of colours (12), or 40 if they are hidden (6). A pixel is certain if it is unknown, if it has no other
+//     surface, or if its own match is outside or hidden. Otherwise it is certain if its difference of colours
+//     is below that of each other surface by at least 7, wrong if it is above that of one of them by at least
+//     7, and else undecided.
 #pragma once
 
 #include <cstddef>

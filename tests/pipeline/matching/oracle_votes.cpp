@@ -146,18 +146,15 @@ std::vector<int> sides_around(const Grid& map, const Grid& at_steps, int x, int 
 Certainty certainty_of(const std::vector<int>& surfaces, int own, const Pictures& pictures,
                        const Grid& nearest, int min_px, int x, int y) {
     const auto position = [&](int d) { return 16 * (x - min_px) - d; };
-    const auto has_match = [&](int d) {
-        if (d == kUnknown || position(d) < 0 || position(d) > 16 * (nearest.width - 1)) return false;
-        const int seen = nearest.at(x - min_px - rounded(d, 16), y);
-        return seen == kAnything || seen - d <= 16;
-    };
-    if (!has_match(own)) return certain;
+    const auto inside = [&](int d) { return position(d) >= 0 && position(d) <= 16 * (nearest.width - 1); };
+    const auto seen = [&](int d) { return nearest.at(x - min_px - rounded(d, 16), y); };
+    const auto hidden = [&](int d) { return seen(d) != kAnything && seen(d) - d > 16; };
+    if (own == kUnknown || !inside(own) || hidden(own)) return certain;
     const int difference = side_difference(pictures, x, y, position(own));
     Certainty result = certain;
     for (const int other : surfaces) {
-        if (std::abs(other - own) <= 24 || !has_match(other)) continue;
-        if (other - nearest.at(x - min_px - rounded(other, 16), y) > 16) continue;
-        const int more = difference - side_difference(pictures, x, y, position(other));
+        if (std::abs(other - own) <= 24 || !inside(other) || other - seen(other) > 16) continue;
+        const int more = difference - (hidden(other) ? 40 : side_difference(pictures, x, y, position(other)));
         result = std::min(result, more >= 7 ? wrong : more > -7 ? undecided : certain);
     }
     return result;
