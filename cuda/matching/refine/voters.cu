@@ -2,7 +2,6 @@
 
 #include "cuda/matching/common/pixel_list.cuh"
 #include "cuda/matching/refine/match_colors.cuh"
-#include "pipeline/matching/refine/certainty_step.h"
 #include "pipeline/matching/refine/voter_step.h"
 
 namespace hexrelief::cuda {

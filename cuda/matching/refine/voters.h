@@ -15,7 +15,7 @@ struct VoterInput {
     bool in_color;  // false: the packed colours are grey
 };
 
-// The sides of each block's discontinuities (see certainty_step.h).
+// The sides of each block's discontinuities (see voter_step.h).
 using BlockSides = matching::RasterView<step::Sides>;
 BlockSides take_block_sides(Arena& arena, int width, int height);
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "pipeline/matching/common/for_each_row.h"
-#include "pipeline/matching/refine/certainty.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 #include "pipeline/matching/refine/match_colors.h"
@@ -17,52 +16,6 @@
 
 namespace hexrelief::matching {
 namespace {
-
-struct VoterInput {
-    const Raster<std::uint8_t>& matched;
-    const Disparities16& filled;
-    const PairColors& colors;
-    const Raster<std::int32_t>& nearest_seen;
-    int min_px;
-};
-
-Raster<std::uint8_t> first_round_weights(const VoterInput& in, ThreadPool& pool) {
-    const int width = in.matched.width();
-    const ColorView left = view_of(in.colors.left), right = view_of(in.colors.right);
-    const Raster<step::Certainty> certainty =
-        find_certainty({in.filled, in.colors, in.nearest_seen, in.min_px}, pool);
-    Raster<std::uint8_t> weights(width, in.matched.height(), 0);
-    for_each_row(pool, in.matched.height(), [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            std::uint8_t& weight = weights.view().at(x, y);
-            weight = step::kMatchedWeight;
-            if (in.matched.view().at(x, y) && certainty.view().at(x, y) == step::Certainty::right) continue;
-            const int disparity = in.filled.view().at(x, y);
-            const step::RowSite site{x, width, in.min_px, in.nearest_seen.view().row(y)};
-            weight = step::filled_weight(site, disparity, left.channels > 1, [&] {
-                return window_difference(left, right, x, y, step::position_in_right(x, in.min_px, disparity));
-            });
-        }
-    });
-    return weights;
-}
-
-Raster<std::uint8_t> later_weights(const CertaintyInput& in, ThreadPool& pool) {
-    const Raster<step::Certainty> certainty = find_certainty(in, pool);
-    Raster<std::uint8_t> weights(in.map.width(), in.map.height(), 0);
-    for_each_row(pool, in.map.height(), [&](int y) {
-        for (int x = 0; x < in.map.width(); ++x)
-            weights.view().at(x, y) = step::later_weight(certainty.view().at(x, y));
-    });
-    return weights;
-}
-
-void open_holes(const Raster<std::uint8_t>& weights, Raster<VoteWindow>& windows, ThreadPool& pool) {
-    for_each_row(pool, weights.height(), [&](int y) {
-        for (int x = 0; x < weights.width(); ++x)
-            if (step::is_hole(weights.view().at(x, y))) windows.view().at(x, y) = VoteWindow::hole;
-    });
-}
 
 void raise_frame_segments(const FrameSegments& segments, const DisparityView& matches,
                           const DisparityOut& filled) {
@@ -107,10 +60,9 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     for (int round = 0; round < step::kVoteRounds; ++round) {
         const bool first_round = round == 0;
         const Slopes slopes = find_slopes(map, pool);
+        const VoterInput voters{map, colors, matches.nearest_seen, config.min_px};
         const Raster<std::uint8_t> weights =
-            first_round
-                ? first_round_weights({matched, map, colors, matches.nearest_seen, config.min_px}, pool)
-                : later_weights({map, colors, matches.nearest_seen, config.min_px}, pool);
+            first_round ? first_round_weights(voters, matched, pool) : later_weights(voters, pool);
         Raster<VoteWindow> windows = near_discontinuities(map, pool);
         if (first_round) open_holes(weights, windows, pool);
         map = take_votes({map, slopes, left, hole_colors, matches.nearest_seen, weights, config.min_px},
