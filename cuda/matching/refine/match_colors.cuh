@@ -5,6 +5,7 @@
 
 #include "cuda/matching/common/device_raster.h"
 #include "cuda/matching/common/pixels.cuh"
+#include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/match_color_step.h"
 
 namespace hexrelief::cuda {
@@ -19,6 +20,18 @@ HEXRELIEF_HD int match_difference(std::uint32_t left, const std::uint32_t* right
                                       at.sixteenths);
     return sum;
 }
+
+// The difference between a pixel's colour and that of its match at a disparity.
+struct PixelDifference {
+    const std::uint32_t* right;  // row of the right picture
+    step::RowSite site;
+    std::uint32_t own;
+
+    HEXRELIEF_HD int operator()(int disparity) const {
+        return match_difference(own, right, site.width,
+                                step::position_in_right(site.x, site.min_px, disparity));
+    }
+};
 
 // Returns the sum over the 3x3 pixels around (x, y).
 HEXRELIEF_HD int window_difference(const PackedColors& left, const PackedColors& right, int x, int y,

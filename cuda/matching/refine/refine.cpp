@@ -5,7 +5,6 @@
 #include "cuda/matching/common/borders.h"
 #include "cuda/matching/refine/sides.h"
 #include "cuda/matching/refine/smooth.h"
-#include "cuda/matching/refine/voters.h"
 #include "pipeline/matching/refine/side_step.h"
 
 namespace hexrelief::cuda {
@@ -26,7 +25,6 @@ void prepare(cudaStream_t stream, const RefineArrays& arrays) {
                           {arrays.planes[1], kUnknownBytes},
                           {arrays.slopes.fitted, 0}});
     set(arrays.trusted.holes.count, 0, kLists * sizeof(std::uint32_t));
-    set(arrays.voter_weights.origin, step::kMatchedWeight, static_cast<std::size_t>(width) * height);
     set(arrays.frame.least, kUnknownBytes, matching::cell_grid(width, height).size() * sizeof(std::int16_t));
 }
 
@@ -60,6 +58,7 @@ RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::in
             take_vote_arrays(arena, width, height, {arrays.speckles.parents, counts + 1 + round});
     arrays.known = take_known_pixels(arena, width, height);
     arrays.frame = frame;
+    arrays.sides = take_block_sides(arena, width, height);
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
     return arrays;
@@ -119,16 +118,14 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     const matching::RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const matching::RasterView<const std::uint32_t> discontinuous = reading(arrays.slopes.discontinuous);
 
-    weigh_voters(stream,
-                 {reading(arrays.left), arrays.trusted.holes, nearest_seen, left, reading(colors.right),
-                  config.min_px, colors.in_color},
-                 arrays.voter_weights);
-    find_slopes(
-        stream,
-        {reading(arrays.left), left, reading(arrays.voter_weights), input.hole_colors, RecordsOf::all, {}},
-        arrays.slopes, arrays.records);
+    VoterInput voters{reading(arrays.left),  nearest_seen,  left,
+                      reading(colors.right), config.min_px, colors.in_color};
+    weigh_voters(stream, voters, matched, arrays.sides, arrays.trusted.holes, arrays.voter_weights);
+    const matching::RasterView<const std::uint8_t> weights = reading(arrays.voter_weights);
+    find_slopes(stream, {reading(arrays.left), left, weights, input.hole_colors, RecordsOf::all, {}},
+                arrays.slopes, arrays.records);
     take_votes(stream,
-               {reading(arrays.left), records, discontinuous, nearest_seen, matched, arrays.trusted.holes,
+               {reading(arrays.left), records, discontinuous, nearest_seen, weights, arrays.trusted.holes,
                 config.min_px},
                arrays.votes[0], arrays.a);
     clock.ended("slopes, votes, first round");
@@ -138,6 +135,8 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
             stream,
             {reading(map), left, {}, {}, RecordsOf::all, reading(arrays.votes[round - 1].changed_blocks)},
             arrays.slopes, arrays.records);
+        voters.map = reading(map);
+        weigh_later_voters(stream, voters, arrays.sides, arrays.records);
         take_votes(stream, {reading(map), records, discontinuous, nearest_seen, {}, {}, config.min_px},
                    arrays.votes[round], changed);
         std::swap(map, changed);

@@ -6,6 +6,7 @@
 #include "cuda/matching/refine/fill.h"
 #include "cuda/matching/refine/frame_segments.h"
 #include "cuda/matching/refine/remove_speckles.h"
+#include "cuda/matching/refine/voters.h"
 #include "cuda/matching/refine/votes.h"
 #include "pipeline/matching/refine/vote_step.h"
 
@@ -43,9 +44,10 @@ struct RefineArrays {
     SpeckleArrays speckles;
     KnownPixels known;
     FrameArrays frame;
-    matching::RasterView<std::uint8_t> voter_weights;
-    VoteArrays votes[step::kVoteRounds];        // one per round
-    matching::RasterView<std::int16_t> result;  // without a border
+    BlockSides sides;
+    matching::RasterView<std::uint8_t> voter_weights;  // of the first round
+    VoteArrays votes[step::kVoteRounds];               // one per round
+    matching::RasterView<std::int16_t> result;         // without a border
 };
 
 RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::int16_t>& left,

@@ -5,18 +5,6 @@
 namespace hexrelief::cuda {
 namespace {
 
-// The difference between a pixel's colour and that of the right picture at a disparity.
-struct SideDifference {
-    const std::uint32_t* right;  // row of the right picture
-    step::RowSite site;
-    std::uint32_t own;
-
-    HEXRELIEF_HD int operator()(int disparity) const {
-        return match_difference(own, right, site.width,
-                                step::position_in_right(site.x, site.min_px, disparity));
-    }
-};
-
 __global__ void choose_sides_kernel(SideInput in, matching::DisparityOut chosen) {
     begin_kernel();
     const int2 at = pixel_of_thread();
@@ -28,7 +16,7 @@ __global__ void choose_sides_kernel(SideInput in, matching::DisparityOut chosen)
     if (step::discontinuous(own, sides.farthest) || step::discontinuous(own, sides.nearest)) {
         const step::RowSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y)};
         best = step::better_side(site, own, sides,
-                                 SideDifference{in.right.row(at.y), site, in.left.at(at.x, at.y)});
+                                 PixelDifference{in.right.row(at.y), site, in.left.at(at.x, at.y)});
     }
     chosen.at(at.x, at.y) = best;
 }

@@ -26,13 +26,6 @@ __device__ step::SideSums<std::uint32_t> side_sums(const std::int16_t* pixel, st
     return sums;
 }
 
-// True if there is a discontinuity beside a known pixel.
-__device__ bool any_discontinuous(const std::int16_t* pixel, std::ptrdiff_t stride) {
-    const int own = *pixel;
-    return step::discontinuous(own, pixel[-1]) | step::discontinuous(own, pixel[1]) |
-           step::discontinuous(own, pixel[-stride]) | step::discontinuous(own, pixel[stride]);
-}
-
 // Tables by the numbers of samples before and behind a pixel, and by the number of pixels on its surface.
 struct SlopeTables {
     step::LinePlaces places[step::kSamples + 1][step::kSamples + 1];
@@ -92,7 +85,7 @@ __global__ void fit_slopes(RecordInput in, SlopeArrays out) {
         fitted.slopes = static_cast<std::uint32_t>(x + step::kSteepest) |
                         static_cast<std::uint32_t>(y + step::kSteepest) << kSlopeBits |
                         1u << (2 * kSlopeBits);
-        if (out.discontinuous.origin) discontinuous = any_discontinuous(pixel, map.stride);
+        if (out.discontinuous.origin) discontinuous = step::beside_discontinuity(pixel, map.stride);
     }
     if (inside) out.fitted.at(at.x, at.y) = fitted;
     if (!out.discontinuous.origin) return;

@@ -3,6 +3,7 @@
 #include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/votes.h"
 #include "pipeline/matching/refine/vote_step.h"
+#include "pipeline/matching/refine/voter_step.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -35,7 +36,7 @@ __global__ void list_near_pixels(VoteInput in, VoteArrays out, matching::Dispari
     const int2 at = pixel_of_thread();
     const bool is_near = near_discontinuities(in.discontinuous, at.y) >> threadIdx.x & 1u;
     const bool inside = at.x < in.map.width && at.y < in.map.height;
-    const bool hole = inside && in.matched.origin && !in.matched.at(at.x, at.y),
+    const bool hole = inside && in.weights.origin && step::is_hole(in.weights.at(at.x, at.y)),
                near = inside && is_near && !hole;
     if (inside && !hole && !near) voted.at(at.x, at.y) = in.map.at(at.x, at.y);
     add_to_list(out.near, near, at);
@@ -166,7 +167,7 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list,
 __global__ void __launch_bounds__(kListBlock)
     take_votes_kernel(VoteInput in, PixelList near, matching::DisparityOut voted) {
     begin_kernel();
-    if (in.matched.origin) vote_on_pixels<kHole>(in, in.holes, voted);
+    if (in.weights.origin) vote_on_pixels<kHole>(in, in.holes, voted);
     vote_on_pixels<kNear>(in, near, voted);
 }
 

@@ -11,8 +11,9 @@ struct VoteInput {
     PixelRecords records;                                     // the map's, with the pixels' weights as voters
     matching::RasterView<const std::uint32_t> discontinuous;  // see SlopeArrays
     matching::RasterView<const std::int32_t> nearest_seen;
-    matching::RasterView<const std::uint8_t> matched;  // 0 = a hole; origin null: there are no holes
-    PixelList holes;
+    // Of the first round; origin null: there are no holes.
+    matching::RasterView<const std::uint8_t> weights;
+    PixelList holes;  // the pixels that are step::is_hole() by their weights
     int min_px;
 };
 struct VoteArrays {

@@ -17,40 +17,6 @@
 namespace hexrelief::matching {
 namespace {
 
-struct VoterInput {
-    const Raster<std::uint8_t>& matched;
-    const Disparities16& filled;
-    const PairColors& colors;
-    const Raster<std::int32_t>& nearest_seen;
-    int min_px;
-};
-
-Raster<std::uint8_t> first_round_weights(const VoterInput& in, ThreadPool& pool) {
-    const int width = in.matched.width();
-    const ColorView left = view_of(in.colors.left), right = view_of(in.colors.right);
-    Raster<std::uint8_t> weights(width, in.matched.height(), 0);
-    for_each_row(pool, in.matched.height(), [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            std::uint8_t& weight = weights.view().at(x, y);
-            weight = step::kMatchedWeight;
-            if (in.matched.view().at(x, y)) continue;
-            const int disparity = in.filled.view().at(x, y);
-            const step::RowSite site{x, width, in.min_px, in.nearest_seen.view().row(y)};
-            weight = step::filled_weight(site, disparity, left.channels > 1, [&] {
-                return window_difference(left, right, x, y, step::position_in_right(x, in.min_px, disparity));
-            });
-        }
-    });
-    return weights;
-}
-
-void open_holes(const Raster<std::uint8_t>& matched, Raster<VoteWindow>& windows, ThreadPool& pool) {
-    for_each_row(pool, matched.height(), [&](int y) {
-        for (int x = 0; x < matched.width(); ++x)
-            if (!matched.view().at(x, y)) windows.view().at(x, y) = VoteWindow::hole;
-    });
-}
-
 void raise_frame_segments(const FrameSegments& segments, const DisparityView& matches,
                           const DisparityOut& filled) {
     const CellGrid& grid = segments.grid;
@@ -94,12 +60,11 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     for (int round = 0; round < step::kVoteRounds; ++round) {
         const bool first_round = round == 0;
         const Slopes slopes = find_slopes(map, pool);
-        Raster<VoteWindow> windows = near_discontinuities(map, pool);
-        if (first_round) open_holes(matched, windows, pool);
+        const VoterInput voters{map, colors, matches.nearest_seen, config.min_px};
         const Raster<std::uint8_t> weights =
-            first_round
-                ? first_round_weights({matched, map, colors, matches.nearest_seen, config.min_px}, pool)
-                : Raster<std::uint8_t>(map.width(), map.height(), step::kMatchedWeight);
+            first_round ? first_round_weights(voters, matched, pool) : later_weights(voters, pool);
+        Raster<VoteWindow> windows = near_discontinuities(map, pool);
+        if (first_round) open_holes(weights, windows, pool);
         map = take_votes({map, slopes, left, hole_colors, matches.nearest_seen, weights, config.min_px},
                          windows, pool);
     }

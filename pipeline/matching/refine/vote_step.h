@@ -2,6 +2,7 @@
 // of its plane there; its weight grows with the similarity of its colour.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pipeline/base/host_device.h"
@@ -27,7 +28,7 @@ static_assert(kNearVotes.votes() <= kMostVotes && kHoleVotes.votes() <= kMostVot
 // Voters from this colour step on (largest difference of a channel) have no weight.
 inline constexpr int kOtherColor = 32;
 
-// A matched pixel's weight as a voter; in later rounds every pixel's.
+// The largest weight of a voter: of a matched pixel whose side is certain.
 inline constexpr std::uint8_t kMatchedWeight = 6;
 
 // A larger step between neighbours is a discontinuity. Votes are taken up to kNear_px away from
@@ -38,6 +39,13 @@ inline constexpr int kVoteRounds = 3;
 HEXRELIEF_HD bool discontinuous(int own, int other) {
     const int difference = other - own;
     return (own >= 0) & (other >= 0) & ((difference > kDiscontinuity) | (difference < -kDiscontinuity));
+}
+
+// True if a pixel has a discontinuity to its left or right, above or below.
+HEXRELIEF_HD bool beside_discontinuity(const std::int16_t* at, std::ptrdiff_t stride) {
+    const int own = *at;
+    return discontinuous(own, at[-1]) | discontinuous(own, at[1]) | discontinuous(own, at[-stride]) |
+           discontinuous(own, at[stride]);
 }
 
 // Returns a voter's weight by its distance `ring`, in strides along the farther axis: 16 exp(-(r/7)^2),

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <vector>
 
 #include "pipeline/matching/common/color_rows.h"
 #include "pipeline/matching/common/for_each_row.h"
+#include "pipeline/matching/refine/match_colors.h"
 #include "pipeline/matching/refine/vote_step.h"
+#include "pipeline/matching/refine/voter_step.h"
 
 namespace hexrelief::matching {
 namespace {
@@ -131,7 +134,102 @@ void vote_on_row(const VoteViews& in, const VoteWindow* windows, VoteWindow wind
     }
 }
 
+// The sides of the discontinuities in each column of a row of blocks.
+struct ColumnSides {
+    std::vector<std::int16_t> farthest, nearest;
+};
+
+// Adds the pixels of a row.
+HEXRELIEF_SMALL_VECTORS void add_row(DisparityView map, int y, ColumnSides& sides) {
+    const std::int16_t* const row = map.row(y);
+    std::int16_t *const farthest = sides.farthest.data(), *const nearest = sides.nearest.data();
+    for (int x = 0; x < map.width; ++x) {
+        const std::int16_t is_side = step::mask_of(step::beside_discontinuity(row + x, map.stride));
+        const auto far = static_cast<std::int16_t>(is_side ? row[x] : step::no_sides().farthest);
+        const auto near = static_cast<std::int16_t>(is_side ? row[x] : step::no_sides().nearest);
+        farthest[x] = std::min(farthest[x], far);
+        nearest[x] = std::max(nearest[x], near);
+    }
+}
+
+// The sides of each block's discontinuities, widened by those of the blocks around it.
+Raster<step::Sides> sides_of_blocks(const Disparities16& map, ThreadPool& pool) {
+    constexpr int kSide = step::kSidesBlock_px;
+    const DisparityView view = map.view();
+    const auto width = static_cast<std::size_t>(view.width);
+    const int columns = (view.width + kSide - 1) / kSide, rows = (view.height + kSide - 1) / kSide;
+    Raster<step::Sides> own(columns, rows, step::no_sides()), wide = own;
+    for_each_row(pool, rows, [&](int row) {
+        ColumnSides sides{std::vector(width, step::no_sides().farthest),
+                          std::vector(width, step::no_sides().nearest)};
+        for (int y = row * kSide; y < std::min((row + 1) * kSide, view.height); ++y) add_row(view, y, sides);
+        for (std::size_t x = 0; x < width; ++x) {
+            step::Sides& block = own.view().row(row)[x / kSide];
+            block = step::both(block, {sides.farthest[x], sides.nearest[x]});
+        }
+    });
+    for_each_row(pool, rows, [&](int row) {
+        for (int column = 0; column < columns; ++column)
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i)
+                    wide.view().at(column, row) =
+                        step::both(wide.view().at(column, row), own.view().at(column + i, row + j));
+    });
+    return wide;
+}
+
+Raster<step::Certainty> find_certainty(const VoterInput& input, ThreadPool& pool) {
+    const DisparityView map = input.map.view();
+    const ColorView left = view_of(input.colors.left), right = view_of(input.colors.right);
+    const Raster<step::Sides> sides = sides_of_blocks(input.map, pool);
+    Raster<step::Certainty> result(map.width, map.height, step::Certainty::right);
+    for_each_row(pool, map.height, [&](int y) {
+        const step::Sides* const row = sides.view().row(y / step::kSidesBlock_px);
+        for (int x = 0; x < map.width; ++x) {
+            const step::Sides& here = row[x / step::kSidesBlock_px];
+            if (here.nearest < 0) continue;
+            const step::RowSite site{x, map.width, input.min_px, input.nearest_seen.view().row(y)};
+            result.view().at(x, y) = step::certainty(site, map.at(x, y), here, [&](int disparity) {
+                return match_difference(left, right, x, y,
+                                        step::position_in_right(x, input.min_px, disparity));
+            });
+        }
+    });
+    return result;
+}
+
 }  // namespace
+
+Raster<std::uint8_t> first_round_weights(const VoterInput& input, const Raster<std::uint8_t>& matched,
+                                         ThreadPool& pool) {
+    const int width = input.map.width(), height = input.map.height();
+    const ColorView left = view_of(input.colors.left), right = view_of(input.colors.right);
+    const Raster<step::Certainty> certainty = find_certainty(input, pool);
+    Raster<std::uint8_t> weights(width, height, step::kMatchedWeight);
+    for_each_row(pool, height, [&](int y) {
+        const step::Certainty* const certain = certainty.view().row(y);
+        for (int x = 0; x < width; ++x) {
+            if (matched.view().at(x, y) && certain[x] == step::Certainty::right) continue;
+            const int disparity = input.map.view().at(x, y);
+            const step::RowSite site{x, width, input.min_px, input.nearest_seen.view().row(y)};
+            weights.view().at(x, y) = step::filled_weight(site, disparity, left.channels > 1, [&] {
+                return window_difference(left, right, x, y,
+                                         step::position_in_right(x, input.min_px, disparity));
+            });
+        }
+    });
+    return weights;
+}
+
+Raster<std::uint8_t> later_weights(const VoterInput& input, ThreadPool& pool) {
+    const Raster<step::Certainty> certainty = find_certainty(input, pool);
+    Raster<std::uint8_t> weights(input.map.width(), input.map.height(), 0);
+    for_each_row(pool, input.map.height(), [&](int y) {
+        for (int x = 0; x < input.map.width(); ++x)
+            weights.view().at(x, y) = step::later_weight(certainty.view().at(x, y));
+    });
+    return weights;
+}
 
 Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& pool) {
     const int width = map.width(), height = map.height();
@@ -139,12 +237,9 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
     Raster<VoteWindow> result(width, height, VoteWindow::none);
     const DisparityView view = map.view();
     for_each_row(pool, height, [&](int y) {
-        for (int x = 0; x < width; ++x) {
-            const int own = view.at(x, y);
-            const auto far = [&](int other) { return step::discontinuous(own, other); };
-            steps.view().at(x, y) = far(view.at(x - 1, y)) | far(view.at(x + 1, y)) | far(view.at(x, y - 1)) |
-                                    far(view.at(x, y + 1));
-        }
+        const std::int16_t* const row = view.row(y);
+        for (int x = 0; x < width; ++x)
+            steps.view().at(x, y) = step::beside_discontinuity(row + x, view.stride);
     });
     for_each_row(pool, height, [&](int y) {
         const std::uint8_t* from = steps.view().row(y);
@@ -160,6 +255,13 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
         }
     });
     return result;
+}
+
+void open_holes(const Raster<std::uint8_t>& weights, Raster<VoteWindow>& windows, ThreadPool& pool) {
+    for_each_row(pool, weights.height(), [&](int y) {
+        for (int x = 0; x < weights.width(); ++x)
+            if (step::is_hole(weights.view().at(x, y))) windows.view().at(x, y) = VoteWindow::hole;
+    });
 }
 
 Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windows, ThreadPool& pool) {

@@ -20,8 +20,22 @@ struct VoteInput {
     int min_px;
 };
 
-// Selects the pixels within 2 px (along both axes) of a step of more than 1.5 px between neighbours.
+// Selects the pixels within 1 px (along both axes) of those with a step of more than 1.5 px to a neighbour.
 Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& pool);
+
+struct VoterInput {
+    const Disparities16& map;
+    const PairColors& colors;
+    const Raster<std::int32_t>& nearest_seen;  // see TrustedMatches
+    int min_px;
+};
+// Returns the weights of pixels as voters in the first round (see voter_step.h). matched: 1 = matched.
+Raster<std::uint8_t> first_round_weights(const VoterInput& input, const Raster<std::uint8_t>& matched,
+                                         ThreadPool& pool);
+// Returns the weights in a later round.
+Raster<std::uint8_t> later_weights(const VoterInput& input, ThreadPool& pool);
+// Gives the window `hole` to pixels that are holes by their weights of the first round.
+void open_holes(const Raster<std::uint8_t>& weights, Raster<VoteWindow>& windows, ThreadPool& pool);
 
 // Returns the map with weighted medians at the pixels that have a window. Votes for surfaces that would hide
 // what the right camera sees are not counted.

@@ -110,11 +110,12 @@
 // 13. The whole refinement, in this order:
 //     - Trusted matches (6), additions from half size (14), slopes (7), filling (8), segments (15). A pixel
 //       is matched if it is known after step 6; all others are filled.
-//     - Votes (10) with the windows `near` (9), but with `hole` at filled pixels. A matched pixel has the
-//       weight 6. A filled pixel has 3 if it is beyond the frame (step 8); otherwise it has 4 if the
-//       pictures have colours, its match is inside and neither in front nor hidden, and the difference of
-//       colours of step 8 is at most 135; otherwise it has 1.
-//     - Twice votes with the windows `near` of the result, and with the weight 6 for all.
+//     - Votes (10) with the windows `near` (9), but with `hole` at filled pixels and those that are not
+//       certain (17). All others have the weight 6. Pixels with `hole` have 3 if they are beyond the frame
+//       (step 8); otherwise 4 if the pictures have colours, the match is inside and neither in front nor
+//       hidden, and the difference of colours of step 8 is at most 135; otherwise 1.
+//     - Twice votes with the windows `near` of the result, in which a certain pixel (17) has the weight 6,
+//       an undecided one 2, and a wrong one 1.
 //     - Sides (12), twice. Medians (5). Smoothing (11).
 // 14. Matches at half size. Pictures have (width + 1) / 2 x (height + 1) / 2 pixels, truncated, each
 //     the rounded mean of 2x2 pixels, clamped. The range contains the integers in px from half of the
@@ -154,6 +155,15 @@
 //       run is the far one.
 //     - Finally the far run's beginning is clamped to 0 .. end - 32, and then the near one's to 16 above
 //       the far one's .. end - 16.
+// 17. Certainty of a pixel's side. The sides of a block of 8x8 pixels, counted from the top left, are the
+// least
+//     and the largest disparity of its pixels at discontinuities (9). A pixel's other surfaces are the least
+//     and the largest side of its block and the eight around that one, if they differ from the pixel's own
+//     disparity by more than 24 and their match is inside (12) and not in front (6). Their difference is that
+//     of colours (12), or 40 if they are hidden (6). A pixel is certain if it is unknown, if it has no other
+//     surface, or if its own match is outside or hidden. Otherwise it is certain if its difference of colours
+//     is below that of each other surface by at least 7, wrong if it is above that of one of them by at least
+//     7, and else undecided.
 #pragma once
 
 #include <cstddef>
@@ -250,9 +260,11 @@ Grid fill(const Trusted& matches, const Planes& slopes, const Pictures& pictures
 Grid near_windows(const Grid& map);                                                                   // 9
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
 Grid smooth(const Grid& map, const Picture& left);                                                    // 11
-Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);               // 12
-Views match_views(const StereoPair& pair, const Settings& settings);  // 1 to 4, and 16
-Runs search_runs(const StereoPair& pair, const Settings& settings);   // 16
+enum Certainty { wrong, undecided, certain };
+Grid certainty(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);  // 17
+Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);      // 12
+Views match_views(const StereoPair& pair, const Settings& settings);                         // 1 to 4, and 16
+Runs search_runs(const StereoPair& pair, const Settings& settings);                          // 16
 // Step 16 for a picture of this size, from the winners at half size.
 Runs runs_around(const Grid& half, int width, int height, const Settings& settings);
 int searched_end(const Settings& settings);        // beyond the last disparity that a window may have

@@ -281,17 +281,23 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     Grid map = fill(matches, slopes(matches.left), pictures, settings.min_px);
     raise_segments(matches.left, read_picture(pair.left, false), settings, map);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
+    const auto certainty_in = [&](const Grid& of) {
+        return certainty(of, pictures, matches.nearest, settings.min_px);
+    };
+    const Grid at_first = certainty_in(map);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         is_matched.values[i] = matched.values[i] != kUnknown;
         const int x = static_cast<int>(i) % map.width, y = static_cast<int>(i) / map.width;
-        if (!is_matched.values[i])
-            weights.values[i] = voter_weight(matches, pictures, map.values[i], x, y, settings.min_px);
-        if (!is_matched.values[i]) windows.values[i] = Window::hole;
+        if (is_matched.values[i] && at_first.values[i] == certain) continue;
+        weights.values[i] = voter_weight(matches, pictures, map.values[i], x, y, settings.min_px);
+        windows.values[i] = Window::hole;
     }
     map = votes({map, weights, matches.nearest, slopes(map), settings.min_px}, left, windows);
-    const Grid alike(map.width, map.height, 6);
-    for (int again = 0; again < 2; ++again)
-        map = votes({map, alike, matches.nearest, slopes(map), settings.min_px}, left, near_windows(map));
+    for (int again = 0; again < 2; ++again) {
+        weights = certainty_in(map);
+        for (int& weight : weights.values) weight = weight == certain ? 6 : weight == undecided ? 2 : 1;
+        map = votes({map, weights, matches.nearest, slopes(map), settings.min_px}, left, near_windows(map));
+    }
     const auto with_sides = [&](const Grid& from) {
         return sides(from, pictures, matches.nearest, settings.min_px);
     };

@@ -1,4 +1,5 @@
-// Steps 9 to 12 of the recipe in matching_oracle.h: discontinuities, votes, smoothing, sides.
+// Steps 9 to 12 and 17 of the recipe in matching_oracle.h: discontinuities, votes, smoothing, sides,
+// certainty.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -132,7 +133,45 @@ int side(const Grid& map, const Pictures& pictures, const Grid& nearest, int min
     return best;
 }
 
+// The sides of the blocks around (x, y); none if empty.
+std::vector<int> sides_around(const Grid& map, const Grid& at_steps, int x, int y) {
+    std::vector<int> values;
+    for (int v = (y / 8 - 1) * 8; v < (y / 8 + 2) * 8; ++v)
+        for (int u = (x / 8 - 1) * 8; u < (x / 8 + 2) * 8; ++u)
+            if (at_steps.at_or(u, v, 0)) values.push_back(map.at(u, v));
+    if (values.empty()) return {};
+    return {*std::min_element(values.begin(), values.end()), *std::max_element(values.begin(), values.end())};
+}
+
+Certainty certainty_of(const std::vector<int>& surfaces, int own, const Pictures& pictures,
+                       const Grid& nearest, int min_px, int x, int y) {
+    const auto position = [&](int d) { return 16 * (x - min_px) - d; };
+    const auto inside = [&](int d) { return position(d) >= 0 && position(d) <= 16 * (nearest.width - 1); };
+    const auto seen = [&](int d) { return nearest.at(x - min_px - rounded(d, 16), y); };
+    const auto hidden = [&](int d) { return seen(d) != kAnything && seen(d) - d > 16; };
+    if (own == kUnknown || !inside(own) || hidden(own)) return certain;
+    const int difference = side_difference(pictures, x, y, position(own));
+    Certainty result = certain;
+    for (const int other : surfaces) {
+        if (std::abs(other - own) <= 24 || !inside(other) || other - seen(other) > 16) continue;
+        const int more = difference - (hidden(other) ? 40 : side_difference(pictures, x, y, position(other)));
+        result = std::min(result, more >= 7 ? wrong : more > -7 ? undecided : certain);
+    }
+    return result;
+}
+
 }  // namespace
+
+Grid certainty(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px) {
+    Grid result(map.width, map.height, certain), at_steps(map.width, map.height, 0);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) at_steps.at(x, y) = beside_step(map, x, y);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            result.at(x, y) = certainty_of(sides_around(map, at_steps, x, y), map.at(x, y), pictures, nearest,
+                                           min_px, x, y);
+    return result;
+}
 
 Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px) {
     Grid result = map;
