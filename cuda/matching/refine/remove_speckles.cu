@@ -1,6 +1,6 @@
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/refine/remove_speckles.h"
-#include "pipeline/matching/refine/speckle_step.h"
+#include "pipeline/matching/refine/consistency_step.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -8,7 +8,6 @@
 #include "pipeline/matching/common/for_each_row.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/median_step.h"
-#include "pipeline/matching/refine/speckle_step.h"
 
 namespace hexrelief::matching {
 namespace {
