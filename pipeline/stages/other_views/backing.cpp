@@ -19,23 +19,24 @@ struct Grid {
 };
 using Values = std::vector<double>;
 
-// Combines the values of each square of this radius, first along rows and then along columns.
+// Combines the values of each square of this radius, first along rows and then along columns, pixels beside
+// each other at once.
 template <typename Combine>
 Values over_squares(const Values& values, const Grid& grid, int radius, const Combine& combine) {
-    Values across(values.size()), result(values.size());
+    Values across = values;
     for (int y = 0; y < grid.height; ++y)
-        for (int x = 0; x < grid.width; ++x) {
-            double all = values[grid.at(x, y)];
-            for (int u = std::max(0, x - radius); u <= std::min(grid.width - 1, x + radius); ++u)
-                if (u != x) all = combine(all, values[grid.at(u, y)]);
-            across[grid.at(x, y)] = all;
+        for (int shift = -radius; shift <= radius; ++shift) {
+            const int first = std::max(0, -shift), end = std::min(grid.width, grid.width - shift);
+            const double* const from = &values[grid.at(0, y)] + shift;
+            double* const to = &across[grid.at(0, y)];
+            for (int x = first; shift != 0 && x < end; ++x) to[x] = combine(to[x], from[x]);
         }
+    Values result = across;
     for (int y = 0; y < grid.height; ++y)
-        for (int x = 0; x < grid.width; ++x) {
-            double all = across[grid.at(x, y)];
-            for (int v = std::max(0, y - radius); v <= std::min(grid.height - 1, y + radius); ++v)
-                if (v != y) all = combine(all, across[grid.at(x, v)]);
-            result[grid.at(x, y)] = all;
+        for (int v = std::max(0, y - radius); v <= std::min(grid.height - 1, y + radius); ++v) {
+            const double* const from = &across[grid.at(0, v)];
+            double* const to = &result[grid.at(0, y)];
+            for (int x = 0; v != y && x < grid.width; ++x) to[x] = combine(to[x], from[x]);
         }
     return result;
 }
@@ -44,8 +45,18 @@ Values largest(const Values& values, const Grid& grid, int radius) {
     return over_squares(values, grid, radius, [](double a, double b) { return std::max(a, b); });
 }
 
-Values sums(const Values& values, const Grid& grid, int radius) {
-    return over_squares(values, grid, radius, [](double a, double b) { return a + b; });
+// Sums the values of each square, which are differences of sums from the line's beginning on.
+Values sums(Values values, const Grid& grid, int radius) {
+    const auto sum_line = [&](std::size_t first, std::size_t step, int count) {
+        Values before(1, 0);
+        for (int i = 0; i < count; ++i) before.push_back(before.back() + values[first + i * step]);
+        for (int i = 0; i < count; ++i)
+            values[first + i * step] =
+                before[std::min(count, i + radius + 1)] - before[std::max(0, i - radius)];
+    };
+    for (int y = 0; y < grid.height; ++y) sum_line(grid.at(0, y), 1, grid.width);
+    for (int x = 0; x < grid.width; ++x) sum_line(grid.at(x, 0), grid.at(0, 1), grid.height);
+    return values;
 }
 
 // The surface at a reduced size.
