@@ -21,6 +21,7 @@
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/source.h"
 #include "pipeline/stages/dequantize/bare_patches.h"
+#include "pipeline/stages/dequantize/mixed_pixels.h"
 
 namespace hexrelief::job {
 
@@ -198,7 +199,10 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
         if (has_camera_of_points(*pair->alignment))
             relief.disparity.map =
                 stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
-        if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
+        if (is_smoothed) {
+            refine_noisy(relief.disparity, *pair, backend.threads(), log);
+            relief.disparity.map = stages::with_wider_near(std::move(relief.disparity.map));
+        }
         flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
     }
     relief.pair_camera = relief.input.calibration;

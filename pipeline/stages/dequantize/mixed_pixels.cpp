@@ -16,6 +16,8 @@ namespace {
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
 constexpr std::size_t kScrapShare = 1700;  // of the picture: pixels of a scrap without matches, at most
 constexpr int kStripShare = 200;           // of the longer side: the width of a strip without matches
+constexpr int kRimShare = 450;             // of the longer side: the mixed pixels at a silhouette
+constexpr float kHighStep = 2;             // of the rim's width
 constexpr float kLargestStep_px = 1.0001f;
 
 bool is_filled(const DisparityMap& map, std::size_t i) {
@@ -108,6 +110,28 @@ DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
         }
         given = now.size();
         open = std::move(still);
+    }
+    return map;
+}
+
+DisparityMap with_wider_near(DisparityMap map) {
+    const int width = map.width, height = map.height,
+              rounds = std::max(1, (std::max(width, height) + kRimShare / 2) / kRimShare);
+    // A pixel a round, every other round without the corners: an octagon.
+    for (int round = 0; round < rounds; ++round) {
+        const DisparityMap before = map;
+        const bool is_diagonal = round % 2 > 0;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const float own = before.at(x, y);
+                if (!DisparityMap::known(own)) continue;
+                float nearest = own;
+                for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
+                    for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
+                        if ((is_diagonal || u == x || v == y) && DisparityMap::known(before.at(u, v)))
+                            nearest = std::max(nearest, before.at(u, v));
+                if (nearest - own > kHighStep * static_cast<float>(rounds)) map.at(x, y) = nearest;
+            }
     }
     return map;
 }

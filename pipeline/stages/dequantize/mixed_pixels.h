@@ -13,8 +13,14 @@ namespace hexrelief::stages {
 //
 // So is what was filled from a nearer thing and stands in front of something: regions of up to 1/1700 of the
 // picture of which less than half was matched, and the filled pixels of strips along a row or a column, up to
-// 1/200 of the longer side wide, with what is farther on both sides. left: the picture of the map's view and
-// size. Origins and unknown pixels stay.
+// 1/200 of the longer side wide, with what is farther on both sides.
+// left: the picture of the map's view and size. Origins and unknown pixels stay.
 DisparityMap without_mixed_pixels(DisparityMap map, const Image& left);
+
+// Widens nearer surfaces over what is farther beside them by 1/450 of the longer side, at least a pixel. The
+// mixed pixels at a silhouette, and the error of its place, would draw the nearer thing's contour on what is
+// behind it as soon as the mesh is turned; a fringe of the nearer thing in the farther colours is hardly
+// seen. The left picture stays as it is. Origins and unknown pixels stay.
+DisparityMap with_wider_near(DisparityMap map);
 
 }  // namespace hexrelief::stages
