@@ -201,7 +201,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
                 stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
         if (is_smoothed) {
             refine_noisy(relief.disparity, *pair, backend.threads(), log);
-            relief.disparity.map = stages::with_wider_near(std::move(relief.disparity.map));
+            relief.disparity.map =
+                stages::with_wider_near(std::move(relief.disparity.map), backend.threads());
         }
         flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
     }

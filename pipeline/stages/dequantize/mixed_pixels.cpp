@@ -7,8 +7,10 @@
 #include <limits>
 #include <vector>
 
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/dequantize/evidence.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -114,25 +116,40 @@ DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
     return map;
 }
 
-DisparityMap with_wider_near(DisparityMap map) {
-    const int width = map.width, height = map.height,
-              rounds = std::max(1, (std::max(width, height) + kRimShare / 2) / kRimShare);
+DisparityMap with_wider_near(DisparityMap map, int threads) {
+    constexpr float kNone = std::numeric_limits<float>::lowest();
+    ThreadPool pool(threads);
+    const int rounds = std::max(1, (std::max(map.width, map.height) + kRimShare / 2) / kRimShare);
+    const float least_step = kHighStep * static_cast<float>(rounds);
+    // With a border of one pixel; unknown pixels have kNone.
+    const auto stride = static_cast<std::ptrdiff_t>(map.width) + 2;
+    std::vector<float> now(static_cast<std::size_t>(stride) * (map.height + 2), kNone), next = now;
+    const auto row_of = [&](std::vector<float>& values, int y) { return &values[stride * (y + 1) + 1]; };
+    for_rows(pool, map.height, [&](int y) {
+        for (int x = 0; x < map.width; ++x)
+            if (DisparityMap::known(map.at(x, y))) row_of(now, y)[x] = map.at(x, y);
+    });
     // A pixel a round, every other round without the corners: an octagon.
     for (int round = 0; round < rounds; ++round) {
-        const DisparityMap before = map;
         const bool is_diagonal = round % 2 > 0;
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
-                const float own = before.at(x, y);
-                if (!DisparityMap::known(own)) continue;
-                float nearest = own;
-                for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
-                    for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
-                        if ((is_diagonal || u == x || v == y) && DisparityMap::known(before.at(u, v)))
-                            nearest = std::max(nearest, before.at(u, v));
-                if (nearest - own > kHighStep * static_cast<float>(rounds)) map.at(x, y) = nearest;
+        for_rows(pool, map.height, [&](int y) {
+            const float* const own = row_of(now, y);
+            float* const out = row_of(next, y);
+            for (int x = 0; x < map.width; ++x) {
+                const float *const above = own + x - stride, *const below = own + x + stride;
+                float nearest = std::max(std::max(own[x - 1], own[x + 1]), std::max(*above, *below));
+                if (is_diagonal)
+                    nearest = std::max(
+                        nearest, std::max(std::max(above[-1], above[1]), std::max(below[-1], below[1])));
+                out[x] = own[x] != kNone && nearest - own[x] > least_step ? nearest : own[x];
             }
+        });
+        now.swap(next);
     }
+    for_rows(pool, map.height, [&](int y) {
+        for (int x = 0; x < map.width; ++x)
+            if (DisparityMap::known(map.at(x, y))) map.at(x, y) = row_of(now, y)[x];
+    });
     return map;
 }
 

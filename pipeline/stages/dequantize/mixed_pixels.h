@@ -20,7 +20,7 @@ DisparityMap without_mixed_pixels(DisparityMap map, const Image& left);
 // Widens nearer surfaces over what is farther beside them by 1/450 of the longer side, at least a pixel. The
 // mixed pixels at a silhouette, and the error of its place, would draw the nearer thing's contour on what is
 // behind it as soon as the mesh is turned; a fringe of the nearer thing in the farther colours is hardly
-// seen. The left picture stays as it is. Origins and unknown pixels stay.
-DisparityMap with_wider_near(DisparityMap map);
+// seen. The left picture stays as it is. Origins and unknown pixels stay. The same for any number of threads.
+DisparityMap with_wider_near(DisparityMap map, int threads);
 
 }  // namespace hexrelief::stages

@@ -71,7 +71,8 @@ TEST(MixedPixels, StripsThatWereNotMatchedGoEvenIfTheyHangOnAThing) {
 }
 
 TEST(WiderNear, CoversWhatIsBesideItByAShareOfThePicture) {
-    const DisparityMap map = with_thing(300, 310, 0, 9, PixelOrigin::matched), wider = with_wider_near(map);
+    const DisparityMap map = with_thing(300, 310, 0, 9, PixelOrigin::matched),
+                       wider = with_wider_near(map, 2);
     for (int x = 0; x < map.width; ++x) EXPECT_EQ(wider.at(x, 5), x >= 298 && x <= 312 ? 12 : 5) << x;
     EXPECT_EQ(wider.origins, map.origins);
 }
@@ -80,7 +81,7 @@ TEST(WiderNear, LeavesSlopesAndUnknownPixels) {
     DisparityMap map{20, 3, {}};
     for (int i = 0; i < 60; ++i) map.values.push_back(5 + 0.5f * static_cast<float>(i % 20));
     map.at(7, 1) = kUnknownDisparity;
-    EXPECT_EQ(with_wider_near(map).values, map.values);
+    EXPECT_EQ(with_wider_near(map, 2).values, map.values);
 }
 
 }  // namespace
