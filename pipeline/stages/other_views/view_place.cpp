@@ -26,6 +26,7 @@ constexpr double kSamples_per_px = 1.5;
 constexpr int kSplits = 2;              // of a triangle that is partly in front
 constexpr int kMoves = 8;               // a vertex that moves is before another place of the surface
 constexpr double kLeastPiece_px2 = 20;  // in the view; nobody would miss a smaller one
+constexpr double kOpenCounts = 7;       // so often where a camera sees nothing else, and would miss it
 
 View view_from(const SurfaceMesh& mesh, const ViewPlace& place) {
     View view{{}, &mesh.triangles, place.width, place.height};
@@ -161,22 +162,41 @@ std::vector<Triangle> with_middles(std::vector<Triangle> triangles, const Middle
     return triangles;
 }
 
-// Returns the triangles of those pieces, joined by vertices, whose area in the view is at least least_px2.
-std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangles,
-                                           const std::vector<Vec2f>& points, double least_px2) {
-    UnionFind pieces(points.size());
+// True if a camera sees nothing at the middle of a triangle of this view, which therefore fills a hole.
+bool is_open(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& place,
+             const VisibleSurface& surface) {
+    ViewPoint middle{0, 0, 0};
+    for (const std::uint32_t v : t) {
+        middle.x += mesh.points[v].x / 3.0;
+        middle.y += mesh.points[v].y / 3.0;
+        middle.d += mesh.disparities[v] / 3.0;
+    }
+    return std::any_of(surface.seen.begin(), surface.seen.end(), [&](const SeenSurface& seen) {
+        const ViewPoint p = seen.place.from_left(place.to_left(middle));
+        const int width = seen.place.width, height = seen.place.height;
+        return p.x >= 0 && p.x < width && p.y >= 0 && p.y < height &&
+               seen.disparities[static_cast<std::size_t>(p.y) * width + static_cast<std::size_t>(p.x)] ==
+                   kNotCovered;
+    });
+}
+
+// Returns the triangles of those pieces, joined by vertices, that are large enough.
+std::vector<Triangle> without_small_pieces(const DisparityMesh& mesh, const std::vector<Triangle>& triangles,
+                                           const ViewPlace& place, const VisibleSurface& surface) {
+    UnionFind pieces(mesh.points.size());
     for (const Triangle& t : triangles) {
         pieces.join(t[0], t[1]);
         pieces.join(t[0], t[2]);
     }
-    std::vector<double> areas_px2(points.size());
+    std::vector<double> areas_px2(mesh.points.size());
     for (const Triangle& t : triangles) {
-        const Vec2f &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
-        areas_px2[pieces.find(t[0])] += std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
+        const Vec2f &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
+        const double area_px2 = std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
+        areas_px2[pieces.find(t[0])] += is_open(mesh, t, place, surface) ? kOpenCounts * area_px2 : area_px2;
     }
     std::vector<Triangle> kept;
     for (const Triangle& t : triangles)
-        if (areas_px2[pieces.find(t[0])] >= least_px2) kept.push_back(t);
+        if (areas_px2[pieces.find(t[0])] >= kLeastPiece_px2) kept.push_back(t);
     return kept;
 }
 
@@ -304,8 +324,8 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                 split_in_four(parts[i]);
         }
     }
-    cut_mesh.triangles = without_small_pieces(with_middles(std::move(kept), middles, is_kept, pool),
-                                              cut_mesh.points, kLeastPiece_px2);
+    const std::vector<Triangle> all = with_middles(std::move(kept), middles, is_kept, pool);
+    cut_mesh.triangles = without_small_pieces(cut_mesh, all, place, surface);
 }
 
 SurfaceMesh in_left_space(SurfaceMesh mesh, const ViewPlace& place, const Calibration& left) {

@@ -224,6 +224,16 @@ TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
     EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}, {4, 5, 6}, {7, 9, 8}}));
 }
 
+TEST(OtherView, SmallPiecesThatFillAHoleAreKept) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0), place_at(1)}, 1, kThreads);
+    DisparityMesh sheet;  // behind all: 18 square pixels behind the wall, 18 and 2 where the box hid it
+    sheet.points = {{5, 5}, {11, 5}, {5, 11}, {42, 5}, {48, 5}, {42, 11}, {42, 20}, {44, 20}, {42, 22}};
+    sheet.disparities.assign(sheet.points.size(), 2);
+    sheet.triangles = {{0, 2, 1}, {3, 5, 4}, {6, 8, 7}};
+    keep_behind(sheet, place_at(1), visible, 2);
+    EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}}));
+}
+
 TEST(OtherView, APointBehindEverythingIsUnknown) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall, kThreads);
     EXPECT_EQ(behind({30, 20, kWall - 2.0}, place_at(1), visible), kUnknownDisparity);
