@@ -9,6 +9,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/page_content.h"
+#include "pipeline/job/steps.h"
 #include "pipeline/job/tolerance.h"
 
 namespace hexrelief::job {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "pipeline/job/steps.h"
+#include "pipeline/job/relief.h"
 
 namespace hexrelief::job {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/job/input.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/relief.h"
 
 namespace hexrelief::job {
 

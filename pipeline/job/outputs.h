@@ -9,7 +9,8 @@
 #include "exporters/core/scene.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/input.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/relief.h"
+#include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief::job {
 

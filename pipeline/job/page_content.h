@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "exporters/core/scene.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/relief.h"
+#include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief::job {
 

@@ -7,12 +7,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/checks/pair_support.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/fields.h"
 #include "pipeline/data/start_work.h"
-#include "pipeline/job/pairs/align_pair.h"
-#include "pipeline/stages/surface.h"
 
 namespace hexrelief::job {
 namespace {
@@ -256,34 +253,6 @@ Json surface_figures_json(const stages::SurfaceQuality& quality, const stages::H
     json["coverage"] = quality.coverage;
     json["slack_coverage"] = quality.slack_coverage;
     return json;
-}
-
-LeftView Relief::view() const {
-    return {disparity.map,
-            disparity.meshed(),
-            density,
-            input.color(),
-            input.texture(),
-            input.calibration,
-            pair_camera,
-            disparity.backdrop ? disparity.backdrop->disparity_px : 0,
-            right ? &*right : nullptr,
-            input.is_whole(),
-            input.texture_file.empty() ? nullptr : &input.texture_file,
-            input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright,
-            input.pair() && input.pair()->alignment && has_camera_of_points(*input.pair()->alignment),
-            disparity.has_filled_holes,
-            disparity.quantum_px};
-}
-
-double Relief::depth_of_backdrop() const {
-    if (!disparity.backdrop) return 0;
-    const Calibration& camera = input.calibration;
-    return -stages::position_in_space(0, 0, disparity.backdrop->disparity_px, camera)[2];
-}
-
-std::string Relief::support() const {
-    return disparity.matched ? checks::support_word(disparity.support) : "";
 }
 
 std::optional<OriginShares> origin_shares(const DisparityMap& map) {

@@ -9,31 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/job/backend.h"
-#include "pipeline/job/input.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/picture_shares.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/relief.h"
 #include "pipeline/stages/other_views/hole_shares.h"
+#include "pipeline/stages/surface_quality.h"
+#include "pipeline/stages/surface_topology.h"
 
 namespace hexrelief::job {
-
-// Results of all stages, before anything is written.
-struct Relief {
-    RunInput input;
-    std::shared_ptr<Backend> backend;
-    std::string backend_reason;  // why this backend was chosen
-    DisparityResult disparity;
-    Calibration pair_camera;  // the input's before its disparities were counted from infinity
-    DensityMap density;
-    std::optional<stages::OtherView> right;  // none = the surface is made of the left view only
-    SurfaceResult surface;
-
-    // Returns a view that refers to this relief.
-    LeftView view() const;
-    double depth_of_backdrop() const;  // 0 = there is none
-    std::string support() const;       // of the map by its pair, in a word; empty = it was supplied
-};
 
 // A relief and the results of writing it.
 struct RunReport {

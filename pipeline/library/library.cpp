@@ -12,6 +12,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/job/stamp/stamp.h"
+#include "pipeline/job/steps.h"
 #include "pipeline/library/conversions.h"
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
