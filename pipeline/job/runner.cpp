@@ -199,11 +199,10 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
         if (has_camera_of_points(*pair->alignment))
             relief.disparity.map =
                 stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
-        if (is_smoothed) {
-            refine_noisy(relief.disparity, *pair, backend.threads(), log);
+        if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
+        if (is_smoothed && has_camera_of_points(*pair->alignment))
             relief.disparity.map =
                 stages::with_wider_near(std::move(relief.disparity.map), backend.threads());
-        }
         flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
     }
     relief.pair_camera = relief.input.calibration;
