@@ -233,6 +233,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
+        if (view.is_by_points) stages::keep_in_frame(missing, visible.seen[0], threads);
         stages::join_to_surface(missing, visible.seen[1], threads);
         add(std::move(missing));
     }

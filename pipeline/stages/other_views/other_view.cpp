@@ -73,4 +73,21 @@ void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& i
     view.missing = std::move(open);
 }
 
+void keep_in_frame(OtherView& view, const SeenSurface& in_left, int threads) {
+    const int width = view.place.width;
+    for_row_bands(view.place.height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            const std::size_t row = static_cast<std::size_t>(y) * width;
+            int first = 0, last = width - 1;
+            while (first <= last && in_left.disparities[row + first] == kNotCovered) ++first;
+            while (first <= last && in_left.disparities[row + last] == kNotCovered) --last;
+            for (int x = 0; x < width; ++x) {
+                float& d = view.missing.values[row + x];
+                const double there = view.place.to_left({x + 0.5, y + 0.5, d}).x;
+                if (!(there >= first && there <= last + 1)) d = kUnknownDisparity;
+            }
+        }
+    });
+}
+
 }  // namespace hexrelief::stages

@@ -30,4 +30,8 @@ DisparityMap mirrored(DisparityMap map);
 // camera see it.
 void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& in_left, int threads);
 
+// Drops from `missing` what lies left of the first or right of the last pixel that the left view shows in its
+// row. in_left: as above. The same for any number of threads.
+void keep_in_frame(OtherView& view, const SeenSurface& in_left, int threads);
+
 }  // namespace hexrelief::stages

@@ -87,6 +87,16 @@ TEST(OtherView, WhatTheLeftCameraWouldSeeInFrontIsReplacedByTheFartherSurface) {
               kUnknownDisparity);  // what the right view does not know is not made up
 }
 
+TEST(OtherView, InTheFrameIsWhatLiesBesideWhatTheLeftViewShows) {
+    const SurfaceMesh mesh = left_surface();
+    const SeenSurface in_left = see(mesh, place_at(0), kThreads);
+    OtherView view = right_view();
+    find_missing(view, see(mesh, place_at(1), kThreads), in_left, kThreads);
+    keep_in_frame(view, in_left, kThreads);
+    for (int x = 0; x < kWidth; ++x)  // no longer right of the left view's border
+        EXPECT_EQ(view.missing.at(x, 20), x >= 40 && x < 56 ? kWall : kUnknownDisparity) << x;
+}
+
 // The left view with nothing missing yet: the box has the colour 200, the wall 90.
 OtherView left_view(const SeenSurface& seen) {
     OtherView view{seen.place, {kWidth, kHeight, {seen.disparities.begin(), seen.disparities.end()}}};
