@@ -176,9 +176,17 @@ Estimate with_matches(Estimate estimate, std::vector<Match> matches, const Estim
             if (std::fabs(views.row_offset(match)) < kAgreeing_px) estimate.agreeing.push_back(match);
     };
     take(fit_from_start(some, prior));
-    estimate.is_exchanged = is_exchanged(estimate, config);
-    prior.order = estimate.is_exchanged ? -1 : 1;
+    const bool seems_exchanged = is_exchanged(estimate, config);
+    const Fit free = estimate.fit;
+    prior.order = 1;
     take(fit_from_start(some, prior));
+    // Rows of a flat scene hardly tell which way the cameras moved: then the order is the one that was given.
+    estimate.is_exchanged = seems_exchanged && is_exchanged(estimate, config);
+    if (estimate.is_exchanged) {
+        estimate.fit = free;
+        prior.order = -1;
+        take(fit_from_start(some, prior));
+    }
 
     const Views views = views_of(estimate.camera, estimate.fit.parameters);
     std::vector<double> before;

@@ -27,10 +27,11 @@ inline constexpr const char* kProvenanceNames[] = {"both", "left", "right", "nob
 // arrays have the same length, unless they may be empty.
 struct SurfaceMesh {
     std::vector<Vec3f> positions;
-    std::vector<Vec3f> normals;    // unit length, towards the camera
-    std::vector<Vec2f> texcoords;  // (0, 0) = top left corner of the texture, (1, 1) = bottom right
-    std::vector<Vec2f>
-        image_points;  // px in the left image; of the left view alone, texcoords are these / its size
+    std::vector<Vec3f> normals;  // unit length, towards the camera
+    // (0, 0) = top left corner of the texture, (1, 1) = bottom right; half a pixel at most from the vertex's
+    // place in its picture.
+    std::vector<Vec2f> texcoords;
+    std::vector<Vec2f> image_points;     // px in the left image
     std::vector<float> disparities;      // px
     std::vector<Provenance> provenance;  // empty = the left camera saw all of it
     std::vector<Triangle> triangles;

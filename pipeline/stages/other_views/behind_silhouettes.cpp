@@ -247,12 +247,14 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
     const auto width = static_cast<std::uint32_t>(place.width);
     // A channel has 16 bits of a sum, the last 16 bits are the count.
     constexpr int kBits = 16, kCount = 48;
+    const auto packed = [&](const auto& colour) {
+        std::uint64_t sums = std::uint64_t{1} << kCount;
+        for (int c = 0; c < picture.channels; ++c) sums |= std::uint64_t(colour[c]) << kBits * c;
+        return sums;
+    };
     const auto colour_of = [&](std::size_t pixel) {
-        const std::uint8_t* const colour =
-            picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width)));
-        std::uint64_t packed = std::uint64_t{1} << kCount;
-        for (int c = 0; c < picture.channels; ++c) packed |= std::uint64_t{colour[c]} << kBits * c;
-        return packed;
+        return packed(
+            picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width))));
     };
     using Levels = std::array<int, 3>;
     const auto levels_of = [&](std::uint64_t sums) {
@@ -262,10 +264,13 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             levels[c] = static_cast<int>(((sums >> kBits * c & 0xffff) + count / 2) / count);
         return levels;
     };
-    const auto mean_around = [&](std::uint32_t pixel, int distance, const Disparities& surface,
+    const auto radius_of = [&](std::uint32_t pixel) {
+        return kSoft_px + continued.distances[pixel] / kSofterEvery;
+    };
+    const auto stride_of = [&](std::uint32_t pixel) { return 1 + 2 * radius_of(pixel) / kTaps; };
+    const auto mean_around = [&](std::uint32_t pixel, int radius, int stride, const Disparities& surface,
                                  const auto& colour_at) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        const int radius = kSoft_px + distance / kSofterEvery, stride = 1 + 2 * radius / kTaps;
         std::uint64_t sums = 0;
         for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
             if (v < 0 || v >= place.height) continue;
@@ -285,9 +290,19 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
             colours[pixel] = colour_of(from);
             if (!has_detail) continue;
-            const Levels mean = mean_around(from, continued.distances[pixel], front, colour_of);
+            const Levels mean = mean_around(from, radius_of(pixel), stride_of(pixel), front, colour_of);
             details[i] = levels_of(colours[pixel]);
             for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
+        }
+    });
+    // Pixels a stride apart share what is added up, so what lies between is averaged again.
+    RawVector<std::uint64_t> means(colours.size());
+    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pixel = continued.pixels[i];
+            means[pixel] =
+                packed(mean_around(pixel, radius_of(pixel), stride_of(pixel), continued.disparities,
+                                   [&](std::size_t other) { return colours[other]; }));
         }
     });
     const auto paint_at = [&](std::size_t i) {
@@ -295,8 +310,8 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
             return;  // a smaller picture has no such pixel
-        const Levels mean = mean_around(pixel, continued.distances[pixel], continued.disparities,
-                                        [&](std::size_t other) { return colours[other]; });
+        const Levels mean = mean_around(pixel, stride_of(pixel) / 2, 1, continued.disparities,
+                                        [&](std::size_t other) { return means[other]; });
         std::uint8_t colour[3] = {};
         for (int c = 0; c < picture.channels; ++c)
             colour[c] =

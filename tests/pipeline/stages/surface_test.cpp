@@ -111,14 +111,54 @@ TEST(Surface, ReproducesAPlane) {
         EXPECT_NEAR(n.x, 0.3 / scale, 1e-3);
         EXPECT_NEAR(n.y, 0.5 / scale, 1e-3);
         EXPECT_NEAR(n.z, 1 / scale, 1e-3);
-        EXPECT_NEAR(s.texcoords[i].x, s.image_points[i].x / kWidth, 1e-6);
-        EXPECT_NEAR(s.texcoords[i].y, s.image_points[i].y / kHeight, 1e-6);
+        EXPECT_NEAR(s.texcoords[i].x * kWidth, s.image_points[i].x, 0.05);
+        EXPECT_NEAR(s.texcoords[i].y * kHeight, s.image_points[i].y, 0.05);
         EXPECT_NEAR(s.image_points[i].x, 70 + 500 * p.x / -p.z, 1e-3);
         EXPECT_NEAR(s.image_points[i].y, 48 - 500 * p.y / -p.z, 1e-3);
     }
 }
 
 // Compares with sums of unit normals times angles, with angles from the C library.
+// The mean square of how far, in px, the picture's points are drawn from where they were seen, if vertices
+// have these places in the picture.
+double drawn_error(const SurfaceMesh& s, const std::function<std::array<double, 2>(std::uint32_t)>& place) {
+    double sum = 0;
+    int count = 0;
+    for (const Triangle& t : s.triangles)
+        for (int i = 0; i <= 6; ++i)
+            for (int j = 0; i + j <= 6; ++j, ++count) {
+                const double shares[3] = {i / 6.0, j / 6.0, (6 - i - j) / 6.0};
+                double depths = 0, drawn[2] = {}, seen[2] = {};
+                for (int k = 0; k < 3; ++k) depths += shares[k] / s.positions[t[k]].z;
+                for (int k = 0; k < 3; ++k) {
+                    const double weight = shares[k] / s.positions[t[k]].z / depths;
+                    const auto [x, y] = place(t[k]);
+                    drawn[0] += weight * x;
+                    drawn[1] += weight * y;
+                    seen[0] += shares[k] * s.image_points[t[k]].x;
+                    seen[1] += shares[k] * s.image_points[t[k]].y;
+                }
+                sum += std::pow(drawn[0] - seen[0], 2) + std::pow(drawn[1] - seen[1], 2);
+            }
+    return sum / count;
+}
+
+TEST(Surface, ShowsThePictureWhereItWasSeen) {
+    const SurfaceMesh s = Example([](double x, double y) { return 10 + 0.4 * x + 0.2 * y; }).build();
+    const double plain = drawn_error(s, [&](std::uint32_t i) {
+        return std::array<double, 2>{s.image_points[i].x, s.image_points[i].y};
+    });
+    const double drawn = drawn_error(s, [&](std::uint32_t i) {
+        return std::array<double, 2>{s.texcoords[i].x * kWidth, s.texcoords[i].y * kHeight};
+    });
+    EXPECT_GT(plain, 1e-4);
+    EXPECT_LT(drawn, 0.5 * plain);
+    for (std::size_t i = 0; i < s.positions.size(); ++i) {
+        EXPECT_LE(std::abs(s.texcoords[i].x * kWidth - s.image_points[i].x), 0.501);
+        EXPECT_LE(std::abs(s.texcoords[i].y * kHeight - s.image_points[i].y), 0.501);
+    }
+}
+
 TEST(Surface, WeighsNormalsByAngles) {
     std::uint32_t state = 7;
     Example e([&](double x, double y) {
