@@ -7,6 +7,7 @@
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/topology/mesh_corners_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "pipeline/data/geometry.h"
@@ -106,6 +107,10 @@ struct SurfaceState {
     HEXRELIEF_HD bool bridges() const { return config.discontinuities == Discontinuities::bridge; }
     HEXRELIEF_HD step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags};
+    }
+    // For kernels: it reads the totals.
+    HEXRELIEF_HD step::MeshTriangles mesh_triangles() const {
+        return {totals->mesh_points, totals->mesh_triangles, cut_mesh.triangles, cut_mesh.source_triangles};
     }
     HEXRELIEF_HD step::TileView tiles() const {
         return {sizes.width, sizes.height, step::tile_sum_count(sizes.width), pixels.tile_sums};

@@ -32,7 +32,7 @@ void launch_parts(const Launch& launch, const SurfaceMemory& m, const SurfaceCon
     open_edges(launch, s, m.labels);
     join_cuts(launch, s, m.cuts);
     cut_vertices(launch, s, m.labels, m.cuts.cuts, m.fans);
-    if (config.silhouette_inset_px > 0) inset_silhouettes(launch, s, m.silhouettes);
+    if (config.silhouette_inset_px > 0) inset_silhouettes(launch, s, inset_arrays(m.fit));
     fit_disparities(launch, s, m.fit);
 }
 

@@ -29,7 +29,7 @@ struct SurfaceMemory {
     step::CutArrays cuts;
     FanArrays fans;
     SilhouetteFitArrays silhouettes;
-    FitArrays fit;
+    step::FitArrays fit;
 };
 
 // Takes the memory for a split lattice of about vertex_share times as many vertices as the lattice.

@@ -1,11 +1,15 @@
-// Insets silhouettes at high depth discontinuities into their own surfaces: which vertices
-// move, and to where.
+// Insets silhouettes at high depth discontinuities into their own surfaces: which vertices move and to where,
+// and their moves, by a team of threads.
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/topology/mesh_corners_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
 #include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
@@ -113,6 +117,49 @@ HEXRELIEF_HD Vec2f inset_point(const Vec2f& p, Inwards to, double by_px, float w
     if (!(size > 1e-6)) return p;
     return {moved_by(p.x, static_cast<float>(by_px * to.x / size)),
             moved_by(p.y, static_cast<float>(by_px * to.y / size))};
+}
+
+struct InsetArrays {
+    BucketView corners;   // per vertex: its corners as 3 * triangle + corner
+    Vec2f* targets;       // per vertex
+    std::uint8_t* moves;  // per vertex: true if it moves to its target
+};
+
+// The cut mesh's vertices move apart. map: the disparities, px, +inf = unknown. Fans: FanView of the split
+// lattice. All threads of the team call.
+template <typename Team, typename Fans>
+HEXRELIEF_TEAM void inset_silhouettes(Team& team, const PixelView& view, const float* map, double by_px,
+                                      const Fans& fans, const MeshTriangles& mesh, Vec2f* points,
+                                      const InsetArrays& a) {
+    const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+    sort_corners(team, mesh, a.corners);
+    team.each(mesh.point_count, [&](std::size_t v) {
+        const Vec2f p = points[v];
+        a.targets[v] = p;
+        if (!is_at_high_steps(view, map, p)) return;
+        Inwards inwards;
+        for (const std::uint32_t* c = a.corners.begin(v); c < a.corners.end(v); ++c) {
+            const Triangle& t = mesh.corners[*c / 3];
+            const Vec2f at[3] = {points[t[0]], points[t[1]], points[t[2]]};
+            add_inwards(inwards, at, static_cast<int>(*c % 3));
+        }
+        a.targets[v] = inset_point(p, inwards, by_px, width, height);
+    });
+    team.each(mesh.point_count, [&](std::size_t v) {
+        bool moves = !(a.targets[v] == points[v]);
+        for (const std::uint32_t* c = a.corners.begin(v); moves && c < a.corners.end(v); ++c) {
+            const Triangle& t = mesh.corners[*c / 3];
+            const Corner own{mesh.sources[*c / 3], *c % 3};
+            const Vec2f from[3] = {points[t[0]], points[t[1]], points[t[2]]},
+                        to[3] = {a.targets[t[0]], a.targets[t[1]], a.targets[t[2]]};
+            moves = (free_corners(from, to, kInsetLeastShape) >> own.k & 1) != 0 &&
+                    !uncovers_surface(view, fans, own, from, to);
+        }
+        a.moves[v] = moves;
+    });
+    team.each(mesh.point_count, [&](std::size_t v) {
+        if (a.moves[v]) points[v] = a.targets[v];
+    });
 }
 
 }  // namespace hexrelief::step

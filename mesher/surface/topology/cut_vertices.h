@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/surface/topology/label_triangles.h"
+#include "mesher/surface/topology/mesh_corners_step.h"
 #include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
 #include "pipeline/base/thread_pool.h"
@@ -20,6 +21,11 @@ struct CutTriangles {
     std::vector<Triangle> triangles;
     // per triangle its source triangle in the lattice; ascending
     std::vector<std::uint32_t> source_triangles;
+
+    step::MeshTriangles view() const {
+        return {static_cast<unsigned>(points.size()), static_cast<unsigned>(triangles.size()),
+                triangles.data(), source_triangles.data()};
+    }
 };
 
 using LatticeFans = step::FanView<const std::array<std::int32_t, 3>*, const std::array<std::uint8_t, 3>*>;
