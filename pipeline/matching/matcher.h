@@ -53,10 +53,10 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const MatchingConfig& config,
                         int threads);
 
-// Continues surfaces beyond the right picture's left edge, where nothing matches and match_pair() leaves the
-// disparity of the edge. A row's surface goes on with the slope that it has to the right of the edge, over the
-// strip's width, if both halves of that part slope alike: with the lesser slope, and if it flattens towards the
-// edge, it goes on flattening. min_px: the range's least disparity.
+// Continues surfaces beyond the right picture's left edge, where nothing matches and match_pair() leaves
+// about the disparity of the edge. In each row the surface goes on with its slope right of the edge, as far
+// there as the strip is wide, if both halves of that part slope alike: with the lesser slope; a slope that
+// flattens towards the edge goes on flattening. min_px: the range's least disparity.
 void continue_beyond_frame(MatchedMap& map, int min_px);
 
 // Curves from the right picture's levels to the left picture's, because cameras may expose differently or see
