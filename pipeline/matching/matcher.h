@@ -53,6 +53,12 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const MatchingConfig& config,
                         int threads);
 
+// Continues surfaces beyond the right picture's left edge, where nothing matches and match_pair() leaves
+// about the disparity of the edge. In each row the surface goes on with its slope right of the edge, as far
+// there as the strip is wide, if both halves of that part slope alike: with the lesser slope; a slope that
+// flattens towards the edge goes on flattening. min_px: the range's least disparity.
+void continue_beyond_frame(MatchedMap& map, int min_px);
+
 // Curves from the right picture's levels to the left picture's, because cameras may expose differently or see
 // colours differently: curves[channel][level in the right picture] = level in the left one. One curve serves
 // for all channels if the views' numbers of channels differ. Empty = the levels are the same.

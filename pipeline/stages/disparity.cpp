@@ -148,7 +148,8 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
         matching_config(config), threads);
 }
 
-DisparityMap to_pixels(const matching::MatchedMap& matched, const DisparityConfig& config, int threads) {
+DisparityMap to_pixels(matching::MatchedMap matched, const DisparityConfig& config, int threads) {
+    matching::continue_beyond_frame(matched, config.min_disparity_px);
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
                      std::vector<PixelOrigin>(count, PixelOrigin::unknown)};
