@@ -4,7 +4,6 @@
 #include <array>
 
 #include "exporters/compression/draco_codec.h"
-#include "exporters/compression/draco_plan.h"
 
 namespace draco {
 class ExpertEncoder;

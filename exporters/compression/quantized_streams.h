@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "exporters/compression/draco_plan.h"
+#include "exporters/compression/draco_codec.h"
 
 namespace hexrelief::exporters {
 

@@ -1,5 +1,5 @@
 // The abilities of a mesh format. Each format has one row, beside the function that writes it;
-// exporters/mesh_formats.cpp lists all rows.
+// exporters/exporter.cpp lists all rows.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // A bare Draco bitstream: positions, normals, texture coordinates.
-#include "exporters/compression/draco_plan.h"
+#include "exporters/compression/draco_codec.h"
 #include "exporters/core/mesh_format.h"
 #include "exporters/inspect/describe_formats.h"
 

@@ -115,10 +115,9 @@ class JoinedDocument {
     }
 
     std::string text(const std::string& generator) const {
-        Json json;
-        json["asset"] = {{"version", "2.0"}, {"generator", generator}};
-        json["scene"] = 0;
-        json["scenes"] = Json::array({{{"name", "hexrelief"}, {"nodes", roots_}}});
+        Json json = {{"asset", {{"version", "2.0"}, {"generator", generator}}},
+                     {"scene", 0},
+                     {"scenes", Json::array({{{"name", "hexrelief"}, {"nodes", roots_}}})}};
         for (const auto& [name, items] : whole_.items()) json[name] = items;
         json["buffers"] = Json::array({{{"byteLength", data_bytes_}}});
         if (decoded_bytes_ > 0)

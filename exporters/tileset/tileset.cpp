@@ -67,10 +67,8 @@ std::string content_name(std::string name, const TilesetTile& tile) {
 }
 
 Json document_of(const Tree& tree, const std::string& generator) {
-    Json json;
-    json["asset"] = {{"version", "1.1"}, {"generator", generator}};
-    json["geometricError"] = diagonal(tree.at({0, 0, 0}));
-    return json;
+    return {{"asset", {{"version", "1.1"}, {"generator", generator}}},
+            {"geometricError", diagonal(tree.at({0, 0, 0}))}};
 }
 
 Json node_of(const Tree& tree, const TilesetTile& tile, const std::string& content) {

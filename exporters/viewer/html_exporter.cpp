@@ -1,21 +1,38 @@
 #include "exporters/viewer/html_exporter.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/gltf_exporter.h"
+#include "exporters/images/image_writer.h"
+#include "exporters/images/resize.h"
 #include "exporters/inspect/describe_formats.h"
-#include "exporters/viewer/html_text.h"
-#include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {
+
+// Longer side in px, and quality; the best first.
+constexpr std::pair<int, int> kSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
+constexpr std::size_t kMostBytes = 16000;
+
+Image shrunk(const Image& image, int longest_px) {
+    const double scale = static_cast<double>(longest_px) / std::max(image.width, image.height);
+    if (scale >= 1) return image;
+    const auto side = [&](int size) { return std::max(1, static_cast<int>(size * scale)); };
+    return resized(image, side(image.width), side(image.height));
+}
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
@@ -88,14 +105,13 @@ Json pictures_json(const PageContent& page) {
 }
 
 std::string facts_json(const Scene& scene, const Json& bytes, const fs::path& path) {
-    Json json;
-    json["name"] = path.stem().string();
-    json["generator"] = scene.generator;
-    json["camera"] = camera_json(scene);
-    json["levels"] = levels_json(scene);
-    json["bytes"] = bytes;
-    json["figures"] = Json::array();
-    json["pictures"] = Json::array();
+    Json json = {{"name", path.stem().string()},
+                 {"generator", scene.generator},
+                 {"camera", camera_json(scene)},
+                 {"levels", levels_json(scene)},
+                 {"bytes", bytes},
+                 {"figures", Json::array()},
+                 {"pictures", Json::array()}};
     if (scene.page) {
         for (const auto& [name, value, decimals, unit] : scene.page->figures)
             json["figures"].push_back(
@@ -106,7 +122,135 @@ std::string facts_json(const Scene& scene, const Json& bytes, const fs::path& pa
         json.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may not be UTF-8
 }
 
+std::string printed(double value, int decimals) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.*f", decimals, value);
+    std::string out = text;
+    // Thousands are separated by a narrow no-break space.
+    const std::size_t point = std::min(out.find('.'), out.size());
+    for (std::size_t at = point; at > 3 && std::isdigit(static_cast<unsigned char>(out[at - 4]));) {
+        at -= 3;
+        out.insert(at, "\u202f");
+    }
+    return out;
+}
+
+std::string head(const std::string& name) {
+    return "<th scope=\"col\"><button>" + html_escaped(name) + "</button></th>";
+}
+
+std::string row(const std::vector<GalleryColumn>& columns, const GalleryEntry& entry) {
+    std::string out = "<tr><td><a href=\"" + html_escaped(link_to(entry.link)) + "\">";
+    if (!entry.picture.empty()) out += "<img alt=\"\" src=\"" + html_escaped(entry.picture) + "\">";
+    out += html_escaped(entry.name) + "</a></td>";
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        const double value = entry.values.at(i);
+        out += "<td data-name=\"" + html_escaped(columns[i].name) + "\"";
+        if (std::isfinite(value)) {
+            char exact[64];
+            std::snprintf(exact, sizeof exact, "%.17g", value);
+            out += std::string(" data-value=\"") + exact + "\">" + printed(value, columns[i].decimals);
+        } else {
+            out += ">–";
+        }
+        out += "</td>";
+    }
+    return out + "</tr>\n";
+}
+
 }  // namespace
+
+std::string base64(const std::vector<std::uint8_t>& bytes) {
+    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    out.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t left = bytes.size() - i;
+        const std::uint32_t three = (std::uint32_t(bytes[i]) << 16) |
+                                    (left > 1 ? std::uint32_t(bytes[i + 1]) << 8 : 0u) |
+                                    (left > 2 ? std::uint32_t(bytes[i + 2]) : 0u);
+        out += kDigits[three >> 18];
+        out += kDigits[(three >> 12) & 63];
+        out += left > 1 ? kDigits[(three >> 6) & 63] : '=';
+        out += left > 2 ? kDigits[three & 63] : '=';
+    }
+    return out;
+}
+
+std::string html_escaped(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            case '\'':
+                out += "&#39;";
+                break;
+            default:
+                out += c;
+        }
+    }
+    return out;
+}
+
+std::string link_to(const std::filesystem::path& path) {
+    static constexpr char kHex[] = "0123456789ABCDEF";
+    std::string out = "./";  // without it, the first folder's name could look like a URL scheme
+    for (const char c : path.generic_string()) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain =
+            byte < 128 && (std::isalnum(byte) || std::string_view("-_.~/").find(c) != std::string_view::npos);
+        if (plain)
+            out += c;
+        else
+            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
+    }
+    return out;
+}
+
+std::string script_escaped(const std::string& json) {
+    std::string out;
+    for (const char c : json) {
+        if (c == '<')
+            out += "\\u003c";
+        else
+            out += c;
+    }
+    return out;
+}
+
+std::string filled(std::string_view page,
+                   const std::vector<std::pair<std::string_view, std::string_view>>& values) {
+    std::string out;
+    for (const auto& [mark, value] : values) {
+        const std::size_t at = page.find(mark);
+        if (at == std::string_view::npos)
+            throw std::logic_error("the viewer's page has no " + std::string(mark));
+        out += page.substr(0, at);
+        out += value;
+        page.remove_prefix(at + mark.size());
+    }
+    return out += page;
+}
+
+std::string small_picture(const Image& image) {
+    std::vector<std::uint8_t> bytes;
+    for (const auto& [longest_px, quality] : kSizes) {
+        bytes = encode_webp(shrunk(image, longest_px), quality);
+        if (bytes.size() <= kMostBytes) break;
+    }
+    return "data:image/webp;base64," + base64(bytes);
+}
 
 bool has_viewer() {
     return !viewer_page().empty();
@@ -154,5 +298,16 @@ extern const MeshFormat html_format = {
     .levels = LevelSupport::inside,
     .is_page = true,
 };
+
+std::string gallery_page(const std::string& title, const std::vector<GalleryColumn>& columns,
+                         const std::vector<GalleryEntry>& entries) {
+    if (!has_viewer()) throw Error(ErrorKind::output, std::string("no gallery can be made: ") + kNoViewer);
+    const std::string text = html_escaped(title);
+    std::string heads = head("Result"), rows;
+    for (const GalleryColumn& column : columns) heads += head(column.name);
+    for (const GalleryEntry& entry : entries) rows += row(columns, entry);
+    return filled(empty_gallery(),
+                  {{"@title@", text}, {"@title@", text}, {"@columns@", heads}, {"@rows@", rows}});
+}
 
 }  // namespace hexrelief::exporters

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "pipeline/alignment/estimate.h"
-#include "pipeline/alignment/movers.h"
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::alignment {

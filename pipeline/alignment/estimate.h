@@ -54,4 +54,16 @@ Estimate estimate_views(const Camera& camera, const std::vector<Match>& matches,
 Estimate with_matches(Estimate estimate, std::vector<Match> matches, const EstimateConfig& config,
                       ThreadPool& pool);
 
+// Neighbouring matches that shift alike, but across the rows of the aligned pair: no camera explains them.
+// What moves along the rows cannot be told from depth.
+struct Movers {
+    int points = 0;
+    Point middle =
+        {};  // the median of their places in the first picture, px of the matches' pictures as given
+};
+
+// Returns the movers among an estimate's matches; 0 points if they are fewer than 8 or 2 % of the matches,
+// which chance and repeated patterns give.
+Movers find_movers(const Estimate& estimate);
+
 }  // namespace hexrelief::alignment

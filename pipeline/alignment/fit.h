@@ -7,6 +7,10 @@
 
 namespace hexrelief::alignment {
 
+// Returns the parameters of cameras that stand parallel; that are turned so that the matches lie on the same
+// rows on average; and that are turned towards the same places as well. Needs at least 2 matches.
+std::vector<Parameters> starts_of(const Camera& camera, const std::vector<Match>& matches);
+
 // What is believed before the fit.
 struct Prior {
     // One standard deviation of each parameter from 0; 0 = held at 0.

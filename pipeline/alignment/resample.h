@@ -10,6 +10,14 @@
 
 namespace hexrelief::alignment {
 
+// Returns what both views show at the given disparities, at most 1.6 times as large as the pictures. The
+// right view is shifted so that the least disparity is little above 0. A width of 0 means that it is less
+// than a fifth of the pictures. scale: as in bounds_of().
+Canvas canvas_of(const Estimate& estimate, const DisparityBounds& bounds, double scale);
+
+// Returns the bounds in px of the pair on the canvas.
+DisparityBounds on_canvas(DisparityBounds bounds, const Canvas& canvas);
+
 struct AlignedPair {
     StereoPair pair;
     // For each pixel of the left view, row-major, top row first: 1 = inside the picture as taken, and the

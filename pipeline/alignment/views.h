@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "pipeline/alignment/matches.h"
+#include "pipeline/alignment/corners.h"
 
 namespace hexrelief::alignment {
 

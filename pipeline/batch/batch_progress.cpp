@@ -31,11 +31,8 @@ double rate(const BatchCounts& counts, double seconds) {
 }
 
 Json counts_json(const char* event, const BatchCounts& counts) {
-    Json json;
-    json["event"] = event;
-    json["units"] = counts.units;
-    json["done"] = counts.done;
-    json["up_to_date"] = counts.up_to_date;
+    Json json = {
+        {"event", event}, {"units", counts.units}, {"done", counts.done}, {"up_to_date", counts.up_to_date}};
     if (counts.would_run > 0) json["would_run"] = counts.would_run;
     json["failed"] = counts.failed;
     return json;

@@ -10,10 +10,9 @@
 
 #include "exporters/core/file_names.h"
 #include "pipeline/batch/manifest_rows.h"
-#include "pipeline/config/key_options.h"
-#include "pipeline/config/presets.h"
+#include "pipeline/config/fields.h"
+#include "pipeline/config/options.h"
 #include "pipeline/config/shell_words.h"
-#include "pipeline/config/suggest.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {

@@ -126,11 +126,10 @@ std::string table_json(const std::vector<TableRow>& rows) {
     // Written row by row, so that the reports of ten thousand units are not held as objects at the same time.
     std::string text = R"({"schema": 1, "version": ")" HEXRELIEF_VERSION R"(", "rows": [)";
     for (const TableRow& row : rows) {
-        Json json;
-        json["name"] = row.name;
-        json["status"] = outcome_name(row.result.outcome);
-        json["exit_code"] = row.result.exit_code;
-        json["error"] = row.result.message.empty() ? Json(nullptr) : Json(row.result.message);
+        Json json = {{"name", row.name},
+                     {"status", outcome_name(row.result.outcome)},
+                     {"exit_code", row.result.exit_code},
+                     {"error", row.result.message.empty() ? Json(nullptr) : Json(row.result.message)}};
         if (row.result.outcome == UnitOutcome::failed) json["warnings"] = row.result.warnings;
         json["report"] = report_of(row);
         text += (text.ends_with('[') ? "\n" : ",\n") + json_text(json);

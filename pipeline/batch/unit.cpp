@@ -56,17 +56,8 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends&
 }  // namespace
 
 std::string outcome_name(UnitOutcome outcome) {
-    switch (outcome) {
-        case UnitOutcome::done:
-            return "done";
-        case UnitOutcome::up_to_date:
-            return "up_to_date";
-        case UnitOutcome::would_run:
-            return "would_run";
-        case UnitOutcome::failed:
-            break;
-    }
-    return "failed";
+    constexpr const char* kNames[] = {"done", "up_to_date", "would_run", "failed"};
+    return kNames[static_cast<std::size_t>(outcome)];
 }
 
 UnitResult result_of_exception() {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
 

@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdlib>
 #include <limits>
+
+#include "pipeline/checks/point_matches.h"
+#include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {
 namespace {
@@ -21,6 +26,57 @@ std::vector<double> sorted_disparities(const stages::SmallMatch& match) {
                             (match.min_px + d / static_cast<double>(matching::kOnePixel)));
     std::sort(known.begin(), known.end());
     return known;
+}
+
+constexpr int kLeastRun_px = 3;
+// By how much a run of unmatched pixels may be longer or shorter than the step of the disparity across it.
+constexpr double kOffShare = 0.35, kOff_px = 2;
+constexpr int kReach_px = 1;       // of an edge from the end of the run
+constexpr double kStronger = 1.3;  // than the contrast at the run's other end
+// Least number of runs with an edge at one end, and least share of them with the edge at the right end: it is
+// 0.57 and more in left views with depth steps, 0.46 and less in right ones.
+constexpr int kLeastEdges = 60;
+constexpr double kLeastShare = 0.6;
+
+// Returns the largest contrast of neighbours at the border between columns x and x + 1, or beside it.
+int contrast_at(const Image& image, int x, int y) {
+    int largest = 0;
+    for (int at = std::max(0, x - kReach_px); at <= std::min(x + kReach_px, image.width - 2); ++at)
+        for (int c = 0; c < image.channels; ++c)
+            largest = std::max(largest, std::abs(image.at(at + 1, y)[c] - image.at(at, y)[c]));
+    return largest;
+}
+
+struct Edges {
+    int at_left = 0, at_right = 0;
+    bool are_many() const { return at_left + at_right >= kLeastEdges; }
+    double share_of(int some) const { return static_cast<double>(some) / (at_left + at_right); }
+};
+
+Edges edges_of(const stages::SmallMatch& match) {
+    const matching::MatchedMap& map = match.map;
+    const Image& image = match.small.pair.left;
+    Edges edges;
+    for (int y = 0; y < map.height; ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * map.width;
+        int before = -1;
+        for (int x = 0; x < map.width; ++x) {
+            const std::int16_t d = map.disparities[row + x];
+            if (d == matching::kUnknown16) continue;
+            const int run = x - before - 1;
+            if (before >= 0 && run >= kLeastRun_px) {
+                const double step =
+                    (d - map.disparities[row + before]) / static_cast<double>(matching::kOnePixel);
+                if (step >= kLeastRun_px && std::fabs(step - run) <= std::max(kOff_px, kOffShare * run)) {
+                    const int left = contrast_at(image, before, y), right = contrast_at(image, x - 1, y);
+                    edges.at_left += left > kStronger * right;
+                    edges.at_right += right > kStronger * left;
+                }
+            }
+            before = x;
+        }
+    }
+    return edges;
 }
 
 }  // namespace
@@ -152,6 +208,43 @@ HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px) {
         known.end() - std::upper_bound(known.begin(), known.end(), end_px + 0.5 * coarse.small.scale);
     return {static_cast<double>(beyond) / static_cast<double>(known.size()),
             known[known.size() - 1 - known.size() / 200]};
+}
+
+double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept) {
+    const GreyImage grey = grey_of(left);
+    long long textured = 0, agreed = 0;
+    const auto count = [&](int x, int y) {
+        const std::size_t i = static_cast<std::size_t>(y) * map.width + x;
+        if (!is_kept.empty() && !is_kept[i]) return;
+        if (DisparityMap::known(map.values[i]) && map.values[i] > static_cast<float>(x)) return;
+        ++textured;
+        agreed += map.origins[i] == PixelOrigin::matched;
+    };
+    for (int top = 0; top + kBlock_px <= grey.height; top += kBlock_px)
+        for (int first = 0; first + kBlock_px <= grey.width; first += kBlock_px) {
+            if (!is_textured(grey, first, top)) continue;
+            for (int y = top; y < top + kBlock_px; ++y)
+                for (int x = first; x < first + kBlock_px; ++x) count(x, y);
+        }
+    return textured == 0 ? 0 : static_cast<double>(agreed) / static_cast<double>(textured);
+}
+
+const char* support_word(double support) {
+    return support >= kGoodSupport ? "good" : is_hardly_supported(support) ? "hardly" : "partly";
+}
+
+bool is_hardly_supported(double support) {
+    return support < kLeastSupport;
+}
+
+bool is_surely_left(const stages::SmallMatch& match) {
+    const Edges edges = edges_of(match);
+    return edges.are_many() && edges.share_of(edges.at_right) >= kLeastShare;
+}
+
+bool is_surely_right(const stages::SmallMatch& match) {
+    const Edges edges = edges_of(match);
+    return edges.are_many() && edges.share_of(edges.at_left) >= kLeastShare;
 }
 
 }  // namespace hexrelief::checks

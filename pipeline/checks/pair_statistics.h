@@ -1,6 +1,7 @@
 // Figures that distinguish a correct pair from a wrong one.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "pipeline/checks/point_matches.h"
@@ -68,5 +69,22 @@ struct HighEnd {
 };
 
 HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px);
+
+// Returns the share of the left picture's textured pixels on which both views agree, 0..1: 0 without texture.
+// Texture: blocks of 8 x 8 px that show more than noise. Left out are pixels that `is_kept` (of the map's
+// size, or empty) sets to 0, and those whose disparity places them left of the right picture. `map` was
+// matched.
+double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept);
+
+// A pair's support in words: "good", "partly" or "hardly".
+const char* support_word(double support);
+bool is_hardly_supported(double support);
+
+// True if the match's left view is surely the left one, whatever the sign of its disparities. Pixels that
+// only one view shows lie between a near and a far surface, and belong to the far one: the picture's edge,
+// the silhouette of the near surface, is their right end in a left view and their left end in a right view.
+bool is_surely_left(const stages::SmallMatch& match);
+// True if it is surely the right one.
+bool is_surely_right(const stages::SmallMatch& match);
 
 }  // namespace hexrelief::checks

@@ -2,6 +2,9 @@
 // inputs, not close to that of any one scene: EXPERIMENTS.md has both.
 #pragma once
 
+#include <cstdio>
+#include <string>
+
 namespace hexrelief::checks {
 
 // Thresholds for pairs.
@@ -28,7 +31,7 @@ constexpr double kMostAtLowEnd = 0.05;
 constexpr double kMostBeyond = 0.003;
 constexpr double kWidestRange = 3;  // largest range, as a multiple of the scene's need
 constexpr int kFreeRange_px = 32;   // a range may always be wider than needed by this
-// Share of the textured pixels on which both views agree (pair_support.h).
+// Share of the textured pixels on which both views agree (pair_statistics.h).
 constexpr double kGoodSupport = 0.7, kLeastSupport = 0.4;
 
 // Thresholds for maps.
@@ -56,5 +59,22 @@ constexpr int kLeastShift_px = 3;
 constexpr double kLargestBaseline_m = 5;  // vehicles have 1.5 m; a phone's baseline in mm is 12
 constexpr double kWidestView_deg = 135;   // across the longer side; a pinhole's picture has less
 constexpr double kLeastDepth_m = 0.05, kLargestDepth_m = 1000;
+
+// Returns a number with three digits or more: 0.0123, 1.23, 1234.
+inline std::string figure(double value) {
+    char text[32];
+    const double size = value < 0 ? -value : value;
+    if (size >= 100)
+        std::snprintf(text, sizeof text, "%.0f", value);
+    else
+        std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+}
+
+inline std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
+    return text;
+}
 
 }  // namespace hexrelief::checks

@@ -4,9 +4,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <string>
 #include <system_error>
 
-#include "pipeline/cli/build_info.h"
+#include "hexrelief_build_info.h"  // made by pipeline/cli/build_info.cmake
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/tiles/command_tiles.h"
@@ -15,6 +16,14 @@
 
 namespace hexrelief::cli {
 namespace {
+
+// Returns "hexrelief 0.2.0"; if verbose, also lines with commit, compiler, CUDA and libraries.
+std::string version_text(bool verbose) {
+    const std::string version = "hexrelief " HEXRELIEF_VERSION;
+    if (!verbose) return version;
+    return version + "\ncommit     " HEXRELIEF_COMMIT "\nbuild      " HEXRELIEF_BUILD
+                     "\nCUDA       " HEXRELIEF_CUDA_BUILD "\nlibraries  " HEXRELIEF_LIBRARIES;
+}
 
 constexpr int kBugExitCode = 1, kMemoryExitCode = 6;
 
@@ -36,13 +45,12 @@ int run_command_line(int argc, char** argv) {
                               "Stereo pairs and disparity maps to compact, textured, metric 3D meshes.",
                               version_text);
         Command program = parser.root();
-        program.set_footer(
-            "Examples:\n"
-            "  hexrelief run --left left.png --right right.png --calib calib.txt -o relief.glb\n"
-            "  hexrelief run --disparity disp.png --disparity-scale 4 --color left.png -o relief.obj\n"
-            "  hexrelief info relief.glb\n"
-            "  hexrelief demo\n"
-            "  hexrelief run --help");
+        program.set_footer(R"(Examples:
+  hexrelief run --left left.png --right right.png --calib calib.txt -o relief.glb
+  hexrelief run --disparity disp.png --disparity-scale 4 --color left.png -o relief.obj
+  hexrelief info relief.glb
+  hexrelief demo
+  hexrelief run --help)");
         add_run_command(program);
         add_batch_command(program);
         add_config_command(program);

@@ -12,7 +12,7 @@
 #include "pipeline/batch/pair_rules.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
-#include "pipeline/cli/arguments/values.h"
+#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/terminal/printable.h"
@@ -21,7 +21,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/outputs.h"
-#include "pipeline/library/requests.h"
+#include "pipeline/library/conversions.h"
 
 namespace hexrelief::cli {
 namespace {

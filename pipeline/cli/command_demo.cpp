@@ -111,7 +111,8 @@ void add_demo_command(Command& program) {
     command.add_option("FOLDER", &options->folder,
                        "where all of it goes; hexrelief-demo where none is given");
     command.add_flag("--no-open", options->stays_closed, "write the page without opening it");
-    command.set_footer("Example:\n  hexrelief demo");
+    command.set_footer(R"(Example:
+  hexrelief demo)");
     command.set_action([options] { return show_demo(*options); });
 }
 

@@ -11,7 +11,8 @@ void add_devices_command(Command& program) {
     Command command = program.add_command("devices", "what --backend can use on this machine");
     const auto json = std::make_shared<bool>(false);
     command.add_flag("--json", *json, "as JSON");
-    command.set_footer("Example:\n  hexrelief devices");
+    command.set_footer(R"(Example:
+  hexrelief devices)");
     command.set_action([json] {
         nlohmann::ordered_json all = nlohmann::ordered_json::array();
         for (const auto& [backend, name, details, usable] : job::list_devices()) {

@@ -5,7 +5,7 @@
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/config/options.h"
-#include "pipeline/evaluation/evaluation_json.h"
+#include "pipeline/evaluation/evaluate.h"
 #include "pipeline/readers/disparity_reader.h"
 
 namespace hexrelief::cli {
@@ -106,19 +106,18 @@ void add_evaluate_command(Command& program) {
         {.value = "PX"});
     command.add_flag("--json", options->json, "as JSON");
     command.set_footer(
-        "bad-T: percent of the truth's known pixels whose error is above T px or that the map does not "
-        "know.\n"
-        "Errors are over the pixels known in both; coverage is their share of the truth's.\n"
-        "nonocc.: of the pixels that the right view sees as well. of known: of the pixels known in both.\n"
-        "edge: of the pixels within 3 px of a true discontinuity, those nearer to the wrong side of it, and "
-        "those\nthat the map does not know.\n"
-        "roughness: RMS against the local plane on slanted planes of the truth; a deviation counts 2 px at "
-        "most.\n"
-        "A disparity of 0 counts as unknown. With --json there are the numbers of pixels as well.\n\n"
-        "Examples:\n"
-        "  hexrelief evaluate stages/disparity.pfm disp0GT.pfm\n"
-        "  hexrelief evaluate stages/disparity.pfm disp2.png --gt-scale 4 --json\n"
-        "  hexrelief evaluate stages/disparity.pfm disp2.png --gt-right disp6.png --gt-scale 4");
+        R"(bad-T: percent of the truth's known pixels whose error is above T px or that the map does not know.
+Errors are over the pixels known in both; coverage is their share of the truth's.
+nonocc.: of the pixels that the right view sees as well. of known: of the pixels known in both.
+edge: of the pixels within 3 px of a true discontinuity, those nearer to the wrong side of it, and those
+that the map does not know.
+roughness: RMS against the local plane on slanted planes of the truth; a deviation counts 2 px at most.
+A disparity of 0 counts as unknown. With --json there are the numbers of pixels as well.
+
+Examples:
+  hexrelief evaluate stages/disparity.pfm disp0GT.pfm
+  hexrelief evaluate stages/disparity.pfm disp2.png --gt-scale 4 --json
+  hexrelief evaluate stages/disparity.pfm disp2.png --gt-right disp6.png --gt-scale 4)");
     command.set_action([options] { return evaluate(*options); });
 }
 

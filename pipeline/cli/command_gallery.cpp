@@ -18,13 +18,14 @@ void add_gallery_command(Command& program) {
     command.add_option("-o,--output", &options->output, "the page; index.html in that folder where not given",
                        {.value = "PAGE.html"});
     command.set_footer(
-        "Each result has a thumbnail and its figures, by which the list is sorted, and is a click away.\n\n"
-        "Example:\n"
-        "  hexrelief run --left l.png --right r.png -o out/a.html --report out/a.json\n"
-        "  hexrelief gallery out");
+        R"(Each result has a thumbnail and its figures, by which the list is sorted, and is a click away.
+
+Example:
+  hexrelief run --left l.png --right r.png -o out/a.html --report out/a.json
+  hexrelief gallery out)");
     command.set_action([options] {
         const auto path = options->output.empty() ? options->folder / "index.html" : options->output;
-        const std::size_t results = cli::write_gallery(options->folder, path);
+        const std::size_t results = write_gallery(options->folder, path);
         std::printf("%s lists %zu result%s\n", printable(path.string()).c_str(), results,
                     results == 1 ? "" : "s");
         end_telling();

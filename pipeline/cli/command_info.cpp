@@ -12,7 +12,6 @@
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/info/tell_calibration.h"
-#include "pipeline/cli/info/told_lines.h"
 #include "pipeline/cli/piped_inputs.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
@@ -23,7 +22,6 @@
 #include "pipeline/readers/depth/describe_map.h"
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/readers/photographs/contained_pictures.h"
 #include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/stereo_reader.h"
 
@@ -337,9 +335,12 @@ void add_info_command(Command& program) {
         "refuse images and maps of more, by their header; default " + std::to_string(readers::kMaxPixels),
         {.value = "N"});
     command.add_flag("--json", options->json, "as JSON");
-    command.set_footer(
-        "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
-        "--key depth\n  hexrelief info calib.txt\n  hexrelief info left.jpg right.jpg");
+    command.set_footer(R"(Examples:
+  hexrelief info relief.glb
+  hexrelief info disp0.pfm
+  hexrelief info depth.npz --key depth
+  hexrelief info calib.txt
+  hexrelief info left.jpg right.jpg)");
     command.set_action([path, right, options] {
         if (const long long most = options->limits().max_pixels; most < 1 || most > readers::kMaxPixels)
             throw Error(ErrorKind::usage,

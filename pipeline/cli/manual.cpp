@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
+#include <memory>
 #include <sstream>
 
 #include "exporters/core/file_transaction.h"
+#include "pipeline/cli/commands.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::cli {
@@ -113,6 +116,11 @@ std::string page_of(const CommandDescription& command, const std::string& full_n
     return text;
 }
 
+struct ManualOptions {
+    std::string command;
+    std::filesystem::path folder;
+};
+
 }  // namespace
 
 std::string manual_page(const CommandDescription& program, const std::string& command) {
@@ -128,6 +136,23 @@ void write_manual_pages(const CommandDescription& program, const std::filesystem
     for (const CommandDescription& sub : program.commands)
         files.write(folder / (program.name + "-" + sub.name + ".1"), manual_page(program, sub.name));
     files.commit();
+}
+
+void add_manual_command(Command& program) {
+    Command command = program.add_command("manual", "the manual page of a command");
+    const auto options = std::make_shared<ManualOptions>();
+    command.add_option("COMMAND", &options->command, "a command; without one the program's own page");
+    command.add_option("--into", &options->folder, "write the pages of all commands into this folder instead",
+                       {.value = "DIR"});
+    command.set_footer(R"(Example:
+  hexrelief manual run | man -l -)");
+    command.set_action([options, program] {
+        if (options->folder.empty())
+            std::fputs(manual_page(program.describe(), options->command).c_str(), stdout);
+        else
+            write_manual_pages(program.describe(), options->folder);
+        return 0;
+    });
 }
 
 }  // namespace hexrelief::cli

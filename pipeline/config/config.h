@@ -9,7 +9,7 @@
 #include "exporters/core/scene.h"
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/surface_config.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"

@@ -137,30 +137,17 @@ Json section_schema(const Section& section) {
 Json field_schema(const Field& field, const FieldValue& initial) {
     Json schema;
     schema["description"] = help_of(field) + (field.unit.empty() ? "" : " [" + field.unit + "]");
-    switch (field.type) {
-        case FieldType::boolean:
-            schema["type"] = "boolean";
-            break;
-        case FieldType::integer:
-            schema["type"] = "integer";
-            break;
-        case FieldType::optional_integer:
-            schema["type"] = {"integer", "null"};
-            break;
-        case FieldType::real:
-            schema["type"] = "number";
-            break;
-        case FieldType::optional_real:
-            schema["type"] = {"number", "null"};
-            break;
-        case FieldType::choice:
-            schema["enum"] = field.choices;
-            break;
-        case FieldType::text:
-        case FieldType::file:
-            schema["type"] = {"string", "null"};
-            break;
-    }
+    // In the order of FieldType.
+    constexpr const char* kTypes[] = {"boolean", "integer", "integer", "number",
+                                      "number",  "",        "string",  "string"};
+    const char* const type = kTypes[static_cast<std::size_t>(field.type)];
+    if (field.type == FieldType::choice)
+        schema["enum"] = field.choices;
+    else if (field.type == FieldType::boolean || field.type == FieldType::integer ||
+             field.type == FieldType::real)
+        schema["type"] = type;
+    else
+        schema["type"] = {type, "null"};
     if (field.type == FieldType::integer || field.type == FieldType::optional_integer) {
         schema["minimum"] = static_cast<long long>(field.range.min);
         schema["maximum"] = static_cast<long long>(field.range.max);

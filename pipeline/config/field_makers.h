@@ -50,32 +50,32 @@ Field plain(Field field, Access access) {
 }
 
 template <typename Access>
-Field number(const std::string& path, const std::string& unit, const ValueRange& range,
-             const std::string& help, Access access, const FieldOption& option = {}) {
+Field number(const std::string& path, Access access, const std::string& unit, const ValueRange& range,
+             const std::string& help, const FieldOption& option = {}) {
     constexpr FieldType type =
         std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
     return plain({path, unit, help, type, range, {}, option, {}, {}}, access);
 }
 
 template <typename Access>
-Field flag(const std::string& path, const std::string& help, Access access, const FieldOption& option = {}) {
+Field flag(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
     return plain({path, "", help, FieldType::boolean, {}, {}, option, {}, {}}, access);
 }
 
 template <typename Access>
-Field text(const std::string& path, const std::string& help, Access access, const FieldOption& option = {}) {
+Field text(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
     return plain({path, "", help, FieldType::text, {}, {}, option, {}, {}}, access);
 }
 
 template <typename Access>
-Field file(const std::string& path, const std::string& help, Access access, const FieldOption& option = {}) {
+Field file(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
     return plain({path, "", help, FieldType::file, {}, {}, option, {}, {}}, access);
 }
 
 // Returns a field for a double whose NaN means "not given" and is null in YAML.
 template <typename Access>
-Field optional(const std::string& path, const std::string& unit, const ValueRange& range,
-               const std::string& help, Access access, const FieldOption& option = {}) {
+Field optional(const std::string& path, Access access, const std::string& unit, const ValueRange& range,
+               const std::string& help, const FieldOption& option = {}) {
     Field field{path, unit, help, FieldType::optional_real, range, {}, option, {}, {}};
     field.get = [access](const Config& config) -> FieldValue {
         const double value = access(const_cast<Config&>(config));
@@ -89,8 +89,8 @@ Field optional(const std::string& path, const std::string& unit, const ValueRang
 
 // Returns a field for an int whose 0 means "not given" and is null in YAML.
 template <typename Access>
-Field optional_integer(const std::string& path, const std::string& unit, const ValueRange& range,
-                       const std::string& help, Access access, const FieldOption& option = {}) {
+Field optional_integer(const std::string& path, Access access, const std::string& unit,
+                       const ValueRange& range, const std::string& help, const FieldOption& option = {}) {
     Field field{path, unit, help, FieldType::optional_integer, range, {}, option, {}, {}};
     field.get = [access](const Config& config) -> FieldValue {
         const int value = access(const_cast<Config&>(config));
@@ -104,8 +104,8 @@ Field optional_integer(const std::string& path, const std::string& unit, const V
 }
 
 template <typename Access>
-Field choice(const std::string& path, const std::vector<std::string>& names, const std::string& help,
-             Access access, const FieldOption& option = {}) {
+Field choice(const std::string& path, Access access, const std::vector<std::string>& names,
+             const std::string& help, const FieldOption& option = {}) {
     Field field{path, "", help, FieldType::choice, {}, names, option, {}, {}};
     field.get = [access, names](const Config& config) -> FieldValue {
         return names.at(static_cast<std::size_t>(access(const_cast<Config&>(config))));
@@ -118,6 +118,7 @@ Field choice(const std::string& path, const std::vector<std::string>& names, con
 }
 
 #define MEMBER(name) ([](Config & c) -> auto& { return c.name; })
+#define KEY(name) #name, MEMBER(name)  // a key that is named as its member
 
 inline void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));

@@ -1,140 +1,113 @@
 // The rows of the field table for what is read.
 #include "pipeline/config/field_makers.h"
-#include "pipeline/readers/packing.h"
+#include "pipeline/readers/limits.h"
 
 namespace hexrelief::config {
+namespace {
+
+// Of the keys that maps of disparities and of depths have alike.
+constexpr const char* kPackedHelp =
+    "red, green and blue of the map's picture are one number; carla = 24 bits, red the lowest, of "
+    "up to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px; tartanair = the bits of a "
+    "float, alpha the highest, m";
+constexpr const char* kKeyHelp =
+    "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names";
+constexpr const char* kFlipHelp =
+    "the map's rows are stored in the other order, as in a PFM with the top row first";
+
+}  // namespace
 
 std::vector<Field> input_fields() {
     return {
-        choice(
-            "input.rectify", {"auto", "always", "never", "calibration"},
-            "a pair's rows made the same: auto = by its calibration file, or without one by the points that "
-            "both pictures show, if their rows are off; always = by the points, however little they are off; "
-            "never = the pair as it is; calibration = only by the file",
-            MEMBER(input.rectify), {"--rectify"}),
-        flag("input.exif_orientation",
-             "pictures are turned as their EXIF orientation says; a map's picture only if that makes it fit",
-             MEMBER(input.exif_orientation)),
-        number("input.disparity.scale", "1/px", readers::DisparityFileConfig::kScale,
+        choice(KEY(input.rectify), {"auto", "always", "never", "calibration"},
+               "a pair's rows made the same: auto = by its calibration file, or without one by the points "
+               "that both pictures show, if their rows are off; always = by the points, however little they "
+               "are off; never = the pair as it is; calibration = only by the file",
+               {"--rectify"}),
+        flag(KEY(input.exif_orientation),
+             "pictures are turned as their EXIF orientation says; a map's picture only if that makes it fit"),
+        number(KEY(input.disparity.scale), "1/px", readers::DisparityFileConfig::kScale,
                "a supplied map's samples divided by this are px, -1 turns their sign; 0 = not given, then "
                "KITTI's 256 for 16-bit maps, StereoSGBM's 16 for its signed ones, 1 for float maps, and an "
-               "error "
-               "for others",
-               MEMBER(input.disparity.scale), {"--disparity-scale", "S"}),
-        number("input.disparity.offset_px", "px", readers::DisparityFileConfig::kOffset_px,
-               "added to a supplied map's disparities after the scale", MEMBER(input.disparity.offset_px),
-               {"--disparity-offset", "PX"}),
-        optional("input.disparity.unknown", "", {-kAny, kAny},
+               "error for others",
+               {"--disparity-scale", "S"}),
+        number(KEY(input.disparity.offset_px), "px", readers::DisparityFileConfig::kOffset_px,
+               "added to a supplied map's disparities after the scale", {"--disparity-offset", "PX"}),
+        optional(KEY(input.disparity.unknown), "", {-kAny, kAny},
                  "sample that means 'not known'; null = the map's own: the least value below 0 if it stands "
                  "alone, and 0 if none is below; inf, NaN and a TIFF's nodata always do",
-                 MEMBER(input.disparity.unknown), {"--unknown", "V"}),
-        text("input.disparity.key",
-             "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names",
-             MEMBER(input.disparity.key), {"--key", "NAME"}),
-        choice(
-            "input.disparity.packed", readers::packing_names(),
-            "red, green and blue of the map's picture are one number; carla = 24 bits, red the lowest, of up "
-            "to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px; tartanair = the bits of a float, "
-            "alpha the highest, m",
-            MEMBER(input.disparity.packing), {"--packed"}),
-        flag("input.disparity.flip",
-             "the map's rows are stored in the other order, as in a PFM with the top row first",
-             MEMBER(input.disparity.flip), {"--flip"}),
-        choice("input.disparity.densify", {"auto", "off"},
+                 {"--unknown", "V"}),
+        text(KEY(input.disparity.key), kKeyHelp, {"--key", "NAME"}),
+        choice("input.disparity.packed", MEMBER(input.disparity.packing), readers::packing_names(),
+               kPackedHelp, {"--packed"}),
+        flag(KEY(input.disparity.flip), kFlipHelp, {"--flip"}),
+        choice("input.disparity.densify", MEMBER(input.densify), {"auto", "off"},
                "a supplied map of scattered measurements, as a laser's: auto = filled between them, by the "
-               "picture's colours where there is one; other maps stay as they are; off = meshed as it is",
-               MEMBER(input.densify)),
-        choice("input.depth.kind", {"depth", "inverse_depth", "affine_inverse", "affine_depth"},
+               "picture's colours where there is one; other maps stay as they are; off = meshed as it is"),
+        choice(KEY(input.depth.kind), {"depth", "inverse_depth", "affine_inverse", "affine_depth"},
                "what a supplied depth map's samples are; affine_inverse: depth = 1 / (affine_shift + "
                "affine_scale * sample), as networks give for single pictures; affine_depth: depth = "
                "affine_shift + affine_scale * sample, as Marigold and GeoWizard do",
-               MEMBER(input.depth.kind), {"--depth-kind"}),
-        text("input.depth.unit",
+               {"--depth-kind"}),
+        text(KEY(input.depth.unit),
              "m, mm, or a number by which samples are divided to give metres (one over metres for "
              "inverse_depth); empty = mm for 16-bit integers, m for floats",
-             MEMBER(input.depth.unit), {"--depth-unit", "U"}),
-        flag("input.depth.ray", "distances are along the ray of each pixel instead of along the optical axis",
-             MEMBER(input.depth.ray)),
-        number("input.depth.near_m", "m", {0, kAny}, "what is nearer is unknown; 0 = no limit",
-               MEMBER(input.depth.near_m)),
-        number("input.depth.far_m", "m", {0, kAny}, "what is farther is unknown; 0 = no limit",
-               MEMBER(input.depth.far_m)),
-        optional(
-            "input.depth.affine_shift", "", {-kAny, kAny},
-            "for the affine kinds; null = 0, or where affine_scale is null as well, relative depths whose "
-            "farthest is ten times the nearest",
-            MEMBER(input.depth.affine_shift)),
-        optional("input.depth.affine_scale", "", {-kAny, kAny},
-                 "for the affine kinds; null = 1, or as said for affine_shift",
-                 MEMBER(input.depth.affine_scale)),
-        optional(
-            "input.depth.unknown", "", {-kAny, kAny},
-            "sample that means 'not known'; null = the format's own (0 in integer maps, but not for "
-            "the affine kinds; 65535 in 16-bit maps of depth); NaN, inf and depths of 0 or less always do",
-            MEMBER(input.depth.unknown), {"--unknown", "V"}),
-        text("input.depth.key",
-             "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names",
-             MEMBER(input.depth.key), {"--key", "NAME"}),
-        choice(
-            "input.depth.packed", readers::packing_names(),
-            "red, green and blue of the map's picture are one number; carla = 24 bits, red the lowest, of up "
-            "to 1000 m; sintel = 4 red + green / 64 + blue / 16384 px; tartanair = the bits of a float, "
-            "alpha the highest, m",
-            MEMBER(input.depth.packing), {"--packed"}),
-        flag("input.depth.flip",
-             "the map's rows are stored in the other order, as in a PFM with the top row first",
-             MEMBER(input.depth.flip), {"--flip"}),
-        flag("input.mask.inverted", "what is not 0 is unknown instead", MEMBER(input.mask.inverted)),
-        flag("input.mask.alpha", "what is transparent in the left picture (alpha below half) is unknown",
-             MEMBER(input.mask.alpha)),
-        number("input.confidence.threshold", "", {-kAny, kAny},
+             {"--depth-unit", "U"}),
+        flag(KEY(input.depth.ray),
+             "distances are along the ray of each pixel instead of along the optical axis"),
+        number(KEY(input.depth.near_m), "m", {0, kAny}, "what is nearer is unknown; 0 = no limit"),
+        number(KEY(input.depth.far_m), "m", {0, kAny}, "what is farther is unknown; 0 = no limit"),
+        optional(KEY(input.depth.affine_shift), "", {-kAny, kAny},
+                 "for the affine kinds; null = 0, or where affine_scale is null as well, relative depths "
+                 "whose farthest is ten times the nearest"),
+        optional(KEY(input.depth.affine_scale), "", {-kAny, kAny},
+                 "for the affine kinds; null = 1, or as said for affine_shift"),
+        optional(KEY(input.depth.unknown), "", {-kAny, kAny},
+                 "sample that means 'not known'; null = the format's own (0 in integer maps, but not for the "
+                 "affine kinds; 65535 in 16-bit maps of depth); NaN, inf and depths of 0 or less always do",
+                 {"--unknown", "V"}),
+        text(KEY(input.depth.key), kKeyHelp, {"--key", "NAME"}),
+        choice("input.depth.packed", MEMBER(input.depth.packing), readers::packing_names(), kPackedHelp,
+               {"--packed"}),
+        flag(KEY(input.depth.flip), kFlipHelp, {"--flip"}),
+        flag(KEY(input.mask.inverted), "what is not 0 is unknown instead"),
+        flag(KEY(input.mask.alpha), "what is transparent in the left picture (alpha below half) is unknown"),
+        number(KEY(input.confidence.threshold), "", {-kAny, kAny},
                "what is below is unknown; integers are shares of 255 or 65535, or of 2 where none is above 2 "
-               "(levels 0, 1, 2), floats are compared as they are",
-               MEMBER(input.confidence.threshold)),
-        text("input.confidence.key",
-             "array of an NPZ, channel of an EXR that holds them; empty = the only one, or the usual names",
-             MEMBER(input.confidence.key)),
-        file(
-            "input.calibration.file",
-            "the camera: Middlebury calib.txt, KITTI, OpenCV, a camera matrix, ROS, Kalibr, ZED, COLMAP and "
-            "others "
-            "(exporters/FORMATS.md), a second time for a second file; in a file relative to it; empty = none",
-            MEMBER(input.calibration.file), {"--calib", "C", "input.calibration.second_file"}),
-        file("input.calibration.second_file",
+               "(levels 0, 1, 2), floats are compared as they are"),
+        text(KEY(input.confidence.key),
+             "array of an NPZ, channel of an EXR that holds them; empty = the only one, or the usual names"),
+        file(KEY(input.calibration.file),
+             "the camera: Middlebury calib.txt, KITTI, OpenCV, a camera matrix, ROS, Kalibr, ZED, COLMAP and "
+             "others (exporters/FORMATS.md), a second time for a second file; in a file relative to it; "
+             "empty = none",
+             {"--calib", "C", "input.calibration.second_file"}),
+        file(KEY(input.calibration.second_file),
              "the right camera's file, where the first is the left one's, or extrinsics.yml with "
-             "intrinsics.yml; "
-             "empty = the file of that name beside the first (left, right; cam0, cam1), if it is needed",
-             MEMBER(input.calibration.second_file)),
-        optional("input.calibration.focal_px", "px", {1, 1e6}, "focal length; null = the file's",
-                 MEMBER(input.calibration.focal_px)),
-        optional("input.calibration.fov_x_deg", "deg", {1, 179},
+             "intrinsics.yml; empty = the file of that name beside the first (left, right; cam0, cam1), if "
+             "it is needed"),
+        optional(KEY(input.calibration.focal_px), "px", {1, 1e6}, "focal length; null = the file's"),
+        optional(KEY(input.calibration.fov_x_deg), "deg", {1, 179},
                  "angle of view across the width, in place of a focal length; null = not given",
-                 MEMBER(input.calibration.fov_x_deg), {"--fov-x", "DEG"}),
-        optional("input.calibration.baseline_m", "m", {1e-6, 1e6},
-                 "distance of the two cameras; null = the file's", MEMBER(input.calibration.baseline_m)),
-        optional("input.calibration.cx", "px", {-1e6, 1e6},
+                 {"--fov-x", "DEG"}),
+        optional(KEY(input.calibration.baseline_m), "m", {1e-6, 1e6},
+                 "distance of the two cameras; null = the file's"),
+        optional(KEY(input.calibration.cx), "px", {-1e6, 1e6},
                  "principal point from the image's left edge (the first pixel's centre is 0.5); null = the "
-                 "file's or the middle",
-                 MEMBER(input.calibration.cx)),
-        optional("input.calibration.cy", "px", {-1e6, 1e6},
-                 "principal point from the image's upper edge; null = the file's or the middle",
-                 MEMBER(input.calibration.cy)),
-        optional("input.calibration.doffs_px", "px", {-65536, 65536},
-                 "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0",
-                 MEMBER(input.calibration.doffs_px)),
-        choice(
-            "input.calibration.rectify", {"auto", "always", "never"},
-            "rectify the pair by the file's K1, D1, K2, D2, R and T; auto = unless the file has Q, or P1 and "
-            "P2, as well and the pair's rows are the same already",
-            MEMBER(input.calibration.rectify)),
-        choice(
-            "input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
-            "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
-            "squeezed to half of that side; auto = by the file: spatial HEIC, two JPEG pictures as in MPO, "
-            ".jps, or words of its name, such as sbs, left-right, over-under",
-            MEMBER(input.stereo.layout), {"--layout"}),
-        flag("input.stereo.right_first", "the right view is on the left, or above, as for crossed eyes",
-             MEMBER(input.stereo.right_first)),
+                 "file's or the middle"),
+        optional(KEY(input.calibration.cy), "px", {-1e6, 1e6},
+                 "principal point from the image's upper edge; null = the file's or the middle"),
+        optional(KEY(input.calibration.doffs_px), "px", {-65536, 65536},
+                 "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0"),
+        choice(KEY(input.calibration.rectify), {"auto", "always", "never"},
+               "rectify the pair by the file's K1, D1, K2, D2, R and T; auto = unless the file has Q, or P1 "
+               "and P2, as well and the pair's rows are the same already"),
+        choice(KEY(input.stereo.layout), {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
+               "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
+               "squeezed to half of that side; auto = by the file: spatial HEIC, two JPEG pictures as in "
+               "MPO, .jps, or words of its name, such as sbs, left-right, over-under",
+               {"--layout"}),
+        flag(KEY(input.stereo.right_first), "the right view is on the left, or above, as for crossed eyes"),
     };
 }
 

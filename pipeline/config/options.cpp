@@ -1,14 +1,14 @@
 #include "pipeline/config/options.h"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 #include "pipeline/config/fields.h"
-#include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
+#include "pipeline/data/error.h"
 
 namespace hexrelief::config {
-
 namespace {
 
 const Field& given_field(Config& config, const std::string& path) {
@@ -20,6 +20,16 @@ const Field& given_field(Config& config, const std::string& path) {
 
 void refuse(const std::string& option, const std::string& wrong) {
     if (!wrong.empty()) throw Error(ErrorKind::usage, option + " " + wrong);
+}
+
+std::string group_of(const Field& field) {
+    if (field.path.starts_with("input.")) return "Input";
+    return field.path.starts_with("export.") ? "Output" : "Job";
+}
+
+// Returns the option of the file that a row's option needs; empty = none.
+const std::string& file_of(const Field& field) {
+    return find_section(section_of(field.path))->file;
 }
 
 }  // namespace
@@ -59,6 +69,65 @@ void apply_option(Config& config, const std::string& option, const std::string& 
 
 void finish_config(const Config& config) {
     check_rules(config, "");
+}
+
+std::vector<std::string> option_flags(const std::string& group) {
+    std::vector<std::string> flags;
+    for (const Field& field : config_fields()) {
+        const std::string& flag = field.option.flag;
+        const bool is_known = std::find(flags.begin(), flags.end(), flag) != flags.end();
+        if (!flag.empty() && !is_known && group_of(field) == group) flags.push_back(flag);
+    }
+    return flags;
+}
+
+std::vector<const Field*> rows_of_option(const std::string& flag) {
+    std::vector<const Field*> rows;
+    for (const Field& field : config_fields())
+        if (!flag.empty() && field.option.flag == flag) rows.push_back(&field);
+    return rows;
+}
+
+std::string option_help(const Field& field) {
+    return field.help.substr(0, field.help.find(';'));
+}
+
+std::string option_value(const Field& field) {
+    std::string names;
+    for (const std::string& name : field.choices) names += (names.empty() ? "" : "|") + name;
+    return field.option.value.empty() ? names : field.option.value;
+}
+
+const Field& row_of_option(const std::string& flag, const std::vector<std::string>& files) {
+    const std::vector<const Field*> rows = rows_of_option(flag);
+    if (rows.empty()) throw Error(ErrorKind::usage, "'" + flag + "' stands for no key");
+    std::string missing;
+    for (const Field* row : rows) {
+        const std::string& file = file_of(*row);
+        if (file.empty() || std::find(files.begin(), files.end(), file) != files.end()) return *row;
+        missing += (missing.empty() ? "" : " or ") + file;
+    }
+    throw Error(ErrorKind::usage, flag + " goes with " + missing + ", which is not given");
+}
+
+std::vector<std::string> keys_of_options(const std::vector<std::pair<std::string, std::string>>& options,
+                                         const std::vector<std::string>& files) {
+    std::vector<std::string> keys;
+    std::map<std::string, int> given;
+    for (const auto& [flag, text] : options) {
+        const Field& row = row_of_option(flag, files);
+        const int times = row.option.second.empty() ? 1 : ++given[flag];
+        if (times > 2) throw Error(ErrorKind::usage, flag + " may be given twice, not more often");
+        keys.push_back(times == 2 ? row.option.second : row.path);
+    }
+    return keys;
+}
+
+void apply_options(Config& config, const std::vector<std::pair<std::string, std::string>>& options,
+                   const std::vector<std::string>& files) {
+    const std::vector<std::string> keys = keys_of_options(options, files);
+    for (std::size_t i = 0; i < options.size(); ++i)
+        apply_option(config, options[i].first, keys[i], options[i].second);
 }
 
 }  // namespace hexrelief::config

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "pipeline/config/fields.h"
-#include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::config {
@@ -97,30 +96,19 @@ std::string complaint(const Field& field, const std::string& text) {
 }  // namespace
 
 std::string describe_type(const Field& field) {
-    const std::string unit = field.unit.empty() ? "" : " " + field.unit;
-    const std::string range =
-        " from " + format_number(field.range.min) + " to " + format_number(field.range.max) + unit;
-    switch (field.type) {
-        case FieldType::boolean:
-            return "true or false";
-        case FieldType::integer:
-            return "an integer" + range;
-        case FieldType::optional_integer:
-            return "null or an integer" + range;
-        case FieldType::real:
-            return "a number" + range;
-        case FieldType::optional_real:
-            return "null or a number" + range;
-        case FieldType::text:
-            return "a text";
-        case FieldType::file:
-            return "a file name";
-        case FieldType::choice:
-            break;
+    if (field.type == FieldType::choice) {
+        std::string names;
+        for (const std::string& name : field.choices) names += (names.empty() ? "" : ", ") + name;
+        return "one of " + names;
     }
-    std::string names;
-    for (const std::string& name : field.choices) names += (names.empty() ? "" : ", ") + name;
-    return "one of " + names;
+    // In the order of FieldType.
+    constexpr const char* kTypes[] = {"true or false", "an integer",       "null or an integer",
+                                      "a number",      "null or a number", "",
+                                      "a text",        "a file name"};
+    const std::string type = kTypes[static_cast<std::size_t>(field.type)];
+    if (!type.ends_with("integer") && !type.ends_with("number")) return type;
+    return type + " from " + format_number(field.range.min) + " to " + format_number(field.range.max) +
+           (field.unit.empty() ? "" : " " + field.unit);
 }
 
 std::string format_value(const FieldValue& value) {

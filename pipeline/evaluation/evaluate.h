@@ -1,6 +1,8 @@
 // Compares a disparity map with ground truth.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::evaluation {
@@ -45,5 +47,8 @@ struct DisparityEvaluation {
 // discontinuity_px is not above 0.
 DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityMap& truth,
                                        const EvaluationConfig& config = {});
+
+// Returns all figures by their names, with their units; numbers are not rounded.
+nlohmann::ordered_json evaluation_json(const DisparityEvaluation& evaluation);
 
 }  // namespace hexrelief::evaluation

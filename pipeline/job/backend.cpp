@@ -254,7 +254,7 @@ double estimated_cpu_seconds(const RunSize& size, const config::Config& config) 
     const double disparities = searched > 0 ? searched : size.width / kWidthPerDisparity;
     const double spacing = config.mesh.spacing_px;
     const bool on_device = size.is_pair && config.disparity.method == stages::DisparityMethod::sgm;
-    const double solves = job::has_budget(config.budget) ? kBudgetSolves : 1;
+    const double solves = has_budget(config.budget) ? kBudgetSolves : 1;
     const double one_thread_s = (on_device ? pixels * disparities * kPixelAndDisparity_s : 0) +
                                 solves * (pixels * kPixel_s + pixels / (spacing * spacing) * kVertex_s);
     return one_thread_s * (kSerialShare + (1 - kSerialShare) / size.threads);

@@ -9,18 +9,15 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/sha256.h"
-#include "pipeline/job/cameras/rectify_by_file.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
-#include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/maps/fit_map.h"
-#include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/pairs/dark_strips.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/stereo_reader.h"
-#include "pipeline/readers/photographs/turn_pictures.h"
 
 namespace hexrelief::job {
 namespace {

@@ -8,7 +8,6 @@
 #include "exporters/images/texture.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/outputs.h"
-#include "pipeline/job/page_content.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/job/tolerance.h"
 
@@ -42,8 +41,8 @@ bool any_compressed(const std::vector<fs::path>& outputs, const exporters::Expor
 
 // Returns the texture settings that the search may change: those that the configuration does not give. None
 // if no output has a texture.
-std::optional<job::TextureLimits> texture_limits(const LeftView& view, const config::Config& config,
-                                                 const std::vector<fs::path>& outputs) {
+std::optional<TextureLimits> texture_limits(const LeftView& view, const config::Config& config,
+                                            const std::vector<fs::path>& outputs) {
     const exporters::ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
         return exporters::export_format(path).colours == exporters::ColourStorage::texture;
@@ -51,28 +50,28 @@ std::optional<job::TextureLimits> texture_limits(const LeftView& view, const con
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
         exporting.texture == exporters::TextureFormat::none)
         return std::nullopt;
-    job::TextureLimits limits{{exporting.texture_max_px, exporting.texture_quality},
-                              std::max(view.texture.width, view.texture.height),
-                              !config.given.contains("export.texture_max_px"),
-                              !config.given.contains("export.texture_quality") &&
-                                  exporting.texture != exporters::TextureFormat::png};
+    TextureLimits limits{{exporting.texture_max_px, exporting.texture_quality},
+                         std::max(view.texture.width, view.texture.height),
+                         !config.given.contains("export.texture_max_px"),
+                         !config.given.contains("export.texture_quality") &&
+                             exporting.texture != exporters::TextureFormat::png};
     if (exporting.texture_max_px > 0)
         limits.longest_px = std::min(limits.longest_px, exporting.texture_max_px);
     return limits;
 }
 
-exporters::ExportConfig with_texture(exporters::ExportConfig config, const job::TextureChoice& texture) {
+exporters::ExportConfig with_texture(exporters::ExportConfig config, const TextureChoice& texture) {
     config.texture_max_px = texture.max_px;
     config.texture_quality = texture.quality;
     return config;
 }
 
-std::string text_of(const job::TextureChoice& texture) {
+std::string text_of(const TextureChoice& texture) {
     return "texture of quality " + std::to_string(texture.quality) + ", " +
            (texture.max_px > 0 ? "at most " + std::to_string(texture.max_px) + " px" : "as large as it is");
 }
 
-double texture_bytes(const LeftView& view, const SurfaceResult& result, const job::TextureChoice& texture) {
+double texture_bytes(const LeftView& view, const SurfaceResult& result, const TextureChoice& texture) {
     const exporters::ExportConfig config = with_texture(result.config.exporting, texture);
     const exporters::Scene scene = scene_of(view, result, {});
     return static_cast<double>(
@@ -86,7 +85,7 @@ SurfaceResult search_spacing(const LeftView& view, const config::Config& given,
     std::optional<SurfaceResult> result;  // at solved_px; empty = nothing is left to mesh
     std::vector<SurfaceMesh> coarser;     // coarser levels of that mesh
     double solved_px = 0;
-    job::BudgetJob search;
+    BudgetJob search;
     const double side_px = std::min(view.disparity.width, view.disparity.height);
     const double coarsest_level = std::ldexp(1, config.exporting.lod - 1);  // in spacings; three fit
     search.most_px = std::max(search.least_px, std::min({256.0, side_px / 4, side_px / 3 / coarsest_level}));
@@ -118,15 +117,15 @@ SurfaceResult search_spacing(const LeftView& view, const config::Config& given,
     search.bytes = [&] { return largest_output(view, *result, coarser, outputs, threads, log); };
     search.error_px = [&] { return quality_as_written(view, *result, outputs, threads).duo_rmse_near_px; };
     search.texture = texture_limits(view, config, outputs);
-    search.texture_bytes = [&](const job::TextureChoice& texture) {
+    search.texture_bytes = [&](const TextureChoice& texture) {
         return texture_bytes(view, *result, texture);
     };
-    search.use_texture = [&](const job::TextureChoice& texture) {
+    search.use_texture = [&](const TextureChoice& texture) {
         config.exporting = with_texture(config.exporting, texture);
         if (result) result->config.exporting = with_texture(result->config.exporting, texture);
         log.decide("budget: " + text_of(texture));
     };
-    const job::BudgetResult found = job::fit_budget(config.budget, search);
+    const BudgetResult found = fit_budget(config.budget, search);
     result->budget = found;
     result->budget.tolerance_px = result->config.exporting.tolerance_px;
     log.decide("budget " + found.kind + ": " + fixed(found.reached, 3) + " of " + fixed(found.limit, 3) +

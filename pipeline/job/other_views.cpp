@@ -13,7 +13,7 @@
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
-#include "pipeline/stages/other_views/provenance.h"
+#include "pipeline/stages/other_views/other_view.h"
 
 namespace hexrelief::job {
 namespace {

@@ -1,9 +1,16 @@
 #include "pipeline/job/outputs.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <future>
+#include <utility>
 
 #include "exporters/exporter.h"
 #include "exporters/images/image_writer.h"
+#include "mesher/mesher.h"
+#include "pipeline/data/bounds.h"
+#include "pipeline/data/start_work.h"
+#include "pipeline/job/pictures/drawing.h"
 #include "pipeline/job/pictures/stage_pictures.h"
 #include "pipeline/job/report.h"
 #include "pipeline/job/tolerance.h"
@@ -78,19 +85,19 @@ std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporter
 void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder,
                  files::OutputSet& files, int threads, const RunLog& log) {
     files.make_folder(folder);
-    const job::StageResults results{&view.meshed,
-                                    &view.density,
-                                    &result.lattice,
-                                    &result.mesh,
-                                    view.color.empty() ? nullptr : &view.color,
-                                    result.texture(view),
-                                    &view.calibration,
-                                    result.config.mesh.seed,
-                                    threads};
+    const StageResults results{&view.meshed,
+                               &view.density,
+                               &result.lattice,
+                               &result.mesh,
+                               view.color.empty() ? nullptr : &view.color,
+                               result.texture(view),
+                               &view.calibration,
+                               result.config.mesh.seed,
+                               threads};
     double done = 0;
-    for (const fs::path& name : job::stage_file_names()) {
-        files.files().write(folder / name, job::encode_stage_file(results, name));
-        log.progress(++done / static_cast<double>(job::stage_file_names().size()));
+    for (const fs::path& name : stage_file_names()) {
+        files.files().write(folder / name, encode_stage_file(results, name));
+        log.progress(++done / static_cast<double>(stage_file_names().size()));
     }
 }
 
@@ -119,6 +126,45 @@ void save_rectified(const StereoPair& pair, const Calibration& camera, const fs:
 void write_text_file(const std::string& text, const fs::path& name, files::OutputSet& files) {
     files.place(name);
     files.files().write(name, text);
+}
+
+bool has_page(const std::vector<std::filesystem::path>& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
+        return exporters::export_format(path).is_page;
+    });
+}
+
+exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
+                                    const stages::SurfaceQuality& quality, int threads) {
+    const HexMesh2D& lattice = result.lattice;
+    std::future<Image> relief =
+        start_work(threads, [&] { return render_relief(result.mesh, result.texture(view)); });
+    const Image disparities = disparity_picture(view.meshed);
+    exporters::PageContent page;
+    const auto add = [&](const char* name, const char* label, Image image) {
+        page.pictures.push_back({name, label, std::move(image)});
+    };
+    add("disparity", "Disparities, yellow is near", disparities);
+    add("density", "Density that the lattice is adapted to", density_picture(view.density));
+    add("mesh2d", "The adapted lattice",
+        mesh_picture(lattice, view.color.empty() ? disparities : view.color));
+    add("weights", "How equal its honeycomb cells are",
+        weights_picture(quality::honeycomb_weights(lattice, view.density, threads)));
+
+    add("relief", "The relief, seen from the side", relief.get());
+
+    const Bounds bounds = bounds_of(result.mesh.positions);  // the camera looks along -Z
+    const char* const unit = result.mesh.metric ? "m" : "relative";
+    page.figures = {
+        {"Nearest", -bounds.high.z, 2, unit},
+        {"Farthest", -bounds.low.z, 2, unit},
+        {"Of the picture meshed", 100 * quality.coverage, 1, "%"},
+        {"Error, both views", quality.duo_rmse_near_px, 3, "px"},
+        {"Error, left view", quality.rmse_near_px, 3, "px"},
+        {"Lattice vertices", static_cast<double>(lattice.positions.size()), 0, ""},
+        {"%cost", result.quality.percent_cost, 2, ""},
+    };
+    return page;
 }
 
 }  // namespace hexrelief::job

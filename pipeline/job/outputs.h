@@ -49,4 +49,10 @@ void save_rectified(const StereoPair& pair, const Calibration& camera, const std
 // Writes the text. Throws Error(output).
 void write_text_file(const std::string& text, const std::filesystem::path& name, files::OutputSet& files);
 
+// True if one of the outputs is a page.
+bool has_page(const std::vector<std::filesystem::path>& outputs);
+
+exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,
+                                    const stages::SurfaceQuality& quality, int threads);
+
 }  // namespace hexrelief::job

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,9 +33,9 @@ struct DisparityResult {
     std::optional<stages::DisparityConfig> matched;  // with the range searched; none = the map was supplied
     double quantum_px = 0;                           // quantisation step that was smoothed; 0 = none
     DisparityMap smooth = {};                        // the map without these steps; empty = no steps
-    double support = 0;                              // of a matched map by its pair (checks/pair_support.h)
-    stages::NoiseSmoothing noise = {};               // of a matched map
-    std::optional<stages::Backdrop> backdrop = {};   // of a matched map; none = it has no end
+    double support = 0;                             // of a matched map by its pair (checks/pair_statistics.h)
+    stages::NoiseSmoothing noise = {};              // of a matched map
+    std::optional<stages::Backdrop> backdrop = {};  // of a matched map; none = it has no end
     bool has_filled_holes = false;  // the map's filled pixels are holes of the one that was supplied
 
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
@@ -78,7 +79,7 @@ struct SurfaceResult {
     std::shared_ptr<const OtherViews> others;  // null = the mesh is that of the left view only
     Bounds bounds, left_bounds;                // of the mesh, and of its part that the left camera sees
     DeviceFigures device;
-    job::BudgetResult budget;  // result of the search for the spacing; no kind = no budget
+    BudgetResult budget;  // result of the search for the spacing; no kind = no budget
 
     // Depths of that part along the left camera's axis, in metres or relative units.
     double nearest() const { return -static_cast<double>(left_bounds.high.z); }
@@ -106,5 +107,23 @@ struct Relief {
     double depth_of_backdrop() const;  // 0 = there is none
     std::string support() const;       // of the map by its pair, in a word; empty = it was supplied
 };
+
+// Shares of the picture, 0..1. Known pixels are foreground or background, the others unknown or
+// occluded; these four add up to 1. The mesh covers the foreground except slivers along its borders, and
+// bridges small unknown regions.
+struct PictureShares {
+    double meshed = 0;      // by triangles
+    double foreground = 0;  // known, and not removed as background
+    double background = 0;
+    double occluded = 0;  // unknown because the right camera cannot see it
+    double unknown = 0;   // unknown for another reason
+
+    double known() const { return foreground + background; }
+};
+
+// Measures the shares. `background_px` as in DensityMap; the surface's first `triangles` were made from
+// `map`. blank: number of unknown pixels that no picture shows, which are of no share.
+PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface,
+                            std::size_t triangles, std::size_t blank = 0);
 
 }  // namespace hexrelief::job

@@ -21,42 +21,34 @@ Json finite(double value) {
 }
 
 Json calibration_json(const Calibration& camera) {
-    Json json;
-    json["focal_px"] = camera.focal_px;
-    json["cx"] = camera.cx;
-    json["cy"] = camera.cy;
-    json["baseline_m"] = camera.baseline_m;
-    json["doffs_px"] = camera.doffs_px;
-    json["metric"] = camera.metric;
-    return json;
+    return {{"focal_px", camera.focal_px},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"baseline_m", camera.baseline_m},
+            {"doffs_px", camera.doffs_px},
+            {"metric", camera.metric}};
 }
 
 Json filling_json(const DisparityResult& disparity) {
     const std::optional<OriginShares> shares = origin_shares(disparity.map);
     if (disparity.matched || !shares) return nullptr;
-    Json json;
-    json["measured_share"] = shares->measured;
-    json["filled_share"] = shares->filled;
-    return json;
+    return {{"measured_share", shares->measured}, {"filled_share", shares->filled}};
 }
 
 // Offsets of the rows of points that both pictures show, px of pictures of 1280 px.
 Json rows_json(const alignment::RowFigures& rows) {
-    Json json;
-    json["median_px"] = rows.median_px;
-    json["p90_px"] = rows.percentile90_px;
-    json["beyond_1px_share"] = rows.beyond_share;
-    return json;
+    return {{"median_px", rows.median_px},
+            {"p90_px", rows.percentile90_px},
+            {"beyond_1px_share", rows.beyond_share}};
 }
 
 Json alignment_json(const RunInput& input) {
     if (!input.pair() || !input.pair()->alignment) return nullptr;
     const alignment::Alignment& found = *input.pair()->alignment;
     const alignment::Estimate& estimate = found.estimate;
-    Json json;
-    json["aligned"] = found.verdict == alignment::Verdict::aligned;
-    json["points"] = found.matches;
-    json["agreeing"] = estimate.agreeing.size();
+    Json json = {{"aligned", found.verdict == alignment::Verdict::aligned},
+                 {"points", found.matches},
+                 {"agreeing", estimate.agreeing.size()}};
     if (found.verdict == alignment::Verdict::unclear) return json;
     json["rows_before"] = rows_json(estimate.before);
     json["rows_after"] = rows_json(estimate.after);
@@ -80,12 +72,11 @@ Json alignment_json(const RunInput& input) {
 Json input_json(const RunReport& report) {
     const RunInput& input = report.relief->input;
     const DisparityResult& disparity = report.relief->disparity;
-    Json json;
-    json["paths"] = Json::object();
-    json["width"] = disparity.map.width;
-    json["height"] = disparity.map.height;
-    json["reduced_by"] = input.reduced_by();
-    json["sha256"] = Json::object();
+    Json json = {{"paths", Json::object()},
+                 {"width", disparity.map.width},
+                 {"height", disparity.map.height},
+                 {"reduced_by", input.reduced_by()},
+                 {"sha256", Json::object()}};
     for (const InputFile& file : input.files) {
         json["paths"][file.role] = file.path;
         json["sha256"][file.role] = file.sha256;
@@ -107,21 +98,16 @@ Json input_json(const RunReport& report) {
 
 // Shares of meshed pixels, and of the others by reason.
 Json picture_json(const PictureShares& shares) {
-    Json json;
-    json["meshed_share"] = shares.meshed;
-    json["background_share"] = shares.background;
-    json["unknown_share"] = shares.unknown;
-    json["occluded_share"] = shares.occluded;
-    return json;
+    return {{"meshed_share", shares.meshed},
+            {"background_share", shares.background},
+            {"unknown_share", shares.unknown},
+            {"occluded_share", shares.occluded}};
 }
 
 Json backdrop_json(const Relief& relief) {
     const std::optional<stages::Backdrop>& backdrop = relief.disparity.backdrop;
     if (!backdrop) return nullptr;
-    Json json;
-    json["depth"] = relief.depth_of_backdrop();
-    json["moved_share"] = backdrop->moved_share;
-    return json;
+    return {{"depth", relief.depth_of_backdrop()}, {"moved_share", backdrop->moved_share}};
 }
 
 Json matching_json(const Relief& relief) {
@@ -147,60 +133,47 @@ double share_of(PixelOrigin origin, const DisparityMap& map) {
            static_cast<double>(map.origins.size());
 }
 
-// Honeycomb weights in percent of their mean.
-Json weights_json(const quality::MeshQuality& quality) {
-    Json json;
-    json["p5"] = finite(quality.percentile5_weight_percent);
-    json["p50"] = finite(quality.percentile50_weight_percent);
-    json["p95"] = finite(quality.percentile95_weight_percent);
-    return json;
-}
-
-// Smallest angles of the triangles.
-Json angles_json(const quality::MeshQuality& quality) {
-    Json json;
-    json["min"] = finite(quality.min_angle_deg);
-    json["p1"] = finite(quality.percentile1_angle_deg);
-    json["median"] = finite(quality.median_angle_deg);
-    return json;
-}
-
 Json mesh_json(const SurfaceResult& surface) {
     const HexMesh2D& lattice = surface.lattice;
     const DeviceFigures& device = surface.device;
     const quality::MeshQuality& quality = surface.quality;
-    Json json;
-    json["columns"] = lattice.columns;
-    json["rows"] = lattice.rows;
-    json["vertices"] = static_cast<long long>(lattice.columns) * lattice.rows;
-    json["triangles"] = lattice.triangle_count();
-    json["iterations"] = lattice.iterations;
-    json["device_seconds"] = device.training_s;
-    json["device_balance_seconds"] = device.balance_s;
-    json["device_surface_seconds"] = device.surface_s;
-    json["device_bytes"] = device.bytes;
-    json["percent_cost"] = finite(quality.percent_cost);
-    json["max_deviation_percent"] = finite(quality.max_deviation_percent);
-    json["inverted_triangles"] = quality.inverted_triangles;
-    json["min_angle_deg"] = finite(quality.min_angle_deg);
-    json["honeycomb_cells"] = quality.honeycomb_cells;
-    json["weights_percent"] = weights_json(quality);
-    json["angles_deg"] = angles_json(quality);
-    return json;
+    return {{"columns", lattice.columns},
+            {"rows", lattice.rows},
+            {"vertices", static_cast<long long>(lattice.columns) * lattice.rows},
+            {"triangles", lattice.triangle_count()},
+            {"iterations", lattice.iterations},
+            {"device_seconds", device.training_s},
+            {"device_balance_seconds", device.balance_s},
+            {"device_surface_seconds", device.surface_s},
+            {"device_bytes", device.bytes},
+            {"percent_cost", finite(quality.percent_cost)},
+            {"max_deviation_percent", finite(quality.max_deviation_percent)},
+            {"inverted_triangles", quality.inverted_triangles},
+            {"min_angle_deg", finite(quality.min_angle_deg)},
+            {"honeycomb_cells", quality.honeycomb_cells},
+            // of their mean
+            {"weights_percent",
+             {{"p5", finite(quality.percentile5_weight_percent)},
+              {"p50", finite(quality.percentile50_weight_percent)},
+              {"p95", finite(quality.percentile95_weight_percent)}}},
+            // the smallest of each triangle
+            {"angles_deg",
+             {{"min", finite(quality.min_angle_deg)},
+              {"p1", finite(quality.percentile1_angle_deg)},
+              {"median", finite(quality.median_angle_deg)}}}};
 }
 
 Json surface_json(const RunReport& report) {
     const SurfaceResult& surface = report.relief->surface;
     const auto& [low, high] = surface.bounds;
-    Json json;
-    json["vertices"] = surface.mesh.positions.size();
-    json["triangles"] = surface.mesh.triangles.size();
-    json["components"] = report.topology.components;
-    json["boundary_loops"] = report.topology.boundary_loops;
-    json["bounds"] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
-    json["metric"] = surface.mesh.metric;
-    json["right_triangles"] = surface.mesh.triangles_of(PartOrigin::right);
-    json["hidden_triangles"] = surface.mesh.triangles_of(PartOrigin::nobody);
+    Json json = {{"vertices", surface.mesh.positions.size()},
+                 {"triangles", surface.mesh.triangles.size()},
+                 {"components", report.topology.components},
+                 {"boundary_loops", report.topology.boundary_loops},
+                 {"bounds", {{low.x, low.y, low.z}, {high.x, high.y, high.z}}},
+                 {"metric", surface.mesh.metric},
+                 {"right_triangles", surface.mesh.triangles_of(PartOrigin::right)},
+                 {"hidden_triangles", surface.mesh.triangles_of(PartOrigin::nobody)}};
     json.update(surface_figures_json(report.quality, report.holes));
     return json;
 }
@@ -215,18 +188,16 @@ Json levels_json(const RunReport& report) {
     return json;
 }
 
-Json budget_json(const job::BudgetResult& budget) {
+Json budget_json(const BudgetResult& budget) {
     if (budget.kind.empty()) return nullptr;
-    Json json;
-    json["kind"] = budget.kind;
-    json["limit"] = budget.limit;
-    json["reached"] = budget.reached;
-    json["spacing_px"] = budget.spacing_px;
-    json["tolerance_px"] = budget.tolerance_px;
-    json["solves"] = budget.solves;
-    json["texture_quality"] = budget.texture ? Json(budget.texture->quality) : Json(nullptr);
-    json["texture_max_px"] = budget.texture ? Json(budget.texture->max_px) : Json(nullptr);
-    return json;
+    return {{"kind", budget.kind},
+            {"limit", budget.limit},
+            {"reached", budget.reached},
+            {"spacing_px", budget.spacing_px},
+            {"tolerance_px", budget.tolerance_px},
+            {"solves", budget.solves},
+            {"texture_quality", budget.texture ? Json(budget.texture->quality) : Json(nullptr)},
+            {"texture_max_px", budget.texture ? Json(budget.texture->max_px) : Json(nullptr)}};
 }
 
 // Paths need not be UTF-8: invalid bytes become U+FFFD instead of an exception.
@@ -243,16 +214,14 @@ std::size_t peak_bytes() {
 }  // namespace
 
 Json surface_figures_json(const stages::SurfaceQuality& quality, const stages::HoleShares& holes) {
-    Json json;
-    json["rmse_near_px"] = quality.rmse_near_px;
-    json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
-    json["flat_rmse_px"] = quality.flat_rmse_px;
-    json["sheet_share"] = quality.sheet_share;
-    json["hole_share"] = holes.right;
-    json["hole_share_above"] = holes.above;
-    json["coverage"] = quality.coverage;
-    json["slack_coverage"] = quality.slack_coverage;
-    return json;
+    return {{"rmse_near_px", quality.rmse_near_px},
+            {"duo_rmse_near_px", quality.duo_rmse_near_px},
+            {"flat_rmse_px", quality.flat_rmse_px},
+            {"sheet_share", quality.sheet_share},
+            {"hole_share", holes.right},
+            {"hole_share_above", holes.above},
+            {"coverage", quality.coverage},
+            {"slack_coverage", quality.slack_coverage}};
 }
 
 std::optional<OriginShares> origin_shares(const DisparityMap& map) {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "pipeline/job/outputs.h"
-#include "pipeline/job/picture_shares.h"
 #include "pipeline/job/relief.h"
 #include "pipeline/stages/other_views/hole_shares.h"
 #include "pipeline/stages/surface_quality.h"

@@ -12,7 +12,7 @@
 #include "pipeline/files/make_rule.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/input.h"
-#include "pipeline/job/page_content.h"
+#include "pipeline/job/outputs.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/pictures/stage_pictures.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
@@ -276,7 +276,7 @@ std::vector<WrittenFile> written_files(const RunRequest& request) {
     if (!request.depfile.empty()) files.push_back({request.depfile, "the rule for make"});
     if (!request.stages_folder.empty()) {
         const std::string folder = request.stages_folder.string();
-        for (const fs::path& name : job::stage_file_names())
+        for (const fs::path& name : stage_file_names())
             files.push_back({request.stages_folder / name, "a stage's result in " + folder});
         if (may_rectify(request))
             for (const fs::path& name : rectified_file_names())

@@ -5,29 +5,25 @@
 #include <cstddef>
 #include <utility>
 
-#include "pipeline/checks/figure_text.h"
 #include "pipeline/checks/pair_statistics.h"
-#include "pipeline/checks/pair_support.h"
+#include "pipeline/checks/thresholds.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
-#include "pipeline/job/maps/mask_input.h"
+#include "pipeline/job/maps/fit_map.h"
 #include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/other_views.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/densify/blurred_steps.h"
 #include "pipeline/stages/densify/densify.h"
-#include "pipeline/stages/densify/sparsity.h"
-#include "pipeline/stages/dequantize/by_pictures.h"
+#include "pipeline/stages/densify/measurements.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/dequantize/noise.h"
-#include "pipeline/stages/dequantize/quantum.h"
 #include "pipeline/stages/join_crumbs.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
-#include "pipeline/stages/smooth_normals.h"
 #include "pipeline/stages/surface.h"
 
 namespace hexrelief::job {

@@ -69,7 +69,7 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
 // camera: with the doffs of the map's disparities.
 double baselines_of_turn(const DisparityMap& map, const Calibration& camera, bool of_photographs);
 
-// Refines the map of photographs by themselves (dequantize/by_pictures.h) if their points say their camera
+// Refines the map of photographs by themselves (dequantize/dequantize.h) if their points say their camera
 // and the map is noisy (dequantize/noise.h).
 void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads, const RunLog& log);
 

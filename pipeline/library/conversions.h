@@ -2,10 +2,13 @@
 #pragma once
 
 #include <hexrelief/hexrelief.h>
+#include <hexrelief/run.h>
 
 #include "pipeline/config/config.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
+#include "pipeline/job/report.h"
+#include "pipeline/job/request.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
@@ -30,5 +33,10 @@ config::Config config_of(const Options& options, const Camera& camera,
 // Applies settings of `export` on top of a configuration. Throws Error(usage) for other keys.
 void apply_export_settings(config::Config& config, const Options& options);
 bool sets_tolerance(const Options& options);
+
+// Returns the request of a run. Throws Error(usage).
+job::RunRequest request_of(const FileRequest& files, const Options& options);
+
+RunSummary summary_of(const job::RunReport& report);
 
 }  // namespace hexrelief::library

@@ -14,7 +14,6 @@
 #include "pipeline/job/stamp/stamp.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/library/conversions.h"
-#include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 

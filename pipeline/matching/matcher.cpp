@@ -3,10 +3,8 @@
 #include <utility>
 
 #include "pipeline/matching/common/color_planes.h"
-#include "pipeline/matching/common/half_size.h"
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/sgm/sgm.h"
-#include "pipeline/matching/sgm/windows.h"
 
 namespace hexrelief::matching {
 namespace {

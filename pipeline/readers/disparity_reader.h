@@ -9,7 +9,6 @@
 #include "pipeline/data/value_range.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/packing.h"
 
 namespace hexrelief::readers {
 

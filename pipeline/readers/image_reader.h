@@ -1,7 +1,9 @@
 // Reads images.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "pipeline/data/image.h"
 #include "pipeline/readers/codecs.h"
@@ -10,12 +12,20 @@
 
 namespace hexrelief::readers {
 
+// Longer profiles are ignored; those of cameras and screens have some hundred bytes.
+inline constexpr std::size_t kLongestProfile = 4 << 20;
+
+// Converts the samples from the profile's colours to sRGB, relative to its white, and clips what sRGB does
+// not reach. The image stays as it is if the profile is that of sRGB, of other colours than the image's (grey
+// or RGB), malformed, or empty.
+void to_srgb(Image& image, const std::vector<std::uint8_t>& profile);
+
 // Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP, BMP or HEIC image, recognised by its content, not
 // its name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded,
 // CMYK converted. Float colours are converted as float_colors.h says: TIFF's are sRGB, OpenEXR's linear
 // light. Grey gives 1 channel, colour 3. Alpha is kept if it is below half at some pixel. Pixels are as
 // stored: upright() (exif.h) turns them. Colours are converted to sRGB by the file's ICC profile
-// (color_profile.h); without one, and whatever a PNG says of gamma, samples are sRGB. EXR and BMP have none.
+//; without one, and whatever a PNG says of gamma, samples are sRGB. EXR and BMP have none.
 // The first of several pages is read. Throws Error(input) if the file is missing, malformed or truncated, has
 // a zero side or more pixels than the limits allow; never allocates more than a valid header within the
 // limits requires.

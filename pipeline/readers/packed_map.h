@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "pipeline/readers/decoded_raster.h"
-#include "pipeline/readers/packing.h"
+#include "pipeline/readers/limits.h"
 
 namespace hexrelief::readers::codec {
 

@@ -6,7 +6,6 @@
 
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/readers/windows/map_windows.h"
-#include "pipeline/readers/windows/picture_windows.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/tiles/tile_plan.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mesher/tiles/lattice_tiles.h"
-#include "pipeline/readers/windows/picture_windows.h"
+#include "pipeline/readers/windows/map_windows.h"
 
 namespace hexrelief::tiles {
 

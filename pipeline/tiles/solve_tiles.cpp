@@ -15,7 +15,6 @@
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_output.h"
-#include "pipeline/tiles/tile_scene.h"
 
 namespace hexrelief::tiles {
 namespace {

@@ -87,9 +87,8 @@ Calibration camera_of(const Json& json) {
 }
 
 Json plan_json(const TilePlan& plan) {
-    Json json;
-    json["hexrelief"] = {{"plan", kPlanVersion}, {"version", HEXRELIEF_VERSION}};
-    json["map"] = file_json(plan.map);
+    Json json = {{"hexrelief", {{"plan", kPlanVersion}, {"version", HEXRELIEF_VERSION}}},
+                 {"map", file_json(plan.map)}};
     if (plan.raw) json["map"]["raw"] = raw_json(*plan.raw);
     json["map"]["width"] = plan.width;
     json["map"]["height"] = plan.height;

@@ -9,13 +9,12 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "exporters/mesh_formats.h"
+#include "exporters/exporter.h"
 #include "pipeline/batch/manifest.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/describe_map.h"
@@ -23,11 +22,9 @@
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/readers/photographs/contained_pictures.h"
 #include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/stereo_reader.h"
 #include "pipeline/readers/windows/map_windows.h"
-#include "pipeline/readers/windows/picture_windows.h"
 
 namespace hexrelief::fuzz {
 namespace {

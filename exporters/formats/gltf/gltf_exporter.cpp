@@ -1,15 +1,276 @@
 #include "exporters/formats/gltf/gltf_exporter.h"
 
+#include <cctype>
+#include <cstdint>
+#include <future>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "exporters/core/mesh_format.h"
-#include "exporters/formats/gltf/model.h"
+#include "exporters/core/scene.h"
+#include "exporters/formats/gltf/gltf_parts.h"
 #include "exporters/images/texture.h"
 #include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
 namespace {
+
+struct GltfDocument {
+    std::string json;
+    std::vector<std::uint8_t> buffer;
+    EncodedTexture texture;  // contents of the file names.texture_name; empty = no such file
+};
+
+// Names of the files that the document refers to; empty = in the buffer
+// (.glb). build_gltf() percent-encodes them.
+struct GltfNames {
+    std::string buffer_name;
+    std::string texture_name;
+};
+
+constexpr const char* kUnlitExtension = "KHR_materials_unlit";
+constexpr const char* kWebpExtension = "EXT_texture_webp";
+constexpr const char* kLodExtension = "MSFT_lod";
+constexpr const char* kTransformExtension = "KHR_texture_transform";
+
+using Value = tinygltf::Value;
+using Json = nlohmann::ordered_json;
+
+std::string percent_encoded(const std::string& name) {
+    constexpr char kHex[] = "0123456789ABCDEF";
+    std::string out;
+    for (const char c : name) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 128 && (std::isalnum(byte) || c == '-' || c == '_' || c == '.' || c == '~')) {
+            out += c;
+        } else {
+            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
+        }
+    }
+    return out;
+}
+
+// Makes a black material that emits its texture, for programs that do not know the unlit one. The texture is
+// also the base colour's, times black, for programs that do not support emission or ignore the black factor.
+void make_emissive(tinygltf::Material& material) {
+    const tinygltf::TextureInfo& base = material.pbrMetallicRoughness.baseColorTexture;
+    material.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
+    material.emissiveTexture = base;
+    material.emissiveFactor = {1, 1, 1};
+}
+
+void add_textured_material(GltfParts& parts, const EncodedTexture& texture, bool embedded,
+                           const std::array<double, 2>& texcoord_scale, MaterialKind kind) {
+    tinygltf::Model& model = parts.model;
+    tinygltf::Image image;
+    image.name = "texture";
+    image.mimeType = texture.mime_type;
+    image.bufferView = 0;
+    if (embedded)
+        image.bufferView = add_view(parts, texture.bytes.data(), texture.bytes.size(), kNoTarget, "texture");
+    model.images.push_back(image);
+
+    tinygltf::Sampler sampler;
+    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
+    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+    model.samplers.push_back(sampler);
+
+    tinygltf::Texture reference;
+    reference.sampler = 0;
+    if (texture.mime_type == "image/webp") {  // no other image to fall back on, so the extension is required
+        reference.extensions[kWebpExtension] = Value(Value::Object{{"source", Value(0)}});
+        use_extension(parts, kWebpExtension, true);
+    } else {
+        reference.source = 0;
+    }
+    model.textures.push_back(reference);
+
+    tinygltf::Material& material = model.materials.emplace_back();
+    tinygltf::TextureInfo& info = material.pbrMetallicRoughness.baseColorTexture;
+    info.index = 0;
+    if (texcoord_scale[0] != 1 || texcoord_scale[1] != 1) {
+        Value::Array scale = {Value(texcoord_scale[0]), Value(texcoord_scale[1])};
+        info.extensions[kTransformExtension] = Value(Value::Object{{"scale", Value(std::move(scale))}});
+        use_extension(parts, kTransformExtension, true);
+    }
+    if (kind == MaterialKind::emissive) make_emissive(material);
+    if (kind == MaterialKind::unlit) {
+        material.extensions[kUnlitExtension] = Value(Value::Object{});
+        use_extension(parts, kUnlitExtension, false);
+    }
+}
+
+GltfGeometry add_geometry(GltfParts& parts, const TexturedMesh& textured, const Scene& scene,
+                          const ExportConfig& config) {
+    switch (config.compression) {
+        case Compression::draco:
+            return add_draco(parts, textured, scene.camera, config, scene.threads);
+        case Compression::none:
+            break;
+        case Compression::quantized:
+            return add_quantized(parts, textured, scene.camera, config, false);
+        case Compression::meshopt:
+            return add_quantized(parts, textured, scene.camera, config, true);
+    }
+    return add_plain(parts, textured);
+}
+
+// Adds a node for a mesh and returns its index.
+int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const std::string& name) {
+    tinygltf::Mesh& mesh = model.meshes.emplace_back();
+    mesh.name = name;
+    mesh.primitives.push_back(geometry.primitive);
+    tinygltf::Node& node = model.nodes.emplace_back();
+    node.name = name;
+    node.mesh = static_cast<int>(model.meshes.size()) - 1;
+    const auto& [translation, scale] = geometry.transform;
+    if (scale != FileTransform().scale || translation != FileTransform().translation) {
+        node.translation.assign(translation.begin(), translation.end());
+        node.scale.assign(scale.begin(), scale.end());
+    }
+    return static_cast<int>(model.nodes.size()) - 1;
+}
+
+// Says that a body is closed. Draco's decoders and meshopt's coder order and join vertices as they like.
+void add_manifold(GltfParts& parts, tinygltf::Mesh& mesh) {
+    constexpr const char* kManifold = "EXT_mesh_manifold";
+    const tinygltf::Primitive& primitive = mesh.primitives[0];
+    Value::Object attributes = {{"POSITION", Value(primitive.attributes.at("POSITION"))}};
+    Value::Object manifold = {{"attributes", Value(std::move(attributes))},
+                              {"indices", Value(primitive.indices)},
+                              {"mode", Value(primitive.mode)}};
+    mesh.extensions[kManifold] = Value(Value::Object{{"manifoldPrimitive", Value(std::move(manifold))}});
+    use_extension(parts, kManifold, false);
+}
+
+// Links the levels of detail. The finest level is in the scene and names the nodes of the others, which only
+// readers of the extension see. Each level has about a quarter of the triangles of the one before it, so it
+// looks the same if it covers a quarter of the screen.
+void link_levels(tinygltf::Model& model, const std::vector<int>& nodes) {
+    if (nodes.size() < 2) return;
+    Value::Array ids, coverage;
+    double share = 0.25;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (i > 0) ids.emplace_back(nodes[i]);
+        coverage.emplace_back(i + 1 < nodes.size() ? share : 0.0);
+        share /= 4;
+    }
+    tinygltf::Node& finest = model.nodes[nodes[0]];
+    finest.extensions[kLodExtension] = Value(Value::Object{{"ids", Value(std::move(ids))}});
+    finest.extras = Value(Value::Object{{"MSFT_screencoverage", Value(std::move(coverage))}});
+    model.extensionsUsed.emplace_back(kLodExtension);
+}
+
+bool has_camera(const Scene& scene, const ExportConfig& config) {
+    const Calibration* camera = scene.camera;
+    return config.camera && camera && camera->focal_px > 0 && camera->width > 0 && camera->height > 0;
+}
+
+GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embedded,
+                      EncodedTexture& texture) {
+    GltfParts parts;
+    tinygltf::Model& model = parts.model;
+    model.asset.version = "2.0";
+    model.asset.generator = scene.generator;
+    model.asset.copyright = config.copyright;
+    std::vector<TexturedMesh> levels = textured_levels(scene, config);
+    if (config.lod_storage == LevelStorage::files) levels.resize(1);
+    std::future<EncodedTexture> encoded;
+    if (levels[0].textured)
+        encoded = start_work(scene.threads, [&] { return encode_texture(scene, levels[0], config); });
+    std::vector<GltfGeometry> geometries;
+    for (const TexturedMesh& level : levels) geometries.push_back(add_geometry(parts, level, scene, config));
+    if (levels[0].textured) {
+        texture = encoded.get();
+        add_textured_material(parts, texture, embedded, geometries[0].texcoord_scale, config.material);
+    } else {
+        model.materials.emplace_back().pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
+    }
+    tinygltf::Material& material = model.materials[0];
+    material.name = "relief";
+    material.doubleSided = true;
+    material.pbrMetallicRoughness.metallicFactor = 0;
+    material.pbrMetallicRoughness.roughnessFactor = 1;
+
+    std::vector<int> nodes;
+    for (GltfGeometry& geometry : geometries) {
+        geometry.primitive.mode = TINYGLTF_MODE_TRIANGLES;
+        geometry.primitive.material = 0;
+        for (std::size_t k = 0; k < 3; ++k) geometry.transform.translation[k] += scene.origin_m[k];
+        const std::string name = nodes.empty() ? "relief" : "relief_lod" + std::to_string(nodes.size());
+        nodes.push_back(add_mesh_node(model, geometry, name));
+        if (scene.is_body && config.compression == Compression::none)
+            add_manifold(parts, model.meshes.back());
+    }
+    link_levels(model, nodes);
+    tinygltf::Scene& root = model.scenes.emplace_back();
+    root.name = "hexrelief";
+    root.nodes = {nodes[0]};
+    if (has_camera(scene, config)) root.nodes.push_back(add_camera(parts, *scene.camera, *scene.mesh));
+    if (scene.shift_m != std::array<double, 3>{}) {
+        tinygltf::Node& above = model.nodes.emplace_back();
+        above.name = "origin";
+        above.translation = {scene.shift_m.begin(), scene.shift_m.end()};
+        above.children = root.nodes;
+        root.nodes = {static_cast<int>(model.nodes.size()) - 1};
+    }
+    model.defaultScene = 0;
+    return parts;
+}
+
+void add_buffers(Json& json, const GltfParts& parts, const std::string& uri) {
+    constexpr const char* kMeshopt = "EXT_meshopt_compression";
+    Json buffer = {{"byteLength", parts.buffer.size()}};
+    if (!uri.empty()) buffer["uri"] = percent_encoded(uri);
+    json["buffers"] = Json::array({buffer});
+    if (parts.meshopt_views.empty()) return;
+    Json fallback = {{"byteLength", parts.fallback_bytes}};
+    fallback["extensions"][kMeshopt]["fallback"] = true;
+    json["buffers"].push_back(fallback);
+    for (const MeshoptView& view : parts.meshopt_views) {
+        Json& extension = json["bufferViews"][view.view]["extensions"][kMeshopt];
+        extension = {{"buffer", 0},
+                     {"byteOffset", view.offset},
+                     {"byteLength", view.bytes},
+                     {"byteStride", view.stride},
+                     {"count", view.count},
+                     {"mode", view.mode}};
+        if (view.octahedral) extension["filter"] = "OCTAHEDRAL";
+    }
+}
+
+GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const GltfNames& names) {
+    GltfDocument out;
+    const bool embedded = names.texture_name.empty();
+    GltfParts parts = build_parts(scene, config, embedded, out.texture);
+    std::stringstream stream;
+    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&parts.model, stream, false, false)) {
+        throw std::logic_error("tinygltf did not serialise the scene");
+    }
+    // tinygltf's stream writer can only embed buffers and images as base64, copies them several times, and
+    // cuts integers in extras to 32 bits: so these parts are added here.
+    auto json = Json::parse(stream.str());
+    add_buffers(json, parts, names.buffer_name);
+    if (!out.texture.bytes.empty() && !embedded) {
+        json["images"][0] = {{"name", "texture"}, {"uri", percent_encoded(names.texture_name)}};
+    }
+    if (!scene.extras_json.empty()) {
+        auto extras = Json::parse(scene.extras_json, nullptr, false);
+        if (!extras.is_object()) throw std::logic_error("the scene's extras are not a JSON object");
+        json["asset"]["extras"] = std::move(extras);
+    }
+    constexpr auto kReplace = Json::error_handler_t::replace;  // paths in extras may not be UTF-8
+    out.json = json.dump(names.buffer_name.empty() ? -1 : 2, ' ', false, kReplace);
+    out.buffer = std::move(parts.buffer);
+    return out;
+}
 
 void append_u32(std::vector<std::uint8_t>& bytes, std::size_t value) {
     for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));

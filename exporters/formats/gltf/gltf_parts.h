@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "exporters/compression/draco_plan.h"
+#include "exporters/compression/draco_codec.h"
 #include "exporters/formats/gltf/tinygltf.h"
 
 namespace hexrelief::exporters {

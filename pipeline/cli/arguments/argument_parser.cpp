@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>  // takes ten seconds to compile, so only this file includes it
 #include <algorithm>
 
-#include "pipeline/config/suggest.h"
+#include "pipeline/config/fields.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::cli {

@@ -1,11 +1,13 @@
 #include "pipeline/cli/info/tell_calibration.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 
 namespace hexrelief::cli::info {
 namespace {
@@ -52,6 +54,47 @@ void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& t
 }
 
 }  // namespace
+
+void line(Text& text, const std::string& name, const std::string& words) {
+    text.push_back({name, words, words});
+}
+void line(Text& text, const std::string& name, const std::string& words, Json value) {
+    text.push_back({name, words, std::move(value)});
+}
+void count(Text& text, const std::string& name, long long number) {
+    line(text, name, std::to_string(number), number);
+}
+
+void lines(Text& text, const std::string& name, const std::vector<std::string>& values) {
+    for (const std::string& value : values) text.push_back({name, value, value, true});
+}
+
+std::string told(const Text& text, bool json) {
+    std::string words, above;
+    Json object = Json::object();
+    for (const auto& [name, value_words, value, is_of_list] : text) {
+        std::string label = is_of_list && name == above ? "" : name, key = name;
+        label.resize(std::max<std::size_t>(label.size(), 14), ' ');
+        words += label + printable(value_words) + "\n";
+        std::replace(key.begin(), key.end(), ' ', '_');
+        if (is_of_list)
+            object[key].push_back(value);
+        else
+            object[key] = value;
+        above = name;
+    }
+    return json ? object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : words;
+}
+
+Json size_json(int width, int height) {
+    return {{"width", width}, {"height", height}};
+}
+
+std::string number(double value) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.6g", value);
+    return digits;
+}
 
 void tell_calibration_of(const std::filesystem::path& path, Text& text) {
     const auto stereo = readers::read_stereo_calibration(path, readers::Rectify::automatic);

@@ -11,9 +11,8 @@
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/config_options.h"
-#include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/tiles_commands.h"
+#include "pipeline/cli/tiles/command_tiles.h"
 #include "pipeline/config/shell_words.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
@@ -209,16 +208,14 @@ void add_solve_command(Command& group) {
                      "print a command a tile, for a shell or a cluster; do nothing");
     command.add_flag("--quiet", options->quiet, "nothing but failures");
     command.set_footer(
-        "Each tile is solved by itself, in any order, on any machine that sees DIR, the map and the "
-        "picture;\n"
-        "its files appear together, its report DIR/tiles/LEVEL/COLUMN/ROW.json as the last. A second call "
-        "does "
-        "what\n"
-        "is missing, failed, or no longer as the report says.\n\n"
-        "Examples:\n"
-        "  hexrelief tiles solve relief\n"
-        "  hexrelief tiles solve relief --shard 3/16      (one of 16 processes)\n"
-        "  hexrelief tiles solve relief --print-commands | parallel");
+        R"(Each tile is solved by itself, in any order, on any machine that sees DIR, the map and the picture;
+its files appear together, its report DIR/tiles/LEVEL/COLUMN/ROW.json as the last. A second call does what
+is missing, failed, or no longer as the report says.
+
+Examples:
+  hexrelief tiles solve relief
+  hexrelief tiles solve relief --shard 3/16      (one of 16 processes)
+  hexrelief tiles solve relief --print-commands | parallel)");
     command.set_action([options] { return solve(*options); });
 }
 

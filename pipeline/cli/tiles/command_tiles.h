@@ -1,4 +1,4 @@
-// The commands for maps that do not fit into memory.
+// The commands `hexrelief tiles`, for maps that do not fit into memory.
 #pragma once
 
 #include "pipeline/cli/arguments/argument_parser.h"
@@ -6,5 +6,6 @@
 namespace hexrelief::cli {
 
 void add_tiles_command(Command& program);
+void add_solve_command(Command& group);  // one of them
 
 }  // namespace hexrelief::cli

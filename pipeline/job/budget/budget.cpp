@@ -1,14 +1,42 @@
 #include "pipeline/job/budget/budget.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
 #include "pipeline/data/error.h"
-#include "pipeline/job/budget/spacing_search.h"
 
 namespace hexrelief::job {
 namespace {
+
+constexpr int kMostSolves = 12;
+constexpr double kNearLimit = 0.97;  // share of the limit that is near enough
+constexpr double kBracket = 1.01;    // ratio of two spacings that is near enough
+constexpr double kLargestStep = 4;   // largest ratio of a spacing to the last one
+
+struct Tried {
+    double spacing_px;
+    double value;
+};
+
+double hundredths(double spacing_px) {
+    return std::round(spacing_px * 100) / 100;
+}
+
+// Returns the spacing at which the line through two points, on logarithmic scales, meets the limit. It stays
+// away from both points: the figure is not a straight line, and the search could otherwise move only one of
+// them, in ever smaller steps.
+double between(const Tried& a, const Tried& b, double limit) {
+    double share = 0.5;
+    const double from = std::log(a.value), to = std::log(b.value);
+    if (from != to) share = std::clamp((std::log(limit) - from) / (to - from), 0.1, 0.9);
+    return a.spacing_px * std::pow(b.spacing_px / a.spacing_px, share);
+}
+
+// Below this quality a JPEG's blocks are visible, and fewer pixels look better.
+constexpr int kLeastQuality = 50, kQualityStep = 10, kShrunkQuality = 70;
+constexpr int kLeastSide_px = 32;
 
 // Rough slopes on logarithmic scales, measured on Middlebury's maps: they give the first step of each search.
 constexpr double kVertexSlope = -2, kByteSlope = -1.5, kErrorSlope = 0.8;
@@ -102,6 +130,94 @@ BudgetResult fit_bytes(double limit, Search& search) {
 }
 
 }  // namespace
+
+std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const SpacingFigure& figure,
+                                           SpacingFound& nearest) {
+    const bool falls = search.slope < 0;
+    double most_px = std::floor(search.most_px * 100) / 100;  // rounding up could pass it
+    std::optional<Tried> kept, broken;  // the best that keeps the limit, and the nearest to it that does not
+    double spacing_px = hundredths(std::clamp(search.start_px, search.least_px, most_px));
+    nearest = {};
+    int solves = 0;
+    double least_step = 1.02;
+    while (solves < kMostSolves) {
+        const std::optional<double> value = figure(spacing_px);
+        ++solves;
+        if (!value) {  // too coarse for any mesh
+            most_px = spacing_px;
+            const double finer = kept && !falls ? kept->spacing_px
+                                 : broken       ? broken->spacing_px
+                                                : search.least_px;
+            if (most_px / finer < kBracket) break;
+            spacing_px = hundredths(std::sqrt(most_px * finer));
+            continue;
+        }
+        const Tried here{spacing_px, *value};
+        if (*value <= search.limit) {
+            const bool better =
+                !kept || (falls ? spacing_px < kept->spacing_px : spacing_px > kept->spacing_px);
+            if (better) kept = here;
+            if (*value >= kNearLimit * search.limit) break;
+        } else {
+            const bool closer =
+                !broken || (falls ? spacing_px > broken->spacing_px : spacing_px < broken->spacing_px);
+            if (closer) broken = here;
+            if (nearest.solves == 0 || *value < nearest.value) nearest = {spacing_px, *value, solves};
+        }
+        double next = 0;
+        if (kept && broken) {
+            if (std::max(kept->spacing_px, broken->spacing_px) <
+                kBracket * std::min(kept->spacing_px, broken->spacing_px))
+                break;
+            next = between(*kept, *broken, search.limit);
+        } else {
+            // A little past the limit, so that the next spacing brackets it; farther each time, because part
+            // of the figure may not change with the spacing.
+            const bool coarser = (*value > search.limit) == falls;
+            const double step =
+                std::pow(std::max(search.limit / *value, *value / search.limit), 1 / std::fabs(search.slope));
+            least_step = std::min(kLargestStep, least_step * least_step);
+            const double ratio = std::clamp(step * 1.02, least_step, kLargestStep);
+            next = coarser ? spacing_px * ratio : spacing_px / ratio;
+        }
+        next = hundredths(std::clamp(next, search.least_px, most_px));
+        const auto same = [&](const std::optional<Tried>& other) {
+            return other && other->spacing_px == next;
+        };
+        if (next == spacing_px || same(kept) || same(broken)) break;
+        spacing_px = next;
+    }
+    nearest.solves = solves;
+    if (!kept) return std::nullopt;
+    return SpacingFound{kept->spacing_px, kept->value, solves};
+}
+
+std::vector<TextureChoice> texture_choices(const TextureLimits& limits) {
+    const auto [max_px, quality] = limits.configured;
+    std::vector<TextureChoice> choices{limits.configured};
+    const bool falls = limits.may_lose_quality && quality > kLeastQuality;
+    if (falls) {
+        for (int lower = (quality - 1) / kQualityStep * kQualityStep; lower >= kLeastQuality;
+             lower -= kQualityStep)
+            choices.push_back({max_px, lower});
+    }
+    if (!limits.may_shrink) return choices;
+    for (int step = 1;; ++step) {
+        const int side = static_cast<int>(std::lround(limits.longest_px * std::pow(0.5, 0.5 * step)));
+        if (side < kLeastSide_px) return choices;
+        choices.push_back({side, falls ? std::min(quality, kShrunkQuality) : quality});
+        if (falls) choices.push_back({side, kLeastQuality});
+    }
+}
+
+TextureChoice choose_texture(const TextureLimits& limits, double max_bytes, double share,
+                             const std::function<double(const TextureChoice&)>& bytes) {
+    const std::vector<TextureChoice> choices = texture_choices(limits);
+    const auto first = std::partition_point(choices.begin(), choices.end(), [&](const TextureChoice& choice) {
+        return bytes(choice) > share * max_bytes;
+    });
+    return first == choices.end() ? choices.back() : *first;
+}
 
 bool has_budget(const config::BudgetConfig& budget) {
     return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;

@@ -1,12 +1,14 @@
 // The calibration in effect: from a file, from explicit values, or assumed.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
+#include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief::job {
@@ -77,5 +79,18 @@ ResolvedCalibration resolve_calibration(const CameraSource& source);
 
 // Returns a warning that says what a pair or a disparity map lacks for a mesh in metres; empty = nothing.
 std::string missing_for_metres(const ResolvedCalibration& resolved);
+
+struct FileRectification {
+    bool is_done = false;  // false: the pair is left as it is
+    Calibration calibration = {};
+    std::vector<std::uint8_t> seen = {};    // as in RectifiedPair
+    std::filesystem::path other_file = {};  // the second calibration file that was read; empty = none
+    std::vector<std::string> warnings = {}, decisions = {};
+};
+
+// Replaces the views by the rectified ones if the configuration's file tells of the cameras as they took the
+// pictures. If it tells of rectified pictures as well, the rows of the pair decide which of both it is.
+// Throws Error(input) if the file is for a size of another aspect, and what reading it and rectify() throw.
+FileRectification rectify_by_file(StereoPair& views, const config::InputConfig& config, int threads);
 
 }  // namespace hexrelief::job

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pipeline/alignment/resample.h"
-#include "pipeline/checks/occluded_edges.h"
+#include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::job {

@@ -15,6 +15,10 @@
 
 namespace hexrelief::job {
 
+// Returns a picture of about 1200 px on its longer side, seen from 20 degrees to the side and a little above;
+// textured if `texture` is not null. Drawn by a small z-buffer rasteriser with 2 x 2 samples per pixel.
+Image render_relief(const SurfaceMesh& mesh, const Image* texture);
+
 // The results to draw. `left` and `texture` may be null, the others must be set; map, density and left have
 // one size.
 struct StageResults {

@@ -73,11 +73,10 @@ std::size_t number_of(const fs::path& path, PathsByName& paths) {
 // True if the report's files are in place. The report may name other folders than the request, because
 // folders can be moved with their contents: the first file of a name must be where the request has its first
 // file of that name, and so on.
-bool are_as_written(const job::RunRequest& request, const Json& outputs) {
+bool are_as_written(const RunRequest& request, const Json& outputs) {
     PathsByName planned, told;
     for (const fs::path& output : request.outputs)
-        for (const fs::path& file : job::planned_files(output, request.config.exporting))
-            number_of(file, planned);
+        for (const fs::path& file : planned_files(output, request.config.exporting)) number_of(file, planned);
     std::set<fs::path> found;
     for (const Json& output : outputs) {
         const fs::path path = output.at("path").get<std::string>();
@@ -87,25 +86,25 @@ bool are_as_written(const job::RunRequest& request, const Json& outputs) {
         found.insert(places[number]);
     }
     // The report does not list the other files, whose bytes are not known.
-    job::RunRequest others = request;
+    RunRequest others = request;
     others.outputs.clear();
-    const std::vector<job::WrittenFile> unhashed = job::written_files(others);
+    const std::vector<WrittenFile> unhashed = written_files(others);
     std::error_code code;
     return std::all_of(request.outputs.begin(), request.outputs.end(),
                        [&](const fs::path& file) { return found.contains(file); }) &&
-           std::all_of(unhashed.begin(), unhashed.end(), [&](const job::WrittenFile& file) {
+           std::all_of(unhashed.begin(), unhashed.end(), [&](const WrittenFile& file) {
                return file.is_rectified || fs::exists(file.path, code);
            });
 }
 
 }  // namespace
 
-std::string unit_stamp(const job::RunRequest& request) {
+std::string unit_stamp(const RunRequest& request) {
     std::string text =
         std::string("hexrelief ") + HEXRELIEF_VERSION + "\n" + config_text(request.config) + "\n";
     for (const fs::path& output : request.outputs) text += "output " + output.filename().string() + "\n";
     if (!request.stages_folder.empty()) text += "stages\n";
-    for (const job::InputFile& file : job::input_files(request)) text += digest_line(file.role, file.path);
+    for (const InputFile& file : input_files(request)) text += digest_line(file.role, file.path);
     // A program that matches pairs, its scripts and models, as far as its words name them.
     for (const std::string& words : {request.config.disparity.command, request.config.disparity.worker})
         for (const std::string& word : config::words_of_line(words)) {
@@ -127,13 +126,13 @@ nlohmann::ordered_json read_report(const fs::path& path) {
     }
 }
 
-UnitState stamp_request(job::RunRequest& request) {
+UnitState stamp_request(RunRequest& request) {
     if (request.report.empty() || files::is_standard_output(request.report)) return UnitState::missing;
     request.stamp = unit_stamp(request);
     return unit_state(request, request.stamp);
 }
 
-UnitState unit_state(const job::RunRequest& request, const std::string& stamp) {
+UnitState unit_state(const RunRequest& request, const std::string& stamp) {
     const Json report = read_report(request.report);
     if (report.is_null() || !report.contains("stamp")) return UnitState::missing;
     if (report["stamp"] != stamp) return UnitState::changed;

@@ -13,7 +13,7 @@ namespace hexrelief::job {
 // and of the calibration, the effective configuration, the outputs' names without their folders, and the
 // program's version. Threads, backend and folders change no byte and are left out. Throws Error(input) if a
 // file cannot be read.
-std::string unit_stamp(const job::RunRequest& request);
+std::string unit_stamp(const RunRequest& request);
 
 enum class UnitState {
     missing,  // no report, or one without a stamp
@@ -26,10 +26,10 @@ enum class UnitState {
 nlohmann::ordered_json read_report(const std::filesystem::path& path);
 
 // Compares the stamp with the request's report, which is the last of its files to be written.
-UnitState unit_state(const job::RunRequest& request, const std::string& stamp);
+UnitState unit_state(const RunRequest& request, const std::string& stamp);
 
 // Sets the request's stamp and returns its state; `missing`, without a stamp, if the request names no report.
 // Throws what unit_stamp() throws.
-UnitState stamp_request(job::RunRequest& request);
+UnitState stamp_request(RunRequest& request);
 
 }  // namespace hexrelief::job

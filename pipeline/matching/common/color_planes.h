@@ -41,4 +41,8 @@ PairColors split_colors(const StereoPair& pair, ThreadPool& pool);
 ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool);
 ColorView view_of(const ColorPlanes& colors);
 
+// Returns a picture of (width + 1) / 2 x (height + 1) / 2 pixels, each the rounded mean of 2x2 pixels;
+// the edge is repeated.
+Image at_half_size(const Image& image, ThreadPool& pool);
+
 }  // namespace hexrelief::matching

@@ -4,8 +4,8 @@
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
+#include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segments.h"
-#include "pipeline/matching/refine/half_size_matches.h"
 
 namespace hexrelief::matching {
 

@@ -3,6 +3,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/matching/common/bordered_raster.h"
+#include "pipeline/matching/common/color_planes.h"
 
 namespace hexrelief::matching {
 
@@ -13,5 +14,8 @@ struct Slopes {
 // Returns the slopes of lines fitted to both sides of each pixel, as far as its surface extends, averaged
 // over the pixels around it.
 Slopes find_slopes(const Disparities16& map, ThreadPool& pool);
+
+// Returns the smoothed map. Unknown pixels stay unknown. Discontinuities of 2 px and more are preserved.
+Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool);
 
 }  // namespace hexrelief::matching

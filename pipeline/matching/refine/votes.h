@@ -7,6 +7,16 @@
 
 namespace hexrelief::matching {
 
+struct SideInput {
+    const Disparities16& map;
+    const ColorPlanes &left, &right;  // with equal numbers of channels
+    const Raster<std::int32_t>& nearest_seen;
+    int min_px;
+};
+
+// Returns the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
+Disparities16 choose_sides(const SideInput& input, ThreadPool& pool);
+
 // The window that a pixel's median is taken over.
 enum class VoteWindow : std::uint8_t { none, near, hole };
 

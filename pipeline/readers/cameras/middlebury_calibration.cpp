@@ -1,8 +1,12 @@
 // Parses Middlebury's calib.txt, "key=value" lines as people write and edit them.
+
+#include <cmath>
 #include <functional>
 #include <map>
+#include <set>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
+#include "pipeline/readers/cameras/entries.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
@@ -99,6 +103,46 @@ std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     }
     if (const auto ndisp = entries.find("ndisp"); ndisp != entries.end())
         calibration.ndisp_px = require_side(source, "ndisp", require_number(source, "ndisp", ndisp->second));
+    return calibration;
+}
+
+Calibration own_calibration(CalibrationText& source, const Entries& entries) {
+    Calibration calibration;
+    const std::map<std::string, double*> lengths = {{"focal_px", &calibration.focal_px},
+                                                    {"baseline_m", &calibration.baseline_m},
+                                                    {"cx", &calibration.cx},
+                                                    {"cy", &calibration.cy},
+                                                    {"doffs_px", &calibration.doffs_px}};
+    int width = 0, height = 0;
+    std::set<std::string> seen;
+    for (const Entry& entry : entries) {
+        const std::string& key = entry.name;
+        if (!seen.insert(key).second) refuse_key(source, excerpt(key), "is given twice; keep one");
+        const auto number = [&] {
+            if (entry.values.size() != 1) refuse_key(source, key, "must be a number");
+            return require_number(source, key, entry.values[0]);
+        };
+        if (const auto length = lengths.find(key); length != lengths.end())
+            *length->second = number();
+        else if (key == "width" || key == "height")
+            (key == "width" ? width : height) = require_side(source, key, number());
+        else
+            refuse_key(source, excerpt(key),
+                       "is not known; the keys are focal_px, baseline_m, cx, cy, doffs_px, width, height");
+    }
+    source.has_baseline = seen.contains("baseline_m");
+    const bool has_cx = seen.contains("cx"), has_cy = seen.contains("cy");
+    if (!seen.contains("focal_px"))
+        refuse_key(source, "focal_px", "is missing; give the focal length in pixels");
+    if ((width == 0) != (height == 0)) refuse_key(source, "width and height", "must be given together");
+    if (has_cx != has_cy)
+        refuse_key(source, "cx and cy", "must be given together; without both the centre is taken");
+    if (!has_cx) {
+        calibration.cx = width > 0 ? width / 2.0 : std::nan("");
+        calibration.cy = height > 0 ? height / 2.0 : std::nan("");
+    }
+    calibration.width = width;
+    calibration.height = height;
     return calibration;
 }
 

@@ -8,7 +8,6 @@
 #include "pipeline/data/depth_map.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/limits.h"
-#include "pipeline/readers/packing.h"
 
 namespace hexrelief::readers {
 

@@ -8,6 +8,7 @@
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/readers/depth/iso_boxes.h"
+#include "pipeline/readers/source.h"
 
 namespace hexrelief::readers::codec {
 
@@ -25,5 +26,10 @@ std::optional<HeicPair> find_heic_pair(Bytes file);
 
 // Returns the file's EXIF data, without the offset in front; empty if it has none.
 std::vector<std::uint8_t> heic_exif(Bytes file);
+
+// Throws Error(input) if item references (ISO/IEC 14496-12, 8.11.12) are nested more than 8 deep (phones use
+// 3: tone map, grid, tile), or if a picture is put together from more than 16,384 others. libheif 1.15
+// decodes nested pictures to any depth that the file asks for, and endlessly if one is derived from itself.
+void check_derivations(const SourceFile& source);
 
 }  // namespace hexrelief::readers::codec

@@ -7,7 +7,6 @@
 #include "pipeline/data/module.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_boxes.h"
-#include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/depth/heic_module.h"
 #include "pipeline/readers/parse_text.h"
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "pipeline/readers/depth/iso_boxes.h"
 
@@ -48,5 +50,14 @@ struct HeicView {
 
 // Returns the properties of the item with this number. Malformed properties count as missing.
 HeicView heic_view(Bytes file, std::uint32_t item);
+
+struct HeicPicture {
+    int width = 0, height = 0;  // as stored; 0 = not said
+    std::string role;           // "left view", "thumbnail"
+};
+
+// Returns the file's first 32 pictures, without those that are tiles of another. Malformed boxes count as
+// missing.
+std::vector<HeicPicture> list_heic_pictures(Bytes file);
 
 }  // namespace hexrelief::readers::codec

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
@@ -50,5 +51,9 @@ struct StereoFileDescription {
 // headers; nullopt for other files. Throws Error(input) if a picture's header is malformed.
 std::optional<StereoFileDescription> describe_stereo_file(const std::filesystem::path& path,
                                                           const ReaderLimits& limits = {});
+
+// Returns a line for each picture of a JPEG or HEIC file that holds several, as "80 x 60 px, left view"; none
+// for other files. Throws Error(input) if the file cannot be opened.
+std::vector<std::string> list_pictures(const std::filesystem::path& path, const ReaderLimits& limits = {});
 
 }  // namespace hexrelief::readers

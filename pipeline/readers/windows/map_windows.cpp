@@ -1,6 +1,9 @@
 #include "pipeline/readers/windows/map_windows.h"
 
+#include <algorithm>
+
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/windows/window_source.h"
 
 namespace hexrelief::readers {
@@ -8,14 +11,60 @@ namespace {
 
 std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const MapWindowConfig& config) {
     if (config.disparity.flip)
-        readers::codec::refuse(path, "rows in the other order are not read in windows; flip the map before");
+        codec::refuse(path, "rows in the other order are not read in windows; flip the map before");
     if (config.raw) return raw_windows(std::make_shared<MapFile>(path), *config.raw);
-    const readers::codec::Codec& codec =
-        readers::codec::require_codec(path, "a disparity map as TIFF, BigTIFF or PFM");
-    if (codec.format == readers::codec::Format::tiff) return tiff_windows(std::make_shared<MapFile>(path));
-    if (codec.format == readers::codec::Format::pfm) return pfm_windows(std::make_shared<MapFile>(path));
-    readers::codec::refuse(
-        path, std::string(codec.name) + " cannot be read in windows; give the map as TIFF or PFM");
+    const codec::Codec& codec = codec::require_codec(path, "a disparity map as TIFF, BigTIFF or PFM");
+    if (codec.format == codec::Format::tiff) return tiff_windows(std::make_shared<MapFile>(path));
+    if (codec.format == codec::Format::pfm) return pfm_windows(std::make_shared<MapFile>(path));
+    codec::refuse(path, std::string(codec.name) + " cannot be read in windows; give the map as TIFF or PFM");
+}
+
+// A picture that is held in memory as a whole.
+class WholePicture : public WindowSource {
+  public:
+    explicit WholePicture(Image image) : image_(std::move(image)) {
+        width = image_.width;
+        height = image_.height;
+        channels = image_.channels;
+        has_alpha = !image_.alpha.empty();
+        sample = MapSample::uint8;
+    }
+
+    codec::Raster read(const codec::PixelWindow& window) const override {
+        codec::Raster part;
+        part.width = static_cast<int>(window.width);
+        part.height = static_cast<int>(window.height);
+        part.channels = image_.channels;
+        std::vector<std::uint8_t> pixels;
+        pixels.reserve(static_cast<std::size_t>(window.width) * window.height * image_.channels);
+        for (std::uint32_t y = window.y; y < window.y + window.height; ++y) {
+            const std::size_t first = static_cast<std::size_t>(y) * image_.width + window.x;
+            append(image_.pixels, first * image_.channels, window.width * image_.channels, pixels);
+            if (!image_.alpha.empty()) append(image_.alpha, first, window.width, part.alpha);
+        }
+        part.samples = std::move(pixels);
+        if (std::ranges::none_of(part.alpha, [](std::uint8_t alpha) { return alpha < kOpaque; }))
+            part.alpha.clear();
+        return part;
+    }
+
+  private:
+    static void append(const std::vector<std::uint8_t>& from, std::size_t at, std::size_t count,
+                       std::vector<std::uint8_t>& to) {
+        const auto first = from.begin() + static_cast<std::ptrdiff_t>(at);
+        to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(count));
+    }
+
+    Image image_;
+};
+
+std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const ReaderLimits& limits) {
+    const codec::Codec* const codec = codec::find_codec(path);
+    std::unique_ptr<WindowSource> source;
+    if (codec && codec->format == codec::Format::pnm) source = pnm_windows(std::make_shared<MapFile>(path));
+    if (codec && codec->format == codec::Format::tiff)
+        source = tiff_picture_windows(std::make_shared<MapFile>(path));
+    return source ? std::move(source) : std::make_unique<WholePicture>(read_image(path, limits));
 }
 
 }  // namespace
@@ -28,8 +77,8 @@ MapWindows::~MapWindows() = default;
 std::unique_ptr<MapWindows> MapWindows::open(const std::filesystem::path& path,
                                              const MapWindowConfig& config) {
     std::unique_ptr<MapWindows> map(new MapWindows(path, config));
-    readers::disparities_of_part(no_samples(*map->source_), path,
-                                 config.disparity);  // refuses a missing scale
+    disparities_of_part(no_samples(*map->source_), path,
+                        config.disparity);  // refuses a missing scale
     return map;
 }
 
@@ -42,7 +91,39 @@ int MapWindows::height() const {
 }
 
 DisparityMap MapWindows::read(int x, int y, int width, int height) const {
-    return readers::disparities_of_part(read_window(*source_, path_, {x, y, width, height}), path_, config_);
+    return disparities_of_part(read_window(*source_, path_, {x, y, width, height}), path_, config_);
+}
+
+PictureWindows::PictureWindows(std::filesystem::path path, const ReaderLimits& limits)
+    : path_(std::move(path)), source_(open_source(path_, limits)) {}
+
+PictureWindows::~PictureWindows() = default;
+
+std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path& path,
+                                                     const ReaderLimits& limits) {
+    std::unique_ptr<PictureWindows> picture(new PictureWindows(path, limits));
+    image_of(no_samples(*picture->source_), path);  // refuses floats, which are not a picture
+    return picture;
+}
+
+int PictureWindows::width() const {
+    return source_->width;
+}
+
+int PictureWindows::height() const {
+    return source_->height;
+}
+
+int PictureWindows::channels() const {
+    return source_->channels;
+}
+
+bool PictureWindows::has_alpha() const {
+    return source_->has_alpha;
+}
+
+Image PictureWindows::read(int x, int y, int width, int height) const {
+    return image_of(read_window(*source_, path_, {x, y, width, height}), path_);
 }
 
 }  // namespace hexrelief::readers

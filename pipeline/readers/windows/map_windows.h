@@ -1,4 +1,4 @@
-// Reads windows of disparity maps that do not fit into memory.
+// Reads windows of disparity maps and of pictures that do not fit into memory.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,9 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/image.h"
 #include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/limits.h"
 
 namespace hexrelief::readers {
 
@@ -28,8 +30,8 @@ struct RawMapLayout {
 RawMapLayout parse_raw_map_layout(const std::string& text);
 
 struct MapWindowConfig {
-    readers::DisparityFileConfig disparity = {};  // meaning of the samples, as for maps that are read whole
-    std::optional<RawMapLayout> raw = {};         // none = TIFF, BigTIFF or PFM, recognised by content
+    DisparityFileConfig disparity = {};    // meaning of the samples, as for maps that are read whole
+    std::optional<RawMapLayout> raw = {};  // none = TIFF, BigTIFF or PFM, recognised by content
 };
 
 class WindowSource;
@@ -56,7 +58,35 @@ class MapWindows {
   private:
     MapWindows(std::filesystem::path path, const MapWindowConfig& config);
     std::filesystem::path path_;
-    readers::DisparityFileConfig config_;
+    DisparityFileConfig config_;
+    std::unique_ptr<WindowSource> source_;
+};
+
+// A picture's file of which any window can be read, by any number of threads. Only the window is read from
+// TIFF and BigTIFF in grey or RGB, with or without alpha, in tiles or strips, and from binary PGM and PPM; a
+// side may have up to kLargestMapSide_px. Pictures in other formats, and TIFF with palettes,
+// YCbCr or inks, are held in memory as a whole, within read_image()'s limits.
+class PictureWindows {
+  public:
+    // Opens a picture. limits: for pictures that are held as a whole. Throws
+    // Error(input) as read_image() does.
+    static std::unique_ptr<PictureWindows> open(const std::filesystem::path& path,
+                                                const ReaderLimits& limits = {});
+    ~PictureWindows();
+
+    int width() const;
+    int height() const;
+    int channels() const;    // 1 or 3
+    bool has_alpha() const;  // some pixels may be transparent
+    // Returns the same pixels as a crop of read_image()'s picture; alpha is kept if it is below half at some
+    // pixel of the window. Memory: the window, its samples, and a tile; for compressed strips a row, and a
+    // strip as stored. Throws Error(input) if the window is empty, not within the picture or above
+    // kMaxPixels, or if the file is damaged or truncated there.
+    Image read(int x, int y, int width, int height) const;
+
+  private:
+    PictureWindows(std::filesystem::path path, const ReaderLimits& limits);
+    std::filesystem::path path_;
     std::unique_ptr<WindowSource> source_;
 };
 

@@ -123,7 +123,7 @@ void MapWriter::write(const float* rows, int count) {
         const float* row = rows + static_cast<std::size_t>(i) * width_;
         if constexpr (std::endian::native == std::endian::big) {
             swapped.assign(row, row + width_);
-            for (float& value : swapped) value = readers::codec::in_other_byte_order(value);
+            for (float& value : swapped) value = codec::in_other_byte_order(value);
             row = swapped.data();
         }
         const std::uint64_t row_bytes = std::uint64_t{4} * static_cast<unsigned>(width_);

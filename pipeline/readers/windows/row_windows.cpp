@@ -12,7 +12,7 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
-#include "pipeline/readers/netpbm_header.h"
+#include "pipeline/readers/netpbm_codec.h"
 #include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/windows/window_source.h"
 
@@ -28,7 +28,7 @@ std::uint8_t in_other_byte_order(std::uint8_t value) {
 std::uint16_t in_other_byte_order(std::uint16_t value) {
     return static_cast<std::uint16_t>(value >> 8 | value << 8);
 }
-using readers::codec::in_other_byte_order;
+using codec::in_other_byte_order;
 
 class RowWindows : public WindowSource {
   public:
@@ -40,8 +40,8 @@ class RowWindows : public WindowSource {
         sample = layout_.sample;
     }
 
-    readers::codec::Raster read(const readers::codec::PixelWindow& window) const override {
-        readers::codec::Raster raster;
+    codec::Raster read(const codec::PixelWindow& window) const override {
+        codec::Raster raster;
         raster.width = static_cast<int>(window.width);
         raster.height = static_cast<int>(window.height);
         raster.channels = layout_.channels;
@@ -55,15 +55,15 @@ class RowWindows : public WindowSource {
 
   private:
     template <typename Stored>
-    std::vector<Stored> samples(const readers::codec::PixelWindow& window) const {
+    std::vector<Stored> samples(const codec::PixelWindow& window) const {
         const std::size_t pixel_bytes = layout_.channels * sizeof(Stored);
         const std::size_t row_samples = static_cast<std::size_t>(window.width) * layout_.channels;
         std::vector<Stored> values(row_samples * window.height);
         for (std::uint32_t y = 0; y < window.height; ++y) {
             const std::uint64_t at = layout_.row_at(window.y + y) + window.x * pixel_bytes;
             if (!file_->copy(at, values.data() + y * row_samples, row_samples * sizeof(Stored)))
-                readers::codec::refuse(
-                    file_->path(), "it ends within row " + std::to_string(window.y + y) + "; copy it again");
+                codec::refuse(file_->path(),
+                              "it ends within row " + std::to_string(window.y + y) + "; copy it again");
         }
         if (layout_.is_big_endian != (std::endian::native == std::endian::big))
             for (Stored& value : values) value = in_other_byte_order(value);
@@ -79,13 +79,13 @@ bool is_in_other_order(const WindowSource& source) {
     if (source.sample != MapSample::float32) return false;
     const int width = std::min(source.width, kProbe_px), height = std::min(source.height, kProbe_px);
     const auto at = [](int value) { return static_cast<std::uint32_t>(value); };
-    const readers::codec::Raster middle = source.read(
+    const codec::Raster middle = source.read(
         {at((source.width - width) / 2), at((source.height - height) / 2), at(width), at(height)});
-    return readers::codec::in_other_order(std::get<std::vector<float>>(middle.samples));
+    return codec::in_other_order(std::get<std::vector<float>>(middle.samples));
 }
 
 [[noreturn]] void refuse_raw(const std::string& text) {
-    throw Error(ErrorKind::usage, "'" + readers::codec::printable(text, 60) +
+    throw Error(ErrorKind::usage, "'" + codec::printable(text, 60) +
                                       "' is no layout of a raw map; give its size and its samples' type, one "
                                       "of float32, uint16, float32be, uint16be, such as 32768x32768,float32");
 }
@@ -93,11 +93,10 @@ bool is_in_other_order(const WindowSource& source) {
 }  // namespace
 
 MapFile::MapFile(const std::filesystem::path& path) : path_(path) {
-    readers::codec::load_head(path, 0);  // refuses folders and pipes
+    codec::load_head(path, 0);  // refuses folders and pipes
     descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     struct stat status = {};
-    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0)
-        readers::codec::refuse(path, std::strerror(errno));
+    if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) codec::refuse(path, std::strerror(errno));
     bytes_ = static_cast<std::uint64_t>(status.st_size);
 }
 
@@ -109,7 +108,7 @@ bool MapFile::copy(std::uint64_t at, void* to, std::size_t count) const {
     for (char* next = static_cast<char*>(to); count > 0;) {
         const ssize_t got = ::pread(descriptor_, next, count, static_cast<off_t>(at));
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) readers::codec::refuse(path_, std::strerror(errno));
+        if (got < 0) codec::refuse(path_, std::strerror(errno));
         if (got == 0) return false;
         next += got;
         at += static_cast<std::uint64_t>(got);
@@ -123,33 +122,31 @@ std::unique_ptr<WindowSource> row_windows(std::shared_ptr<const MapFile> file, R
 }
 
 std::unique_ptr<WindowSource> pfm_windows(std::shared_ptr<const MapFile> file) {
-    const readers::codec::SourceFile head = readers::codec::load_head(file->path(), kHeaderBytes);
-    readers::codec::NetpbmHeader header(head);
-    const readers::codec::PfmHeader pfm = readers::codec::read_pfm_header(head, header);
+    const codec::SourceFile head = codec::load_head(file->path(), kHeaderBytes);
+    codec::NetpbmHeader header(head);
+    const codec::PfmHeader pfm = codec::read_pfm_header(head, header);
     check_map_size(file->path(), pfm.width, pfm.height);
     if (pfm.channels != 1)
-        readers::codec::refuse(file->path(),
-                               "it has three channels, a disparity map has one; save it as grey (Pf)");
+        codec::refuse(file->path(), "it has three channels, a disparity map has one; save it as grey (Pf)");
     const std::uint64_t row_bytes = std::uint64_t{4} * pfm.width, all = row_bytes * pfm.height;
     const std::uint64_t start = header.samples_at(all, file->bytes());
     if (file->bytes() - start - all > 2)  // at most a final line end
-        readers::codec::refuse(file->path(),
-                               std::to_string(file->bytes() - start - all) +
-                                   " bytes follow the last sample, so the header's size is wrong; "
-                                   "export it again");
+        codec::refuse(file->path(), std::to_string(file->bytes() - start - all) +
+                                        " bytes follow the last sample, so the header's size is wrong; "
+                                        "export it again");
     auto source = row_windows(
         file, {.width = static_cast<int>(pfm.width),
                .height = static_cast<int>(pfm.height),
                .is_big_endian = !pfm.little_endian,
                .row_at = [=](std::uint32_t y) { return start + (pfm.height - 1 - y) * row_bytes; }});
-    if (is_in_other_order(*source)) readers::codec::refuse_byte_order(file->path());
+    if (is_in_other_order(*source)) codec::refuse_byte_order(file->path());
     return source;
 }
 
 std::unique_ptr<WindowSource> pnm_windows(std::shared_ptr<const MapFile> file) {
-    const readers::codec::SourceFile head = readers::codec::load_head(file->path(), kHeaderBytes);
-    readers::codec::NetpbmHeader header(head);
-    const readers::codec::PnmHeader pnm = readers::codec::read_pnm_header(head, header);
+    const codec::SourceFile head = codec::load_head(file->path(), kHeaderBytes);
+    codec::NetpbmHeader header(head);
+    const codec::PnmHeader pnm = codec::read_pnm_header(head, header);
     check_map_size(file->path(), pnm.width, pnm.height);
     const bool is_wide = pnm.max_value > 255;
     const std::uint64_t row_bytes =
@@ -191,20 +188,18 @@ std::unique_ptr<WindowSource> raw_windows(std::shared_ptr<const MapFile> file, c
     const std::uint64_t row_bytes = (is_wide ? 2 : 4) * static_cast<std::uint64_t>(layout.width);
     const std::uint64_t all = row_bytes * static_cast<std::uint64_t>(layout.height);
     if (file->bytes() != all)
-        readers::codec::refuse(file->path(), "it has " + std::to_string(file->bytes()) + " bytes, " +
-                                                 std::to_string(layout.width) + "x" +
-                                                 std::to_string(layout.height) +
-                                                 (is_wide ? " uint16" : " float32") + " samples have " +
-                                                 std::to_string(all) + "; correct the size or the type");
+        codec::refuse(file->path(), "it has " + std::to_string(file->bytes()) + " bytes, " +
+                                        std::to_string(layout.width) + "x" + std::to_string(layout.height) +
+                                        (is_wide ? " uint16" : " float32") + " samples have " +
+                                        std::to_string(all) + "; correct the size or the type");
     auto source = row_windows(file, {.width = layout.width,
                                      .height = layout.height,
                                      .sample = layout.sample,
                                      .is_big_endian = layout.is_big_endian,
                                      .row_at = [=](std::uint32_t y) { return y * row_bytes; }});
     if (is_in_other_order(*source))
-        readers::codec::refuse(file->path(),
-                               std::string("its floats make sense only in the other byte order; give ") +
-                                   (layout.is_big_endian ? "float32" : "float32be") + " as their type");
+        codec::refuse(file->path(), std::string("its floats make sense only in the other byte order; give ") +
+                                        (layout.is_big_endian ? "float32" : "float32be") + " as their type");
     return source;
 }
 

@@ -14,12 +14,12 @@ struct OpenTiff {
     explicit OpenTiff(const MapFile& file)
         : source{file.path(), file.bytes(),
                  [&file](auto at, void* to, std::size_t count) { return file.copy(at, to, count); }},
-          handle(readers::codec::open_tiff(source)) {}
-    readers::codec::TiffSource source;
-    readers::codec::TiffHandle handle;
+          handle(codec::open_tiff(source)) {}
+    codec::TiffSource source;
+    codec::TiffHandle handle;
 };
 
-MapSample sample_of(const readers::codec::TiffLayout& layout) {
+MapSample sample_of(const codec::TiffLayout& layout) {
     if (layout.format == SAMPLEFORMAT_IEEEFP) return MapSample::float32;
     return layout.bits == 16 ? MapSample::uint16 : MapSample::uint8;
 }
@@ -27,7 +27,7 @@ MapSample sample_of(const readers::codec::TiffLayout& layout) {
 class TiffWindows : public WindowSource {
   public:
     TiffWindows(std::shared_ptr<const MapFile> file, std::unique_ptr<OpenTiff> tiff,
-                const readers::codec::TiffLayout& layout)
+                const codec::TiffLayout& layout)
         : file_(std::move(file)), layout_(layout) {
         width = static_cast<int>(layout.width);
         height = static_cast<int>(layout.height);
@@ -37,11 +37,10 @@ class TiffWindows : public WindowSource {
         idle_.push_back(std::move(tiff));
     }
 
-    readers::codec::Raster read(const readers::codec::PixelWindow& window) const override {
+    codec::Raster read(const codec::PixelWindow& window) const override {
         std::unique_ptr<OpenTiff> tiff = take();
-        readers::codec::Raster raster =
-            readers::codec::read_plainly(tiff->handle.get(), layout_, tiff->source, window);
-        if (layout_.alpha) readers::codec::split_alpha(raster);
+        codec::Raster raster = codec::read_plainly(tiff->handle.get(), layout_, tiff->source, window);
+        if (layout_.alpha) codec::split_alpha(raster);
         const std::lock_guard lock(mutex_);
         idle_.push_back(std::move(tiff));  // not after an error: libtiff keeps its first error message
         return raster;
@@ -61,7 +60,7 @@ class TiffWindows : public WindowSource {
     }
 
     std::shared_ptr<const MapFile> file_;
-    readers::codec::TiffLayout layout_;
+    codec::TiffLayout layout_;
     mutable std::mutex mutex_;
     mutable std::vector<std::unique_ptr<OpenTiff>> idle_;
 };
@@ -70,7 +69,7 @@ class TiffWindows : public WindowSource {
 // which leaves the file to libtiff, for samples of few bits or doubles, with alpha or in planes, and for
 // wrong strip lengths, of which libtiff gives a proper error.
 std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>& file, OpenTiff& tiff,
-                                           const readers::codec::TiffLayout& layout) {
+                                           const codec::TiffLayout& layout) {
     const bool is_float = layout.format == SAMPLEFORMAT_IEEEFP;
     if (TIFFIsTiled(tiff.handle.get()) || layout.compression != COMPRESSION_NONE ||
         layout.photometric == PHOTOMETRIC_MINISWHITE || layout.planes || layout.alpha ||
@@ -105,16 +104,15 @@ std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>&
                                    row_bytes = layout.row_bytes()](std::uint32_t y) {
                                       return strips[y / rows_per_strip] + y % rows_per_strip * row_bytes;
                                   },
-                              .nodata = readers::codec::nodata_of(tiff.handle.get())});
+                              .nodata = codec::nodata_of(tiff.handle.get())});
 }
 
 std::unique_ptr<WindowSource> plain_windows(std::shared_ptr<const MapFile> file,
-                                            std::unique_ptr<OpenTiff> tiff,
-                                            const readers::codec::TiffLayout& layout) {
-    readers::codec::check_samples(layout, tiff->source);
-    if (readers::codec::are_wide_integers(layout))
-        readers::codec::refuse(
-            file->path(), "signed integers and those of 32 bits are not read in windows; save it as float32");
+                                            std::unique_ptr<OpenTiff> tiff, const codec::TiffLayout& layout) {
+    codec::check_samples(layout, tiff->source);
+    if (codec::are_wide_integers(layout))
+        codec::refuse(file->path(),
+                      "signed integers and those of 32 bits are not read in windows; save it as float32");
     if (auto rows = plain_strips(file, *tiff, layout)) return rows;
     return std::make_unique<TiffWindows>(std::move(file), std::move(tiff), layout);
 }
@@ -123,20 +121,20 @@ std::unique_ptr<WindowSource> plain_windows(std::shared_ptr<const MapFile> file,
 
 std::unique_ptr<WindowSource> tiff_windows(std::shared_ptr<const MapFile> file) {
     auto tiff = std::make_unique<OpenTiff>(*file);
-    const readers::codec::TiffLayout layout = readers::codec::read_layout(tiff->handle.get(), tiff->source);
+    const codec::TiffLayout layout = codec::read_layout(tiff->handle.get(), tiff->source);
     check_map_size(file->path(), layout.width, layout.height);
-    if (!readers::codec::stored_plainly(layout) || layout.samples != 1)
-        readers::codec::refuse(file->path(),
-                               "it has " + std::to_string(layout.samples) +
-                                   " samples a pixel or a palette, which is not read in windows; save it "
-                                   "as grey");
+    if (!codec::stored_plainly(layout) || layout.samples != 1)
+        codec::refuse(file->path(),
+                      "it has " + std::to_string(layout.samples) +
+                          " samples a pixel or a palette, which is not read in windows; save it "
+                          "as grey");
     return plain_windows(std::move(file), std::move(tiff), layout);
 }
 
 std::unique_ptr<WindowSource> tiff_picture_windows(std::shared_ptr<const MapFile> file) {
     auto tiff = std::make_unique<OpenTiff>(*file);
-    const readers::codec::TiffLayout layout = readers::codec::read_layout(tiff->handle.get(), tiff->source);
-    if (!readers::codec::stored_plainly(layout)) return nullptr;
+    const codec::TiffLayout layout = codec::read_layout(tiff->handle.get(), tiff->source);
+    if (!codec::stored_plainly(layout)) return nullptr;
     check_map_size(file->path(), layout.width, layout.height);
     return plain_windows(std::move(file), std::move(tiff), layout);
 }

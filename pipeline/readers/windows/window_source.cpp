@@ -16,36 +16,33 @@ std::string size_text(unsigned long long width, unsigned long long height) {
 
 void check_map_size(const std::filesystem::path& path, unsigned long long width, unsigned long long height) {
     if (width == 0 || height == 0)
-        readers::codec::refuse(path,
-                               "its size is " + size_text(width, height) + "; both sides must be at least 1");
+        codec::refuse(path, "its size is " + size_text(width, height) + "; both sides must be at least 1");
     if (std::max(width, height) > kLargestMapSide_px)
-        readers::codec::refuse(path, "its size is " + size_text(width, height) + ", more than the limit of " +
-                                         std::to_string(kLargestMapSide_px) +
-                                         " px a side; cut it into several first");
+        codec::refuse(path, "its size is " + size_text(width, height) + ", more than the limit of " +
+                                std::to_string(kLargestMapSide_px) + " px a side; cut it into several first");
 }
 
-readers::codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
-                                   const WantedWindow& window) {
+codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
+                          const WantedWindow& window) {
     const auto within = [](long long at, long long size, long long all) {
         return at >= 0 && size >= 1 && at + size <= all;
     };
     const std::string wanted = std::to_string(window.width) + "x" + std::to_string(window.height);
     if (!within(window.x, window.width, source.width) || !within(window.y, window.height, source.height))
-        readers::codec::refuse(
+        codec::refuse(
             path, "there is no window of " + wanted + " px at " + std::to_string(window.x) + "," +
                       std::to_string(window.y) + " in its " +
                       size_text(static_cast<unsigned>(source.width), static_cast<unsigned>(source.height)) +
                       " px; ask for one inside");
-    if (static_cast<long long>(window.width) * window.height > readers::kMaxPixels)
-        readers::codec::refuse(path, "a window of " + wanted + " px is above the limit of " +
-                                         std::to_string(readers::kMaxPixels) +
-                                         " pixels; ask for smaller ones");
+    if (static_cast<long long>(window.width) * window.height > kMaxPixels)
+        codec::refuse(path, "a window of " + wanted + " px is above the limit of " +
+                                std::to_string(kMaxPixels) + " pixels; ask for smaller ones");
     const auto at = [](int value) { return static_cast<std::uint32_t>(value); };
     return source.read({at(window.x), at(window.y), at(window.width), at(window.height)});
 }
 
-readers::codec::Raster no_samples(const WindowSource& source) {
-    readers::codec::Raster raster;
+codec::Raster no_samples(const WindowSource& source) {
+    codec::Raster raster;
     if (source.sample == MapSample::uint16) raster.samples = std::vector<std::uint16_t>();
     if (source.sample == MapSample::float32) raster.samples = std::vector<float>();
     return raster;

@@ -43,7 +43,7 @@ class WindowSource {
     bool has_alpha = false;
     MapSample sample = MapSample::float32;
     // Reads a window within the file's pixels; a map's has one channel. Any number of threads may read.
-    virtual readers::codec::Raster read(const readers::codec::PixelWindow& window) const = 0;
+    virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
 };
 
 // The layout of rows of plain samples, which may begin anywhere in the file.
@@ -54,7 +54,7 @@ struct RowLayout {
     unsigned max_value = 255;  // of integers
     bool is_big_endian = false;
     std::function<std::uint64_t(std::uint32_t y)> row_at;
-    double nodata = readers::codec::kNoData;
+    double nodata = codec::kNoData;
 };
 std::unique_ptr<WindowSource> row_windows(std::shared_ptr<const MapFile> file, RowLayout layout);
 
@@ -75,9 +75,9 @@ struct WantedWindow {
 };
 // Reads a window. Throws Error(input) naming `path` if the window is empty, not within the file's pixels or
 // above kMaxPixels, or if the file is damaged or truncated there.
-readers::codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
-                                   const WantedWindow& window);
+codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
+                          const WantedWindow& window);
 // Returns a window without pixels, by which a file's kind of samples is checked before it is read.
-readers::codec::Raster no_samples(const WindowSource& source);
+codec::Raster no_samples(const WindowSource& source);
 
 }  // namespace hexrelief::readers

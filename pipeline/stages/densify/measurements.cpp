@@ -1,5 +1,8 @@
 #include "pipeline/stages/densify/measurements.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace hexrelief::stages {
 namespace {
 
@@ -49,6 +52,33 @@ struct Sweep {
     }
 };
 
+constexpr double kTypical = 0.9;
+// Multiple of the median distance: pixels farther from all measurements lie in a hole, such as the
+// sky between two towers.
+constexpr std::uint32_t kHole = 4;
+constexpr int kLargest_px = 1024;
+
+// Sets out[i] to `sought` if one of in[i - radius .. i + radius] is, else to the other value, for
+// `count` values `stride` apart.
+void spread(const std::uint8_t* in, std::uint8_t* out, int count, std::size_t stride, int radius,
+            std::uint8_t sought) {
+    int last = -radius - 1;
+    const auto at = [&](int i) { return static_cast<std::size_t>(i) * stride; };
+    for (int i = 0; i < std::min(radius, count); ++i)
+        if (in[at(i)] == sought) last = i;
+    for (int i = 0; i < count; ++i) {
+        if (i + radius < count && in[at(i + radius)] == sought) last = i + radius;
+        out[at(i)] = last >= i - radius ? sought : static_cast<std::uint8_t>(1 - sought);
+    }
+}
+
+constexpr double kJoined = 0.5;
+constexpr double kLeastKnown = 0.001;  // fewer measurements show no surface
+
+double share(long long part, long long whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
 }  // namespace
 
 std::vector<PlaneAt> measurements_of(const DisparityMap& map) {
@@ -75,6 +105,93 @@ NearestMeasurements find_nearest(const std::vector<PlaneAt>& measurements, int w
         sweep.upwards();
     }
     return nearest;
+}
+
+void spread_square(std::vector<std::uint8_t>& mask, int width, int height, int radius, std::uint8_t sought) {
+    std::vector<std::uint8_t> rows(mask.size());
+    for (int y = 0; y < height; ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * width;
+        spread(&mask[row], &rows[row], width, 1, radius, sought);
+    }
+    for (int x = 0; x < width; ++x)
+        spread(&rows[x], &mask[x], height, static_cast<std::size_t>(width), radius, sought);
+}
+
+int typical_distance_px(const DisparityMap& map, const NearestMeasurements& nearest) {
+    const int width = map.width, height = map.height;
+    std::vector<int> first(width, height), last(width, -1);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            if (DisparityMap::known(map.at(x, y))) {
+                first[x] = std::min(first[x], y);
+                last[x] = y;
+            }
+    constexpr std::uint32_t kLargest = kLargest_px * kDistanceOne;
+    std::vector<long long> histogram(kLargest + 1);
+    long long total = 0;
+    for (int y = 0; y < height; ++y) {
+        const auto known = [&](int x) { return DisparityMap::known(map.at(x, y)); };
+        int from = 0, to = width - 1;
+        while (from <= to && !known(from)) ++from;
+        while (to >= from && !known(to)) --to;
+        for (int x = 0; x < width; ++x) {
+            if ((y < first[x] || y > last[x]) && (x < from || x > to)) continue;
+            const std::uint32_t distance = nearest.distance[static_cast<std::size_t>(y) * width + x];
+            if (distance == 0) continue;
+            ++histogram[std::min(distance, kLargest)];
+            ++total;
+        }
+    }
+    // Returns the distance that the share `part` of `count` pixels do not exceed, at most `end`.
+    const auto percentile = [&](double part, std::uint32_t end, double count) {
+        double below = 0;
+        for (std::uint32_t d = 1; d < end; ++d)
+            if ((below += static_cast<double>(histogram[d])) >= part * count) return d;
+        return end;
+    };
+    if (total == 0) return 1;
+    const std::uint32_t end =
+        std::min(kHole * percentile(0.5, kLargest, static_cast<double>(total)), kLargest) + 1;
+    const auto scattered = std::accumulate(histogram.begin(), histogram.begin() + end, 0LL);
+    const std::uint32_t typical = percentile(kTypical, end, static_cast<double>(scattered));
+    return static_cast<int>((typical + kDistanceOne / 2) / kDistanceOne);
+}
+
+std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestMeasurements& nearest,
+                                         int typical_px) {
+    const int radius = 3 * typical_px + 4;
+    std::vector<std::uint8_t> mask(map.values.size());
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = DisparityMap::known(map.values[i]);
+    // A closing: a dilation and then an erosion by a square; pixels outside the picture do
+    // not count as unknown.
+    spread_square(mask, map.width, map.height, radius, 1);
+    spread_square(mask, map.width, map.height, radius, 0);
+    const std::uint32_t near = kDistanceOne * static_cast<std::uint32_t>(typical_px + 2);
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] |= nearest.distance[i] <= near;
+    return mask;
+}
+
+bool Sparsity::is_sparse() const {
+    return known_share >= kLeastKnown && std::min(joined_along_rows, joined_along_columns) < kJoined;
+}
+
+Sparsity measure_sparsity(const DisparityMap& map) {
+    long long known = 0, with_right = 0, with_below = 0, right = 0, below = 0;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            if (!DisparityMap::known(map.at(x, y))) continue;
+            ++known;
+            if (x + 1 < map.width) {
+                ++with_right;
+                right += DisparityMap::known(map.at(x + 1, y));
+            }
+            if (y + 1 < map.height) {
+                ++with_below;
+                below += DisparityMap::known(map.at(x, y + 1));
+            }
+        }
+    return {share(known, static_cast<long long>(map.values.size())), share(right, with_right),
+            share(below, with_below)};
 }
 
 }  // namespace hexrelief::stages

@@ -1,9 +1,15 @@
 #include "pipeline/stages/dequantize/dequantize.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/stages/dequantize/evidence.h"
 #include "pipeline/stages/dequantize/pyramid.h"
-#include "pipeline/stages/dequantize/relax.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -13,6 +19,137 @@ constexpr float kJoined_px = 1.0001f;
 // Share of half a quantum: whole pixels that are two apart must stay more than 1 px apart, a discontinuity.
 constexpr double kFree = 0.97;
 constexpr float kPullGrowth = 16;  // from one level to the next
+
+constexpr int kLooks = 3;  // at the pictures
+constexpr int kMostLevels = 9, kMostRounds = 64;
+constexpr float kOneSurface_px = 1.0001f;  // neighbours on one surface; the surface stage's own default
+// The standard deviation of the disparity of 7x7 pixels, px, from which on their levels tell none.
+constexpr float kUnsure_px = 0.5f;
+// That of a pixel's own disparity, px, if its levels tell none, and if it is filled.
+constexpr float kUnsurePixel_px = 8, kFilledPixel_px = 2;
+constexpr int kShortest = 80;  // discontinuities in the longer side; shorter ones are errors, or too small
+// Surfaces may bend by so many powers of the misfit's growth more: 10 % make it twice as much.
+constexpr int kDoublings = 3;
+
+// Returns how much the map's surfaces bend: the standard deviation of second differences at neighbouring
+// pixels if they are independent, by the median at a sixteenth of the longer side, where noise is small.
+float bend_of(const DisparityMap& map) {
+    constexpr int kDistances = 16;
+    constexpr float kDeviationOfMedian = 1.4826f, kGrowth = 0.8165f;  // sqrt(2 / 3), times distance^1.5
+    const int distance = std::max(map.width, map.height) / kDistances;
+    std::vector<float> sizes;
+    const auto add = [&](int x, int y, int dx, int dy) {
+        float d[3];
+        for (int k = 0; k < 3; ++k) {
+            const std::size_t at = static_cast<std::size_t>(y + k * dy) * map.width + (x + k * dx);
+            if (map.origins[at] != PixelOrigin::matched) return;
+            d[k] = map.values[at];
+        }
+        sizes.push_back(std::abs(d[0] - 2 * d[1] + d[2]));
+    };
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            if (x + 2 * distance < map.width) add(x, y, distance, 0);
+            if (y + 2 * distance < map.height) add(x, y, 0, distance);
+        }
+    const auto far = static_cast<float>(std::max(1, distance));
+    return kDeviationOfMedian * median_of(std::move(sizes)) / (kGrowth * far * std::sqrt(far));
+}
+
+bool are_apart(const DisparityMap& map, std::size_t i, std::size_t other) {
+    return DisparityMap::known(map.values[i]) && DisparityMap::known(map.values[other]) &&
+           std::abs(map.values[i] - map.values[other]) > kOneSurface_px;
+}
+
+// Returns 1 for pixels beside a discontinuity.
+std::vector<std::uint8_t> find_ends(const DisparityMap& map, ThreadPool& pool) {
+    std::vector<std::uint8_t> is_end(map.values.size());
+    for_rows(pool, map.height, [&](int y) {
+        for (int x = 0; x < map.width; ++x) {
+            const auto width = static_cast<std::size_t>(map.width);
+            const std::size_t i = y * width + x;
+            is_end[i] = (x > 0 && are_apart(map, i, i - 1)) ||
+                        (x + 1 < map.width && are_apart(map, i, i + 1)) ||
+                        (y > 0 && are_apart(map, i, i - width)) ||
+                        (y + 1 < map.height && are_apart(map, i, i + width));
+        }
+    });
+    return is_end;
+}
+
+// Marks the pixels along short discontinuities.
+void mark_short_steps(const DisparityMap& map, std::vector<std::uint8_t>& is_unsure, ThreadPool& pool) {
+    const int width = map.width, height = map.height, least = std::max(width, height) / kShortest;
+    std::vector<std::uint8_t> is_end = find_ends(map, pool);
+    std::vector<std::size_t> line;
+    for (std::size_t start = 0; start < is_end.size(); ++start) {
+        if (!is_end[start]) continue;
+        is_end[start] = 0;
+        line.assign(1, start);
+        int left = width, right = 0, top = height, bottom = 0;
+        for (std::size_t next = 0; next < line.size(); ++next) {
+            const int x = static_cast<int>(line[next] % width), y = static_cast<int>(line[next] / width);
+            left = std::min(left, x), right = std::max(right, x);
+            top = std::min(top, y), bottom = std::max(bottom, y);
+            for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
+                for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
+                    const std::size_t other = static_cast<std::size_t>(v) * width + u;
+                    if (!is_end[other]) continue;
+                    is_end[other] = 0;
+                    line.push_back(other);
+                }
+        }
+        if (std::max(right - left, bottom - top) < least)
+            for (const std::size_t i : line) is_unsure[i] = 1;
+    }
+}
+
+// Returns the finest level: its values, `raise` above the map's, joins, and pulls, for bends of a variance.
+PyramidLevel level_of(const DisparityMap& map, const Evidence& evidence, float variance, float raise,
+                      ThreadPool& pool) {
+    constexpr float kLeastAround = 1 / (kUnsure_px * kUnsure_px);
+    constexpr float kOfUnsure = 1 / (kUnsurePixel_px * kUnsurePixel_px),
+                    kOfFilled = 1 / (kFilledPixel_px * kFilledPixel_px);
+    const auto width = static_cast<std::size_t>(map.width);
+    std::vector<std::uint8_t> is_unsure(map.values.size());
+    mark_short_steps(map, is_unsure, pool);
+    PyramidLevel level(map.width, map.height);
+    level.pull.resize(level.given.size());
+    for_rows(pool, map.height, [&](int y) {
+        for (int x = 0; x < map.width; ++x) {
+            const std::size_t i = y * width + x, at = level.at(x, y);
+            if (!DisparityMap::known(map.values[i])) continue;
+            const bool is_matched = map.origins[i] == PixelOrigin::matched;
+            if (is_matched && evidence.around.values[i] < kLeastAround) is_unsure[i] = 1;
+            const float certainty = is_unsure[i] ? 0 : is_matched ? evidence.certainty.values[i] : kOfFilled;
+            level.given[at] = (is_matched && certainty > 0 ? evidence.target.values : map.values)[i] + raise;
+            level.pull[at] = variance * std::max(certainty, kOfUnsure);
+        }
+    });
+    for_rows(pool, map.height, [&](int y) {
+        for (int x = 0; x < map.width; ++x) {
+            const std::size_t i = y * width + x;
+            const auto joins = [&](std::size_t other) {
+                return DisparityMap::known(map.values[other]) &&
+                       ((is_unsure[i] && is_unsure[other]) || !are_apart(map, i, other));
+            };
+            if (!DisparityMap::known(map.values[i])) continue;
+            level.flags[level.at(x, y)] = static_cast<std::uint8_t>(
+                kIsSmoothed | (x + 1 < map.width && joins(i + 1) ? kJoinsRight : 0) |
+                (y + 1 < map.height && joins(i + width) ? kJoinsBelow : 0));
+        }
+    });
+    return level;
+}
+
+void smooth(std::vector<PyramidLevel>& pyramid, ThreadPool& pool) {
+    constexpr float kNoBound = std::numeric_limits<float>::max();
+    complete_pyramid(pyramid, kMostLevels, pool);
+    for (std::size_t level = pyramid.size(); level-- > 0;) {
+        if (level + 1 < pyramid.size()) prolong(pyramid[level + 1], pyramid[level], kNoBound, pool);
+        relax_weighted(pyramid[level], std::min(kMostRounds, 2 << level), pool);
+    }
+}
 
 }  // namespace
 
@@ -33,6 +170,37 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
         for (int x = 0; x < map.width; ++x)
             if (fine.flags[fine.at(x, y)] & kIsSmoothed) result.at(x, y) = fine.smooth[fine.at(x, y)];
     });
+    return result;
+}
+
+DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair, int threads) {
+    ThreadPool pool(threads);
+    DisparityMap result = map;
+    const float bend = bend_of(map);
+    float variance = bend * bend, first_miss = 0;
+    if (!(variance > 0)) return result;
+    float least = kUnknownDisparity, most = -kUnknownDisparity;
+    for (const float d : map.values)
+        if (DisparityMap::known(d)) least = std::min(least, d), most = std::max(most, d);
+    const float raise = 1 - least;  // values of 0 would not take part
+    const PairLevels levels(pair, pool);
+    for (int look = 0; look < kLooks; ++look) {
+        const Evidence evidence = levels.evidence_for(result, pool);
+        if (look == 0) first_miss = evidence.miss;
+        // Pictures that fit less well than at first tell that surfaces bend more.
+        float growth = std::max(1.f, evidence.miss / first_miss);
+        for (int k = 0; k < kDoublings; ++k) growth *= growth;
+        variance *= growth * growth;
+        std::vector<PyramidLevel> pyramid;
+        pyramid.push_back(level_of(result, evidence, variance, raise, pool));
+        smooth(pyramid, pool);
+        const PyramidLevel& fine = pyramid.front();
+        for_rows(pool, map.height, [&](int y) {
+            for (int x = 0; x < map.width; ++x)
+                if (fine.flags[fine.at(x, y)] & kIsSmoothed)
+                    result.at(x, y) = std::clamp(fine.smooth[fine.at(x, y)] - raise, least, most);
+        });
+    }
     return result;
 }
 

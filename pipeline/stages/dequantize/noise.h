@@ -6,6 +6,15 @@
 
 namespace hexrelief::stages {
 
+// Bounds of the step. Finer steps are not visible in any mesh; larger ones are depth discontinuities
+// to the surface stage.
+inline constexpr double kLeastQuantum_px = 0.1, kLargestQuantum_px = 1;
+
+// Returns the largest step in px of which all known disparities that were not filled (PixelOrigin) are
+// multiples, apart from a common offset. Returns 0 if it is outside the bounds, as it is for maps of floats,
+// and if all disparities are equal.
+double find_quantum_px(const DisparityMap& map);
+
 // Maps with less noise are left as they are: their surfaces are smooth, and what is not smooth is detail. A
 // relief is a map of which it is not known where infinity lies: its depths are a guess, and its noise shows
 // before its detail does.

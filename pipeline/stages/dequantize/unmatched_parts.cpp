@@ -17,7 +17,7 @@ namespace {
 constexpr int kSide_px = 480;  // of the reduced map
 // Shares of the reduced longer side: the radius within which 3/4 of the pixels around a sure one are matched,
 // the radius without a sure pixel in the middle of a large part, and how far a sure pixel counts.
-constexpr int kSureRadiusShare = 80, kEmptyShare = 40, kRimShare = 10, kReachShare = 8;
+constexpr int kSureRadiusShare = 80, kEmptyShare = 40, kAlongRimShare = 10, kReachShare = 8;
 constexpr int kPasses = 3;  // along rows and columns, each with a quarter of the reach before
 constexpr double kColourStep = 12, kLeastWeight = 1e-12;  // levels
 constexpr double kFlattening = 0.05;  // variance of the places, in squared reaches, that draws slopes to 0
@@ -103,7 +103,7 @@ std::vector<std::uint8_t> large_parts(const ReducedMap& map) {
                            [&](std::size_t i) { return is_open[i] && sure.around(i, radius, pixels) == 0; });
     const SquareSums known(map.width, map.height,
                            [&](std::size_t i) { return DisparityMap::known(map.values[i]); });
-    const int rim = std::max(1, map.longer() / kRimShare);
+    const int rim = std::max(1, map.longer() / kAlongRimShare);
     const double whole = (2.0 * rim + 1) * (2.0 * rim + 1);
     for (std::size_t i = 0; i < is_open.size(); ++i)
         is_of_part[i] =

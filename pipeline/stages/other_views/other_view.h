@@ -1,7 +1,10 @@
 // What another camera sees and the surface so far does not show.
 #pragma once
 
+#include <vector>
+
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/surface_mesh.h"
 #include "pipeline/stages/other_views/view_place.h"
 
 namespace hexrelief::stages {
@@ -33,5 +36,12 @@ void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& 
 // Drops from `missing` what lies left of the first or right of the last pixel that the left view shows in its
 // row. in_left: as above. The same for any number of threads.
 void keep_in_frame(OtherView& view, const SeenSurface& in_left, int threads);
+
+// Returns the provenance of each vertex of a surface with all its parts. The left view's part was seen by the
+// left camera. A camera saw a vertex if in its view the surface at the vertex's pixel, or at one beside it,
+// is at most 1 px of disparity in front of the vertex. seen: by the left camera and, if there was one, by the
+// right camera; parts that no camera saw may be left out there. The same for any number of threads.
+std::vector<Provenance> provenance_of(const SurfaceMesh& mesh, const std::vector<SeenSurface>& seen,
+                                      int threads);
 
 }  // namespace hexrelief::stages

@@ -2,11 +2,10 @@
 // never makes them worse.
 #include <random>
 
-#include "exporters/compression/draco_plan.h"
-#include "exporters/compression/grid_smoothing.h"
+#include "exporters/compression/draco_codec.h"
 #include "exporters/compression/quantisation.h"
-#include "exporters/inspect/draco_decode.h"
 #include "pipeline/data/error.h"
+#include "tests/exporters/draco_decode.h"
 #include "tests/exporters/sample_scene.h"
 
 namespace hexrelief::exporters {
@@ -185,8 +184,7 @@ double worst_decoded_px(const SurfaceMesh& mesh, const Calibration& camera, Grid
     ExportConfig config;
     config.tolerance_px = tolerance_px;
     const DracoPlan plan = plan_draco(untextured_mesh(scene, config), &camera, config, shape);
-    const inspect::DracoGeometry back =
-        inspect::decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes, "mesh");
+    const DracoGeometry back = decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes);
     EXPECT_EQ(back.positions.size(), mesh.positions.size());
     const auto& [shift, scale] = plan.transform;
     double worst = 0;

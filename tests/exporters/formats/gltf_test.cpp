@@ -1,6 +1,6 @@
 #include <draco/compression/decode.h>
 
-// As in exporters/formats/gltf/model.cpp: libdraco exports a tinygltf with another layout.
+// As in exporters/formats/gltf/gltf_exporter.cpp: libdraco exports a tinygltf with another layout.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_ENABLE_DRACO
 #define TINYGLTF_NO_STB_IMAGE

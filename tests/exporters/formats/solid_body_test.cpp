@@ -6,7 +6,6 @@
 #include <map>
 
 #include "exporters/exporter.h"
-#include "exporters/mesh_formats.h"
 #include "tests/exporters/sample_scene.h"
 
 namespace hexrelief::exporters {

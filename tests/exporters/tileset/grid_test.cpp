@@ -5,7 +5,7 @@
 #include <set>
 
 #include "exporters/inspect/describe_mesh.h"
-#include "exporters/inspect/draco_decode.h"
+#include "tests/exporters/draco_decode.h"
 #include "tests/exporters/sample_scene.h"
 #include "tests/exporters/tileset/tile_scenes.h"
 
@@ -33,7 +33,7 @@ class GlbPositions {
         if (primitive.contains("extensions")) {
             const auto& draco = primitive["extensions"]["KHR_draco_mesh_compression"];
             const auto decoded =
-                inspect::decode_draco(bytes_of(json_["bufferViews"][draco["bufferView"].get<int>()]), "");
+                exporters::decode_draco(bytes_of(json_["bufferViews"][draco["bufferView"].get<int>()]));
             for (const Vec3f& p : decoded.positions) places.push_back({p.x, p.y, p.z});
         } else {
             places = stored(accessor);
@@ -167,7 +167,7 @@ TEST(ExactGridInDrc, EveryPositionIsItsCell) {
     exporters::export_scene(scene, {}, folder / "tile.drc");
     const std::string file = exporters::contents(folder / "tile.drc");
     std::set<Place> found, given;
-    for (const Vec3f& p : inspect::decode_draco({file.begin(), file.end()}, "tile.drc").positions)
+    for (const Vec3f& p : exporters::decode_draco({file.begin(), file.end()}).positions)
         found.insert({p.x, p.y, p.z});
     for (const Vec3f& p : tile.mesh.positions) given.insert({p.x, p.y, p.z});
     EXPECT_EQ(found, given);

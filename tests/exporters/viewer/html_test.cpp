@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "exporters/inspect/describe_mesh.h"
-#include "exporters/viewer/html_text.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

@@ -1,4 +1,3 @@
-#include "pipeline/alignment/matches.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,6 @@
 #include "findings_table.h"
 #include "middlebury_scenes.h"
 #include "mistakes.h"
-#include "pipeline/checks/check_camera.h"
 #include "pipeline/checks/check_map.h"
 #include "pipeline/checks/check_pair.h"
 #include "pipeline/checks/edge_fit.h"

@@ -1,4 +1,4 @@
-#include "pipeline/checks/pair_support.h"
+#include "pipeline/checks/pair_statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "exporters/mesh_formats.h"
+#include "exporters/exporter.h"
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 

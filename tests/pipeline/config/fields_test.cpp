@@ -9,9 +9,7 @@
 
 #include "pipeline/config/document.h"
 #include "pipeline/config/options.h"
-#include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
-#include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 

@@ -1,5 +1,5 @@
 // A row of the field table that names an option is all that the commands need.
-#include "pipeline/config/key_options.h"
+#include "pipeline/config/options.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pipeline/files/unchanged_files.h"
+#include "pipeline/files/sha256.h"
 
 #include <gtest/gtest.h>
 

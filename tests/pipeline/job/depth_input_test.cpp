@@ -1,5 +1,5 @@
 // Depth maps through whole jobs, against the disparity map that they were made from.
-#include "pipeline/job/maps/depth_input.h"
+#include "pipeline/job/maps/disparity_input.h"
 
 #include <gtest/gtest.h>
 

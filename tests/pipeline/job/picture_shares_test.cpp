@@ -1,4 +1,4 @@
-#include "pipeline/job/picture_shares.h"
+#include "pipeline/job/relief.h"
 
 #include <gtest/gtest.h>
 

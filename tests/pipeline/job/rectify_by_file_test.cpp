@@ -1,5 +1,5 @@
 // Tests which pairs a calibration file rectifies, on the sample's pair as two turned cameras see it.
-#include "pipeline/job/cameras/rectify_by_file.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
 
 #include <gtest/gtest.h>
 

@@ -10,10 +10,10 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "exporters/compression/draco_plan.h"
+#include "exporters/compression/draco_codec.h"
 #include "exporters/exporter.h"
-#include "exporters/inspect/draco_decode.h"
 #include "exporters/viewer/html_exporter.h"
+#include "tests/exporters/draco_decode.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::job {
@@ -58,8 +58,7 @@ Points decoded(const SurfaceMesh& mesh, const exporters::ExportConfig& config, e
     const exporters::DracoPlan plan = exporters::plan_draco(untextured, &kCamera, config, shape);
     Points points;
     for (const Vec3f& p :
-         inspect::decode_draco(exporters::encode_draco(plan.mesh, plan.quantisation).bytes, "wave")
-             .positions) {
+         exporters::decode_draco(exporters::encode_draco(plan.mesh, plan.quantisation).bytes).positions) {
         const auto& [scale, offset] = std::pair(plan.transform.scale, plan.transform.translation);
         const double x = p.x * scale[0] + offset[0], y = p.y * scale[1] + offset[1],
                      depth = -(p.z * scale[2] + offset[2]);

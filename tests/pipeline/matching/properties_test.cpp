@@ -10,7 +10,6 @@
 #include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
-#include "pipeline/matching/sgm/winners.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

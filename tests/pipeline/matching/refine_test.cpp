@@ -5,8 +5,7 @@
 #include "matching_scenes.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/refine.h"
-#include "pipeline/matching/refine/sides.h"
-#include "pipeline/matching/refine/smooth.h"
+#include "pipeline/matching/refine/slopes.h"
 #include "pipeline/matching/refine/votes.h"
 #include "pipeline/matching/sgm/sgm.h"
 

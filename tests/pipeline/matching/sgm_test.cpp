@@ -6,7 +6,6 @@
 #include "pipeline/matching/sgm/costs.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
-#include "pipeline/matching/sgm/winners.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -5,7 +5,6 @@
 #include "matching_scenes.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/sgm.h"
-#include "pipeline/matching/sgm/windows.h"
 
 namespace hexrelief::matching::oracle {
 namespace {

@@ -1,4 +1,3 @@
-#include "pipeline/readers/color_profile.h"
 
 #include <lcms2.h>
 #include <zlib.h>

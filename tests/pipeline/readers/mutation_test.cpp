@@ -4,7 +4,6 @@
 #include <random>
 
 #include "pipeline/readers/cameras/calibration_reader.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/describe_raster.h"

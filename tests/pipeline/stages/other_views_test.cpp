@@ -8,7 +8,6 @@
 #include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/other_view.h"
-#include "pipeline/stages/other_views/provenance.h"
 #include "pipeline/stages/other_views/texture_atlas.h"
 #include "pipeline/stages/surface.h"
 

@@ -10,8 +10,6 @@
 #include <optional>
 #include <random>
 
-#include "pipeline/stages/hidden_from_left.h"
-
 namespace hexrelief::stages {
 namespace {
 

@@ -10,7 +10,6 @@
 #include <numbers>
 #include <set>
 
-#include "pipeline/stages/smooth_normals.h"
 #include "pipeline/stages/surface_topology.h"
 #include "tests/pipeline/stages/expect_error.h"
 

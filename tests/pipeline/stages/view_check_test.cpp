@@ -1,4 +1,4 @@
-#include "pipeline/stages/view_check.h"
+#include "pipeline/stages/sgbm.h"
 
 #include <gtest/gtest.h>
 

@@ -16,7 +16,6 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
-#include "pipeline/tiles/matching/whole_range.h"
 #include "tests/mesher/busy_map.h"
 #include "tests/pipeline/process.h"
 

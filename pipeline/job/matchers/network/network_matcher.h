@@ -8,7 +8,6 @@
 
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/job/matchers/network/model_file.h"
-#include "pipeline/job/matchers/network/model_kinds.h"
 #include "pipeline/job/matchers/network/network.h"
 
 namespace hexrelief::job {

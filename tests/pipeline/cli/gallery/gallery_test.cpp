@@ -2,7 +2,6 @@
 
 #include "exporters/images/image_writer.h"
 #include "exporters/viewer/html_exporter.h"
-#include "pipeline/cli/gallery/results.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

@@ -1,5 +1,5 @@
 // Tests search_spacing() with figures given by formulas.
-#include "pipeline/job/budget/spacing_search.h"
+#include "pipeline/job/budget/budget.h"
 
 #include <gtest/gtest.h>
 

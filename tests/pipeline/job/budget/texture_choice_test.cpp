@@ -1,5 +1,5 @@
 // Tests the choice of a texture for a limit on bytes.
-#include "pipeline/job/budget/texture_choice.h"
+#include "pipeline/job/budget/budget.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,6 @@
 #include <sstream>
 
 #include "pipeline/job/pictures/drawing.h"
-#include "pipeline/job/pictures/relief_picture.h"
-#include "pipeline/job/pictures/weights_picture.h"
 #include "tests/mesher/regular_lattice.h"
 
 namespace hexrelief::job {

@@ -3,7 +3,6 @@
 #include <sstream>
 
 #include "pipeline/readers/cameras/calibration_reader.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"
 #include "tests/pipeline/readers/sample_files.h"
 

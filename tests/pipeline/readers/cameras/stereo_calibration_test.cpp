@@ -1,6 +1,5 @@
 // Tests the calibrations of pairs that are not rectified.
 #include "pipeline/readers/cameras/calibration_reader.h"
-#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {

@@ -1,6 +1,6 @@
 // Tests what is read from the boxes of HEIC files, on boxes without pictures.
 #include "pipeline/readers/depth/heic_boxes.h"
-#include "pipeline/readers/depth/heic_pictures.h"
+#include "pipeline/readers/depth/heic_properties.h"
 
 #include <random>
 

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "pipeline/readers/depth/depth_reader.h"
-#include "pipeline/readers/depth/heic_derivations.h"
+#include "pipeline/readers/depth/heic_boxes.h"
 #include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"

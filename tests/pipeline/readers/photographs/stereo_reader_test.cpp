@@ -4,7 +4,6 @@
 #include <array>
 #include <random>
 
-#include "pipeline/readers/photographs/contained_pictures.h"
 #include "tests/pipeline/readers/photographs/sample_exif.h"
 
 namespace hexrelief::readers {

@@ -1,5 +1,5 @@
 // Tests which pictures are turned by their EXIF orientation.
-#include "pipeline/readers/photographs/turn_pictures.h"
+#include "pipeline/readers/photographs/exif.h"
 
 #include <gtest/gtest.h>
 

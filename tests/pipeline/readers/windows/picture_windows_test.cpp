@@ -1,5 +1,5 @@
 // Tests windows of pictures against crops of read_image()'s pictures.
-#include "pipeline/readers/windows/picture_windows.h"
+#include "pipeline/readers/windows/map_windows.h"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,6 @@
 
 #include "pipeline/readers/windows/map_windows.h"
 #include "pipeline/readers/windows/map_writer.h"
-#include "pipeline/readers/windows/picture_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {

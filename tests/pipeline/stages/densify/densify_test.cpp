@@ -7,9 +7,7 @@
 #include <functional>
 
 #include "pipeline/stages/densify/measurements.h"
-#include "pipeline/stages/densify/reach.h"
-#include "pipeline/stages/densify/side_odds.h"
-#include "pipeline/stages/densify/sparsity.h"
+#include "pipeline/stages/densify/plane_votes.h"
 
 namespace hexrelief::stages {
 namespace {

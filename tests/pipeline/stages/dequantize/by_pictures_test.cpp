@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/by_pictures.h"
+#include "pipeline/stages/dequantize/dequantize.h"
 
 #include <gtest/gtest.h>
 

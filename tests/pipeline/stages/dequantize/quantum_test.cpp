@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/quantum.h"
+#include "pipeline/stages/dequantize/noise.h"
 
 #include <gtest/gtest.h>
 
