@@ -27,7 +27,6 @@
 #include "pipeline/readers/source.h"
 #include "pipeline/stages/dequantize/bare_patches.h"
 #include "pipeline/stages/dequantize/mixed_pixels.h"
-#include "pipeline/stages/dequantize/unmatched_parts.h"
 #include "pipeline/stages/disparity.h"
 
 namespace hexrelief::job {
@@ -250,9 +249,8 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     if (pair && pair->alignment) {
         press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
         if (has_camera_of_points(*pair->alignment))
-            relief.disparity.map = stages::with_unmatched_parts_continued(
-                stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left),
-                pair->views.left, backend.threads());
+            relief.disparity.map =
+                stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
         if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
         if (is_smoothed && has_camera_of_points(*pair->alignment))
             relief.disparity.map =

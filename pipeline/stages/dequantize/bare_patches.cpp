@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "pipeline/data/four_neighbours.h"
-#include "pipeline/stages/dequantize/square_sums.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -23,11 +22,41 @@ constexpr std::size_t kPatchShare = 1000;  // of the picture
 constexpr float kRangeShare = 2;
 constexpr float kNearer_px = 1;
 
+// Sums of a value of pixels over rectangles.
+class Sums {
+  public:
+    template <class Value>
+    Sums(int width, int height, const Value& value)
+        : width_(width), height_(height), sums_((width + std::size_t{1}) * (height + std::size_t{1})) {
+        for (int y = 0; y < height; ++y) {
+            double row = 0;
+            for (int x = 0; x < width; ++x) {
+                row += value(static_cast<std::size_t>(y) * width + x);
+                sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
+            }
+        }
+    }
+    // Returns the sum over the square around a pixel, as far as it lies in the picture, and its pixels.
+    double around(std::size_t pixel, int radius, double& pixels) const {
+        const int x = static_cast<int>(pixel % width_), y = static_cast<int>(pixel / width_);
+        const int left = std::max(x - radius, 0), right = std::min(x + radius + 1, width_);
+        const int top = std::max(y - radius, 0), bottom = std::min(y + radius + 1, height_);
+        pixels = static_cast<double>(right - left) * (bottom - top);
+        return sums_[index(right, bottom)] - sums_[index(left, bottom)] - sums_[index(right, top)] +
+               sums_[index(left, top)];
+    }
+
+  private:
+    std::size_t index(int x, int y) const { return y * (width_ + std::size_t{1}) + x; }
+    int width_, height_;
+    std::vector<double> sums_;
+};
+
 std::vector<std::uint8_t> sure_pixels(const DisparityMap& map) {
     const auto is_matched = [&](std::size_t i) {
         return DisparityMap::known(map.values[i]) && map.origins[i] == PixelOrigin::matched;
     };
-    const SquareSums matched(map.width, map.height, is_matched);
+    const Sums matched(map.width, map.height, is_matched);
     const int radius = std::max(map.width, map.height) / kSureShare;
     std::vector<std::uint8_t> sure(map.values.size());
     for (std::size_t i = 0; i < sure.size(); ++i) {
@@ -121,9 +150,9 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
         if (patch.size() * kPatchShare >= source.size() && sum >= fall * static_cast<double>(patch.size()))
             for (const std::size_t i : patch) is_moved[i] = 1;
     }
-    const SquareSums moved(map.width, map.height, [&](std::size_t i) { return is_moved[i]; });
-    const SquareSums values(map.width, map.height,
-                            [&](std::size_t i) { return is_moved[i] ? map.values[source[i]] : 0; });
+    const Sums moved(map.width, map.height, [&](std::size_t i) { return is_moved[i]; });
+    const Sums values(map.width, map.height,
+                      [&](std::size_t i) { return is_moved[i] ? map.values[source[i]] : 0; });
     const int radius = std::max(map.width, map.height) / kSmoothShare;
     double pixels = 0;
     for (std::size_t i = 0; i < source.size(); ++i)
