@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "pipeline/base/uninitialized_vector.h"
+
 namespace hexrelief::alignment {
 namespace {
 
@@ -15,10 +17,10 @@ constexpr int kApart = 3;       // px between corners
 constexpr std::int64_t kLeastStrength =
     9600;  // 16 times the sum of 25 squared gradients of some 5 grey levels
 
-// A raster of whole numbers.
+// A raster of whole numbers, which the threads that fill it touch first.
 struct Sums {
     int width = 0, height = 0;
-    std::vector<std::int32_t> values;
+    RawVector<std::int32_t> values;
 
     Sums(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * h) {}
     const std::int32_t* row(int y) const { return values.data() + static_cast<std::size_t>(y) * width; }
@@ -33,7 +35,7 @@ void for_rows(int height, ThreadPool& pool, const Body& body) {
     });
 }
 
-// Returns sums over 5 x 5 px of value(x, y); those within 2 px of the border are 0.
+// Returns sums over 5 x 5 px of value(x, y); those within 2 px of the border are not set.
 template <typename Value>
 Sums box_sums(int width, int height, ThreadPool& pool, const Value& value) {
     Sums across(width, height), out(width, height);
@@ -54,11 +56,18 @@ Sums box_sums(int width, int height, ThreadPool& pool, const Value& value) {
 }
 
 // The structure tensor's harmonic mean of eigenvalues, times 16; 0 within kBorder_px of the border.
-std::vector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& pool) {
+RawVector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& pool) {
     const int width = picture.width, height = picture.height;
     Sums gx(width, height), gy(width, height);
     for_rows(height, pool, [&](int y) {
-        if (y == 0 || y == height - 1) return;
+        const bool is_border = y == 0 || y == height - 1;
+        for (Sums* const to : {&gx, &gy}) {
+            if (is_border)
+                std::fill_n(to->row(y), width, 0);
+            else
+                to->row(y)[0] = to->row(y)[width - 1] = 0;
+        }
+        if (is_border) return;
         const std::uint8_t *const above = picture.row(y - 1), *const at = picture.row(y),
                                   *const below = picture.row(y + 1);
         for (int x = 1; x < width - 1; ++x) {
@@ -70,8 +79,9 @@ std::vector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& p
         return box_sums(width, height, pool, [&](int x, int y) { return a.row(y)[x] * b.row(y)[x]; });
     };
     const Sums xx = product(gx, gx), yy = product(gy, gy), xy = product(gx, gy);
-    std::vector<std::int64_t> strengths(picture.values.size());
+    RawVector<std::int64_t> strengths(picture.values.size());
     for_rows(height, pool, [&](int y) {
+        std::fill_n(strengths.data() + static_cast<std::size_t>(y) * width, width, 0);
         if (y < kBorder_px || y >= height - kBorder_px) return;
         for (int x = kBorder_px; x < width - kBorder_px; ++x) {
             const std::int64_t a = xx.row(y)[x], b = yy.row(y)[x], c = xy.row(y)[x];
@@ -88,7 +98,7 @@ struct Peak {
 };
 
 // True if no pixel within kApart is stronger, nor an equal one before it.
-bool is_peak(const std::vector<std::int64_t>& strengths, int width, int x, int y) {
+bool is_peak(const RawVector<std::int64_t>& strengths, int width, int x, int y) {
     const std::int64_t own = strengths[static_cast<std::size_t>(y) * width + x];
     if (own <= kLeastStrength) return false;
     for (int j = -kApart; j <= kApart; ++j)
@@ -253,7 +263,7 @@ void match_level(const GreyPicture& left, const GreyPicture& right, int level, T
 std::vector<Corner> find_corners(const GreyPicture& picture, int count, ThreadPool& pool) {
     const int width = picture.width, height = picture.height;
     if (std::min(width, height) <= 2 * kBorder_px) return {};
-    const std::vector<std::int64_t> strengths = strengths_of(picture, pool);
+    const RawVector<std::int64_t> strengths = strengths_of(picture, pool);
     std::vector<std::vector<Peak>> cells(std::size_t{kCells} * kCells);
     for_rows(kCells, pool, [&](int row) {
         const auto begin_of = [&](int r) { return (r * height + kCells - 1) / kCells; };

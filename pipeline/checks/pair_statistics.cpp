@@ -107,8 +107,10 @@ bool is_textured(const GreyImage& grey, int left, int top) {
     for (int y = 0; y < kBlock_px; ++y)
         for (int x = 0; x < kBlock_px; ++x)
             block[static_cast<std::size_t>(y * kBlock_px + x)] = grey.at(left + x, top + y);
-    std::sort(block.begin(), block.end());
-    return block[block.size() * 9 / 10] - block[block.size() / 10] >= kLeastSpread;
+    const auto low = block.begin() + block.size() / 10, high = block.begin() + block.size() * 9 / 10;
+    std::nth_element(block.begin(), high, block.end());
+    std::nth_element(block.begin(), low, high);
+    return *high - *low >= kLeastSpread;
 }
 
 double textured_share(const Image& reduced) {
