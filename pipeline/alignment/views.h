@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "pipeline/alignment/corners.h"
+#include "pipeline/alignment/matches.h"
 
 namespace hexrelief::alignment {
 

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "pipeline/alignment/corners.h"
+#include "pipeline/alignment/matches.h"
 #include "turned_pair.h"
 
 namespace hexrelief::alignment {
@@ -23,9 +23,9 @@ TEST(Descriptors, DifferByTheirBits) {
     const Descriptor a = {~0ull, 0, 0x123456789abcdef0ull, 7}, b = {0, ~0ull, 0x0fedcba987654321ull, 8};
     int bits = 0;
     for (std::size_t i = 0; i < a.size(); ++i) bits += std::popcount(a[i] ^ b[i]);
-    EXPECT_EQ(distance(a, b), bits);
-    EXPECT_EQ(distance({~0ull, ~0ull, ~0ull, ~0ull}, {}), 256);
-    EXPECT_EQ(distance(a, a), 0);
+    EXPECT_EQ(hamming_distance(a, b), bits);
+    EXPECT_EQ(hamming_distance({~0ull, ~0ull, ~0ull, ~0ull}, {}), 256);
+    EXPECT_EQ(hamming_distance(a, a), 0);
 }
 
 TEST(Matches, FindAShiftOfAThirdOfAPixel) {

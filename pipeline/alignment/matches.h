@@ -1,4 +1,4 @@
-// Corners of a grey picture, and a binary description of each.
+// Points that both grey pictures show: corners, their binary descriptions, and matches of these.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct Corner {
 std::vector<Corner> find_corners(const GreyPicture& picture, int count, ThreadPool& pool);
 
 // Returns the number of bits in which two descriptors differ, 0 to 256.
-inline int distance(const Descriptor& a, const Descriptor& b) {
+inline int hamming_distance(const Descriptor& a, const Descriptor& b) {
     // Sums the bits of bytes within each word: without a processor's own instruction that is as fast as any.
     std::uint64_t sums = 0;
     for (std::size_t i = 0; i < a.size(); ++i) {

@@ -1,4 +1,4 @@
-#include "pipeline/alignment/corners.h"
+#include "pipeline/alignment/matches.h"
 
 #include <algorithm>
 #include <array>
@@ -166,7 +166,7 @@ struct Candidate {
 Candidate best_of(const Corner& corner, const std::vector<Corner>& others, std::vector<int>& distances) {
     Candidate best{-1, kMostDifferent};
     for (std::size_t j = 0; j < others.size(); ++j) {
-        distances[j] = distance(corner.descriptor, others[j].descriptor);
+        distances[j] = hamming_distance(corner.descriptor, others[j].descriptor);
         if (distances[j] < best.bits) best = {static_cast<int>(j), distances[j]};
     }
     if (best.index < 0) return best;
@@ -182,7 +182,7 @@ Candidate best_of(const Corner& corner, const std::vector<Corner>& others, std::
 bool is_mutual(std::size_t index, const Candidate& candidate, const Corner& right,
                const std::vector<Corner>& corners) {
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        const int bits = distance(corners[i].descriptor, right.descriptor);
+        const int bits = hamming_distance(corners[i].descriptor, right.descriptor);
         if (bits < candidate.bits || (bits == candidate.bits && i < index)) return false;
     }
     return true;
