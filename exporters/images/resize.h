@@ -7,6 +7,6 @@ namespace hexrelief::exporters {
 
 // Returns the image at another size: each pixel is the mean over the area of `image` that it covers. Sides
 // are at least 1 px.
-Image resized(const Image& image, int width, int height);
+Image resized(const Image& image, int width, int height, int threads = 1);
 
 }  // namespace hexrelief::exporters

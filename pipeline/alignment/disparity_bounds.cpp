@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pipeline/alignment/median.h"
 
@@ -21,21 +22,34 @@ constexpr std::size_t kLeastForSupport = 30, kLeastSupported = 20;
 // pattern slides along rows unnoticed.
 std::vector<double> supported(const std::vector<Match>& matches, const std::vector<double>& disparities) {
     if (matches.size() < kLeastForSupport) return disparities;
+    std::vector<std::size_t> order(matches.size());  // by column, so that few are looked at
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return matches[a].left.x < matches[b].left.x; });
     std::vector<double> out;
-    std::vector<std::pair<double, std::size_t>> near(matches.size());
-    for (std::size_t i = 0; i < matches.size(); ++i) {
-        for (std::size_t j = 0; j < matches.size(); ++j) {
+    std::vector<std::pair<double, std::size_t>> nearest;  // a heap of squared distances
+    for (std::size_t rank = 0; rank < order.size(); ++rank) {
+        const std::size_t i = order[rank];
+        const auto column = [&](std::size_t other) { return matches[order[other]].left.x; };
+        nearest.clear();
+        for (std::size_t before = rank, behind = rank + 1; before > 0 || behind < order.size();) {
+            const bool is_before =
+                behind == order.size() ||
+                (before > 0 && column(rank) - column(before - 1) <= column(behind) - column(rank));
+            const std::size_t j = order[is_before ? --before : behind++];
             const double x = matches[j].left.x - matches[i].left.x, y = matches[j].left.y - matches[i].left.y;
-            near[j] = {x * x + y * y, j};
+            if (nearest.size() == kNeighbours && x * x > nearest.front().first) break;
+            nearest.emplace_back(x * x + y * y, j);
+            std::push_heap(nearest.begin(), nearest.end());
+            if (nearest.size() <= kNeighbours) continue;
+            std::pop_heap(nearest.begin(), nearest.end());
+            nearest.pop_back();
         }
-        std::swap(near[0], near[i]);  // itself
-        const auto first = near.begin() + 1, last = first + kNeighbours;
-        std::nth_element(first, last - 1, near.end());
         const auto agrees = [&](const std::pair<double, std::size_t>& other) {
             return std::fabs(disparities[other.second] - disparities[i]) <
                    kSupport_px + kSupportSlope * std::sqrt(other.first);
         };
-        if (static_cast<std::size_t>(std::count_if(first, last, agrees)) >= kSupporting)
+        if (static_cast<std::size_t>(std::count_if(nearest.begin(), nearest.end(), agrees)) >= kSupporting)
             out.push_back(disparities[i]);
     }
     return out.size() >= kLeastSupported ? out : disparities;

@@ -105,7 +105,7 @@ Findings check_range(const stages::SmallMatch& coarse, const matching::Disparity
 // the least disparity searched.
 Findings look_closely(const stages::SmallMatch& coarse, double agreed, const matching::DisparityRange& range,
                       int threads) {
-    const CoarsePoints points = match_coarse_points(coarse);
+    const CoarsePoints points = match_coarse_points(coarse, threads);
     const double scale = coarse.small.scale;
     if (is_sure(points.rows)) {
         const LowEnd low = measure_low_end(points.matches, scale, range.min_px);
@@ -131,8 +131,8 @@ Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses such a pair
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
         return {views_equal("the same picture")};
-    const double left = textured_share(coarse.small.pair.left),
-                 right = textured_share(coarse.small.pair.right);
+    const double left = textured_share(coarse.small.pair.left, threads),
+                 right = textured_share(coarse.small.pair.right, threads);
     if (std::min(left, right) < kLeastTexture)
         return {no_texture(std::min(left, right), left <= right ? "left" : "right")};
     if (share_at_zero(coarse) >= kLeastAtZero)
@@ -144,7 +144,7 @@ Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
     if (agreed < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)
         findings = look_closely(coarse, agreed, range, threads);
     if (findings.empty()) {
-        const RowFit rows = measure_rows(pair, coarse);
+        const RowFit rows = measure_rows(pair, coarse, threads);
         if (is_sure(rows) && rows.largest_px > kLargestRow_px) findings.push_back(rows_differ(rows));
     }
     const bool all_wrong = !findings.empty() && findings.front().mistake != Mistake::rows_differ;

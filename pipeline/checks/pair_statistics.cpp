@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/checks/point_matches.h"
 #include "pipeline/checks/thresholds.h"
 
@@ -16,6 +17,7 @@ namespace {
 constexpr int kPoints = 240;
 // Grey levels between a block's darkest and lightest pixels, ignoring the extreme tenths.
 constexpr int kLeastSpread = 10;
+constexpr int kBlock_px = 8;
 
 // Returns the agreed disparities in px of the full pair, ascending.
 std::vector<double> sorted_disparities(const stages::SmallMatch& match) {
@@ -79,6 +81,31 @@ Edges edges_of(const stages::SmallMatch& match) {
     return edges;
 }
 
+// True if the block at (left, top), wholly inside the image, shows more than noise.
+bool is_textured(const GreyImage& grey, int left, int top) {
+    std::array<std::uint8_t, std::size_t{kBlock_px} * kBlock_px> block;
+    for (int y = 0; y < kBlock_px; ++y)
+        for (int x = 0; x < kBlock_px; ++x)
+            block[static_cast<std::size_t>(y * kBlock_px + x)] = grey.at(left + x, top + y);
+    const auto low = block.begin() + block.size() / 10, high = block.begin() + block.size() * 9 / 10;
+    std::nth_element(block.begin(), high, block.end());
+    std::nth_element(block.begin(), low, high);
+    return *high - *low >= kLeastSpread;
+}
+
+// Returns 1 for each block of the picture that shows more than noise, 0 for the others, row by row.
+std::vector<std::uint8_t> textured_blocks(const Image& picture, int threads) {
+    const GreyImage grey = grey_of(picture);
+    const std::size_t columns = grey.width / kBlock_px;
+    std::vector<std::uint8_t> textured(columns * (grey.height / kBlock_px));
+    ThreadPool(threads).parallel_for(textured.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            textured[i] = is_textured(grey, static_cast<int>(i % columns) * kBlock_px,
+                                      static_cast<int>(i / columns) * kBlock_px);
+    });
+    return textured;
+}
+
 }  // namespace
 
 double agreed_share(const stages::SmallMatch& match) {
@@ -102,29 +129,13 @@ bool is_blank(const Image& image) {
     return std::equal(samples.begin() + channels, samples.end(), samples.begin());
 }
 
-bool is_textured(const GreyImage& grey, int left, int top) {
-    std::array<std::uint8_t, std::size_t{kBlock_px} * kBlock_px> block;
-    for (int y = 0; y < kBlock_px; ++y)
-        for (int x = 0; x < kBlock_px; ++x)
-            block[static_cast<std::size_t>(y * kBlock_px + x)] = grey.at(left + x, top + y);
-    const auto low = block.begin() + block.size() / 10, high = block.begin() + block.size() * 9 / 10;
-    std::nth_element(block.begin(), high, block.end());
-    std::nth_element(block.begin(), low, high);
-    return *high - *low >= kLeastSpread;
+double textured_share(const Image& reduced, int threads) {
+    const std::vector<std::uint8_t> blocks = textured_blocks(reduced, threads);
+    if (blocks.empty()) return 1;
+    return static_cast<double>(std::ranges::count(blocks, 1)) / static_cast<double>(blocks.size());
 }
 
-double textured_share(const Image& reduced) {
-    const GreyImage grey = grey_of(reduced);
-    int blocks = 0, textured = 0;
-    for (int top = 0; top + kBlock_px <= grey.height; top += kBlock_px)
-        for (int left = 0; left + kBlock_px <= grey.width; left += kBlock_px) {
-            ++blocks;
-            textured += is_textured(grey, left, top);
-        }
-    return blocks == 0 ? 1 : textured / static_cast<double>(blocks);
-}
-
-RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse) {
+RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse, int threads) {
     const GreyImage left = grey_of(pair.left), right = grey_of(pair.right);
     const double scale = coarse.small.scale;
     std::vector<PointSearch> searches;
@@ -138,10 +149,10 @@ RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse) {
         point.reach_px = point.row_reach_px = static_cast<int>(std::ceil(1.5 * scale)) + 2;
         searches.push_back(point);
     }
-    return fit_rows(match_points(left, right, searches), left.width, left.height);
+    return fit_rows(match_points(left, right, searches, threads), left.width, left.height);
 }
 
-CoarsePoints match_coarse_points(const stages::SmallMatch& coarse) {
+CoarsePoints match_coarse_points(const stages::SmallMatch& coarse, int threads) {
     const double scale = coarse.small.scale;
     const GreyImage left = grey_of(coarse.small.pair.left), right = grey_of(coarse.small.pair.right);
     std::vector<PointSearch> searches = find_points(left, kPoints);
@@ -149,7 +160,7 @@ CoarsePoints match_coarse_points(const stages::SmallMatch& coarse) {
         search.reach_px = left.width / 2;
         search.row_reach_px = std::max(4, left.height / 8);
     }
-    CoarsePoints points{match_points(left, right, searches), {}};
+    CoarsePoints points{match_points(left, right, searches, threads), {}};
     points.rows = fit_rows(points.matches, left.width, left.height);
     std::erase_if(points.matches, [&](const PointMatch& match) {
         return std::fabs(match.row_px - points.rows.at(match.x, match.y)) > kAgree_px;
@@ -212,8 +223,10 @@ HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px) {
             known[known.size() - 1 - known.size() / 200]};
 }
 
-double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept) {
-    const GreyImage grey = grey_of(left);
+double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept,
+                       int threads) {
+    const std::vector<std::uint8_t> blocks = textured_blocks(left, threads);
+    const int columns = left.width / kBlock_px;
     long long textured = 0, agreed = 0;
     const auto count = [&](int x, int y) {
         const std::size_t i = static_cast<std::size_t>(y) * map.width + x;
@@ -222,12 +235,12 @@ double measure_support(const Image& left, const DisparityMap& map, const std::ve
         ++textured;
         agreed += map.origins[i] == PixelOrigin::matched;
     };
-    for (int top = 0; top + kBlock_px <= grey.height; top += kBlock_px)
-        for (int first = 0; first + kBlock_px <= grey.width; first += kBlock_px) {
-            if (!is_textured(grey, first, top)) continue;
-            for (int y = top; y < top + kBlock_px; ++y)
-                for (int x = first; x < first + kBlock_px; ++x) count(x, y);
-        }
+    for (int i = 0; i < static_cast<int>(blocks.size()); ++i) {
+        if (!blocks[i]) continue;
+        const int left_px = i % columns * kBlock_px, top_px = i / columns * kBlock_px;
+        for (int y = top_px; y < top_px + kBlock_px; ++y)
+            for (int x = left_px; x < left_px + kBlock_px; ++x) count(x, y);
+    }
     return textured == 0 ? 0 : static_cast<double>(agreed) / static_cast<double>(textured);
 }
 

@@ -23,16 +23,11 @@ double median_disparity_px(const stages::SmallMatch& match);
 // True if all pixels have the same colour.
 bool is_blank(const Image& image);
 
-inline constexpr int kBlock_px = 8;
-
-// True if the block at (left, top), wholly inside the image, shows more than noise.
-bool is_textured(const GreyImage& grey, int left, int top);
-
 // Returns the share of the reduced picture's blocks of 8 x 8 px that show more than noise.
-double textured_share(const Image& reduced);
+double textured_share(const Image& reduced, int threads);
 
 // Fits the right view's rows to the left's, by points of the full pair near the coarse match's disparities.
-RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse);
+RowFit measure_rows(const StereoPair& pair, const stages::SmallMatch& coarse, int threads);
 
 // Points of the reduced pair, searched at any disparity and up to an eighth of its height above or below
 // their row, which finds points that are too far off for the coarse match.
@@ -41,7 +36,7 @@ struct CoarsePoints {
     RowFit rows;                      // in px of the full pair
 };
 
-CoarsePoints match_coarse_points(const stages::SmallMatch& coarse);
+CoarsePoints match_coarse_points(const stages::SmallMatch& coarse, int threads);
 
 // The points below a range that begins at min_px, and those below 0, by more than half a pixel
 // of the reduced pair.
@@ -74,7 +69,8 @@ HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px);
 // Texture: blocks of 8 x 8 px that show more than noise. Left out are pixels that `is_kept` (of the map's
 // size, or empty) sets to 0, and those whose disparity places them left of the right picture. `map` was
 // matched.
-double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept);
+double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept,
+                       int threads);
 
 // A pair's support in words: "good", "partly" or "hardly".
 const char* support_word(double support);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "pipeline/base/thread_pool.h"
+
 namespace hexrelief::checks {
 namespace {
 
@@ -159,10 +161,14 @@ std::vector<PointSearch> find_points(const GreyImage& left, int cells) {
 }
 
 std::vector<PointMatch> match_points(const GreyImage& left, const GreyImage& right,
-                                     const std::vector<PointSearch>& searches) {
+                                     const std::vector<PointSearch>& searches, int threads) {
+    std::vector<std::optional<PointMatch>> found(searches.size());
+    ThreadPool(threads).parallel_for_chunks(searches.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) found[i] = match_point(left, right, searches[i]);
+    });
     std::vector<PointMatch> matches;
-    for (const PointSearch& search : searches)
-        if (const auto match = match_point(left, right, search)) matches.push_back(*match);
+    for (const auto& match : found)
+        if (match) matches.push_back(*match);
     return matches;
 }
 

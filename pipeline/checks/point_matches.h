@@ -38,7 +38,7 @@ std::vector<PointSearch> find_points(const GreyImage& left, int cells);
 
 // Returns the points that have a clear best match by normalised correlation, at one row only.
 std::vector<PointMatch> match_points(const GreyImage& left, const GreyImage& right,
-                                     const std::vector<PointSearch>& searches);
+                                     const std::vector<PointSearch>& searches, int threads);
 
 inline constexpr double kAgree_px = 1;  // points that differ by no more agree
 

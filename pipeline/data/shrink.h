@@ -9,15 +9,20 @@
 
 namespace hexrelief {
 
-// Returns the means over squares of by x by px, rounded; those at the right and lower edge cover what is left
-// of the image. The result has no alpha.
-inline Image shrunk(const Image& image, int by) {
+// Returns an image of one over `by` of the size, rounded up, whose pixels are to be set; it has no alpha.
+inline Image room_for_shrunk(const Image& image, int by) {
     const auto side = [by](int size) { return (size + by - 1) / by; };
     Image out{side(image.width), side(image.height), image.channels, {}};
+    out.pixels.resize(static_cast<std::size_t>(out.width) * out.height * image.channels);
+    return out;
+}
+
+// Sets rows [first, last) of the smaller image to the means over squares of by x by px, rounded; those at the
+// right and lower edge cover what is left of the image.
+inline void shrink_rows(const Image& image, int by, Image& out, int first, int last) {
     const auto channels = static_cast<std::size_t>(image.channels);
-    out.pixels.resize(static_cast<std::size_t>(out.width) * out.height * channels);
     std::vector<std::uint32_t> sums(static_cast<std::size_t>(image.width) * channels);  // of columns
-    for (int y = 0; y < out.height; ++y) {
+    for (int y = first; y < last; ++y) {
         std::fill(sums.begin(), sums.end(), 0);
         const int rows = std::min(by, image.height - y * by);
         for (int row = y * by; row < y * by + rows; ++row) {
@@ -39,6 +44,11 @@ inline Image shrunk(const Image& image, int by) {
             column += static_cast<std::size_t>(columns) * channels;
         }
     }
+}
+
+inline Image shrunk(const Image& image, int by) {
+    Image out = room_for_shrunk(image, by);
+    shrink_rows(image, by, out, 0, out.height);
     return out;
 }
 

@@ -57,11 +57,11 @@ bool is_without_background(const LeftView& view) {
 }
 
 // The left view with nothing missing yet. Its texture is smaller, as what continues is smooth.
-OtherView copy_of_left(const LeftView& view) {
+OtherView copy_of_left(const LeftView& view, int threads) {
     OtherView left{left_place(view), {}, {}, view.color};
     const int reduced = view.is_by_points ? kReducedOfPhotographs : kReduced;
     const int width = view.color.width / reduced, height = view.color.height / reduced;
-    if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height);
+    if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height, threads);
     return left;
 }
 
@@ -162,7 +162,8 @@ DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& h
                 map.at(std::min(width - 1, reduced * x), std::min(height - 1, reduced * y)));
     if (std::none_of(small.values.begin(), small.values.end(), DisparityMap::known)) return map;
     small = stages::fill_holes(
-        small, right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height),
+        small,
+        right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height, threads),
         threads);
     stages::for_row_bands(height, threads, [&](int begin, int end) {
         for (int y = begin; y < end; ++y)
@@ -238,7 +239,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(missing));
     }
     if (behind > 0) {
-        OtherView left = copy_of_left(view);
+        OtherView left = copy_of_left(view, threads);
         const stages::SeenSurface& here = visible.seen[0];
         show(left, here);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},

@@ -225,7 +225,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
                 by_program ? disparities_of_program(pair->views, *by_program, range.config, threads)
                            : disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
             hide(matched.map, input.mask);
-            judge_support(matched, pair->views.left, input.mask, config.run.strict, log);
+            judge_support(matched, pair->views.left, input.mask, config.run.strict, threads, log);
             return matched;
         });
         // Without filled pixels what only the right camera sees is unknown, as it has no match.

@@ -171,8 +171,8 @@ DisparityMap check_map(DisparityMap map, StereoPair pair, const stages::Disparit
 }
 
 void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,
-                   RunLog& log) {
-    disparity.support = checks::measure_support(left, disparity.map, mask.kept);
+                   int threads, RunLog& log) {
+    disparity.support = checks::measure_support(left, disparity.map, mask.kept, threads);
     const std::string agreed = checks::percent(disparity.support);
     log.decide("disparity: both views agree on " + agreed + " of what has texture: support is " +
                checks::support_word(disparity.support));
@@ -282,7 +282,7 @@ void fill_map(DisparityResult& disparity, const Image& left, const readers::Pixe
 void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads, const RunLog& log) {
     if (!disparity.matched || !has_camera_of_points(*pair.alignment)) return;
     const auto noise = stages::smoothing_for(
-        stages::find_noise_px(disparity.map),
+        stages::find_noise_px(disparity.map, threads),
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
     if (noise.noise_px > 0) disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
     disparity.map = stages::without_mixed_pixels(std::move(disparity.map), pair.views.left);
@@ -302,7 +302,7 @@ void flatten_relief(const DisparityResult& disparity, const InputPair& pair, Cal
 
 void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
     if (!disparity.matched || disparity.noise.noise_px > 0) return;
-    const auto noise = stages::smoothing_for(stages::find_noise_px(disparity.map));
+    const auto noise = stages::smoothing_for(stages::find_noise_px(disparity.map, threads));
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
     disparity.map = stages::dequantize(disparity.map, noise.quantum_px, threads);

@@ -49,7 +49,7 @@ DisparityMap densify_map(DisparityMap map, const Image& left, const readers::Pix
 
 // Tells how well the pair supports its map, and warns if hardly; then throws Error(input) if `strict`.
 void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,
-                   RunLog& log);
+                   int threads, RunLog& log);
 
 // Puts a backdrop behind a matched map, if configured.
 void end_scene(DisparityResult& disparity, const Calibration& calibration, const SurfaceConfig& config,

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/data/start_work.h"
 #include "pipeline/stages/sgbm.h"
 
 namespace hexrelief::stages {
@@ -34,10 +35,12 @@ Image reduced(const Image& image, const cv::Size& size) {
     return result;
 }
 
-ReducedPair reduced(const StereoPair& pair, int columns) {
+ReducedPair reduced(const StereoPair& pair, int columns, int threads) {
     const double scale = std::max(1.0, static_cast<double>(pair.left.width) / columns);
     const cv::Size size(cvRound(pair.left.width / scale), std::max(1, cvRound(pair.left.height / scale)));
-    return {scale, {reduced(pair.left, size), reduced(pair.right, size)}};
+    auto right = start_work(threads, [&] { return reduced(pair.right, size); });
+    Image left = reduced(pair.left, size);
+    return {scale, {std::move(left), right.get()}};
 }
 
 SmallMatch match_small(ReducedPair small, const matching::DisparityRange& range, int speckle_pixels,
@@ -104,7 +107,7 @@ double quantile(std::vector<float>& values, double share) {
 }  // namespace
 
 SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads, int columns) {
-    ReducedPair coarse = reduced(pair, columns);
+    ReducedPair coarse = reduced(pair, columns, threads);
     const matching::DisparityRange range{floor_of(min_px, coarse),
                                          entries(std::max(0, min_px), pair.left.width, coarse)};
     return match_small(std::move(coarse), range, kCoarseSpeckle, threads);
@@ -118,7 +121,7 @@ int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int
     if (largest_px <= min_px) return std::min(widest, round_up_range(width / 4));
     double scale = coarse.small.scale;
     if (scale > 1) {
-        ReducedPair fine = reduced(pair, kFineColumns);
+        ReducedPair fine = reduced(pair, kFineColumns, threads);
         const double reach_px = kFineReach * largest_px + 2 * scale;
         const matching::DisparityRange range{floor_of(min_px, fine), entries(min_px, reach_px, fine)};
         scale = fine.scale;

@@ -190,8 +190,9 @@ double row_offset(const StereoPair& pair, int threads) {
         return fit.points >= kLeastPoints && fit.agreeing_share >= kLeastAgreeing;
     };
     // Points near the coarse match's disparities are the exact ones, if the rows are near enough to have any.
-    if (const checks::RowFit fit = checks::measure_rows(pair, coarse); is_sure(fit)) return fit.largest_px;
-    const checks::RowFit fit = checks::match_coarse_points(coarse).rows;
+    if (const checks::RowFit fit = checks::measure_rows(pair, coarse, threads); is_sure(fit))
+        return fit.largest_px;
+    const checks::RowFit fit = checks::match_coarse_points(coarse, threads).rows;
     return is_sure(fit) ? fit.largest_px : std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -73,9 +73,12 @@ int reduction_of_soft(const Image& picture, int working_px, int threads) {
 
 ReducedPair reduced(StereoPair pair, int by, int threads) {
     ReducedPair result;
-    const auto reduce = [by](Image& given, Image& picture, Image& view) {
+    const auto reduce = [by, threads](Image& given, Image& picture, Image& view) {
         picture = cut_for(by, std::move(given));
-        view = shrunk(picture, by);
+        view = room_for_shrunk(picture, by);
+        ThreadPool(threads).parallel_for(view.height, [&](std::size_t first, std::size_t last) {
+            shrink_rows(picture, by, view, static_cast<int>(first), static_cast<int>(last));
+        });
     };
     auto right = start_work(threads, [&] { reduce(pair.right, result.pictures.right, result.views.right); });
     reduce(pair.left, result.pictures.left, result.views.left);

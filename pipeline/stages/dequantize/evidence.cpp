@@ -1,6 +1,7 @@
 #include "pipeline/stages/dequantize/evidence.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace hexrelief::stages {
@@ -84,7 +85,15 @@ Plane slopes_of(const Plane& left, const Plane& right, ThreadPool& pool) {
 
 float median_of(std::vector<float> values) {
     if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    // The bits of numbers that are not negative are in their order. Most of the values, far from the middle,
+    // are sorted by their upper half alone.
+    const auto upper = [](float value) { return std::bit_cast<std::uint32_t>(value) >> 16; };
+    std::vector<std::uint32_t> counts(std::size_t{1} << 16);
+    for (const float value : values) ++counts[upper(value)];
+    std::size_t rank = values.size() / 2, at = 0;
+    while (rank >= counts[at]) rank -= counts[at++];
+    std::erase_if(values, [&](float value) { return upper(value) != at; });
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(rank);
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
 }

@@ -39,7 +39,7 @@ class PairLevels {
     Plane left_, right_, left_detail_;
 };
 
-// Returns the upper median; 0 if there are none.
+// Returns the upper median of numbers >= 0; 0 if there are none.
 float median_of(std::vector<float> values);
 
 template <typename Body>

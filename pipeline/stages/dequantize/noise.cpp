@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <mutex>
+
+#include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -71,6 +74,10 @@ struct Sizes {
         ++bins[bin < static_cast<double>(bins.size()) ? static_cast<std::size_t>(bin) : bins.size() - 1];
         ++count;
     }
+    void add(const Sizes& others) {
+        for (std::size_t i = 0; i < bins.size(); ++i) bins[i] += others.bins[i];
+        count += others.count;
+    }
     // Sizes are evenly spread over their bin.
     double median_px() const {
         double left = 0.5 * static_cast<double>(count);
@@ -102,9 +109,8 @@ double find_quantum_px(const DisparityMap& map) {
     return lattice.quantum <= kLargestQuantum_px * (1 + 1e-4) ? lattice.quantum : 0;
 }
 
-double find_noise_px(const DisparityMap& map) {
-    Sizes sizes;
-    const auto add = [&](int x, int y, int dx, int dy) {
+double find_noise_px(const DisparityMap& map, int threads) {
+    const auto add = [&](Sizes& sizes, int x, int y, int dx, int dy) {
         double d[4];
         for (int k = 0; k < 4; ++k) {
             const std::size_t at = static_cast<std::size_t>(y + k * dy) * map.width + (x + k * dx);
@@ -114,11 +120,18 @@ double find_noise_px(const DisparityMap& map) {
         sizes.add(std::abs(d[3] - 3 * d[2] + 3 * d[1] - d[0]));
     };
     constexpr int kReach_px = 3 * kStride_px;
-    for (int y = 0; y < map.height; ++y)
-        for (int x = 0; x < map.width; ++x) {
-            if (x + kReach_px < map.width) add(x, y, kStride_px, 0);
-            if (y + kReach_px < map.height) add(x, y, 0, kStride_px);
-        }
+    Sizes sizes;
+    std::mutex adding;
+    for_row_bands(map.height, threads, [&](int begin, int end) {
+        Sizes of_band;
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < map.width; ++x) {
+                if (x + kReach_px < map.width) add(of_band, x, y, kStride_px, 0);
+                if (y + kReach_px < map.height) add(of_band, x, y, 0, kStride_px);
+            }
+        const std::lock_guard lock(adding);
+        sizes.add(of_band);
+    });
     if (sizes.count < kLeastCount) return 0;
     const double noise_px = sizes.median_px() / kMedianOfNoise;
     return noise_px > 0 ? noise_px : 0;

@@ -23,7 +23,7 @@ inline constexpr double kLeastNoise_px = 0.07, kLeastNoiseOfRelief_px = 0.03;
 // Returns the standard deviation of the noise of a matched map's disparities, px, by the median third
 // difference of matches at the distances at which a mesh has its vertices. Third differences vanish on planes
 // and on evenly curved surfaces, and the median ignores discontinuities. 0 if hardly anything is matched.
-double find_noise_px(const DisparityMap& map);
+double find_noise_px(const DisparityMap& map, int threads);
 
 // The argument of dequantize() that lets nearly all of a map's noise be smoothed, if there is at least
 // `least_px`.

@@ -42,15 +42,15 @@ void pair_figures(const StereoPair& pair, bool right, Table& table) {
     const stages::SmallMatch coarse = stages::match_coarsely(pair, 0, kThreads);
     table.figure("pair: agreed share", right, agreed_share(coarse), true, checks::kLeastAgreement);
     if (!right) return;
-    table.figure("pair: textured share", right, textured_share(coarse.small.pair.left), true,
+    table.figure("pair: textured share", right, textured_share(coarse.small.pair.left, kThreads), true,
                  checks::kLeastTexture);
     table.figure("pair: share at 0", right, share_at_zero(coarse), false, checks::kLeastAtZero);
     table.figure("pair: difference over slope", right, difference_over_slope(pair), true,
                  checks::kMostDifference);
-    const RowFit rows = measure_rows(pair, coarse);
+    const RowFit rows = measure_rows(pair, coarse, kThreads);
     table.figure("pair: rows differ, px", right, rows.largest_px, false, checks::kLargestRow_px);
     table.figure("pair: agreeing points", right, rows.agreeing_share, true, checks::kLeastAgreeingPoints);
-    const CoarsePoints points = match_coarse_points(coarse);
+    const CoarsePoints points = match_coarse_points(coarse, kThreads);
     table.figure("pair: points below the range", right,
                  measure_low_end(points.matches, coarse.small.scale, 0).below_share, false,
                  checks::kMostBelow);
@@ -84,7 +84,7 @@ void wrong_rows(const TestScene& scene, Table& table) {
         if (!is_least) return;
         const stages::SmallMatch coarse = stages::match_coarsely(pair, 0, kThreads);
         if (agreed_share(coarse) < checks::kSureAgreement) return;
-        table.figure("pair: rows differ, px", false, measure_rows(pair, coarse).largest_px, false,
+        table.figure("pair: rows differ, px", false, measure_rows(pair, coarse, kThreads).largest_px, false,
                      checks::kLargestRow_px);
     };
     for (const int rows : {2, -2, 8, 20})
@@ -115,7 +115,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
     table.add("views swapped", scene.name, judge({right, left}), {Mistake::views_swapped});
     {
         const stages::SmallMatch coarse = stages::match_coarsely({right, left}, 0, kThreads);
-        const CoarsePoints points = match_coarse_points(coarse);
+        const CoarsePoints points = match_coarse_points(coarse, kThreads);
         const LowEnd low = measure_low_end(points.matches, coarse.small.scale, 0);
         table.figure("swapped: points below 0", false, low.negative_share, false, checks::kSwappedBelow);
         table.figure("swapped: agreed the other way round", false, swapped_share(coarse, kThreads), false,
@@ -129,7 +129,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
               {Mistake::no_texture});
     table.add("right picture grey with noise", scene.name, judge({left, grey}), {Mistake::no_texture});
     table.figure("pair: textured share", false,
-                 textured_share(stages::match_coarsely({grey, grey}, 0, 1).small.pair.left), true,
+                 textured_share(stages::match_coarsely({grey, grey}, 0, 1).small.pair.left, 1), true,
                  checks::kLeastTexture);
     table.add("right picture mirrored", scene.name, judge({left, mirrored(right)}),
               {Mistake::views_unrelated});
@@ -145,7 +145,8 @@ void unrelated_pairs(const std::vector<TestScene>& scenes, Table& table) {
             table.add("pictures of two scenes", a.name + " and " + b.name, judge(pair),
                       {Mistake::views_unrelated});
             pair_figures(pair, false, table);
-            const CoarsePoints points = match_coarse_points(stages::match_coarsely(pair, 0, kThreads));
+            const CoarsePoints points =
+                match_coarse_points(stages::match_coarsely(pair, 0, kThreads), kThreads);
             if (points.rows.points >= checks::kLeastPoints)
                 table.figure("pair: agreeing points", false, points.rows.agreeing_share, true,
                              checks::kLeastAgreeingPoints);
@@ -180,8 +181,8 @@ void ranges(const TestScene& scene, Table& table) {
     const StereoPair converged{scene.pair.left, shifted(scene.pair.right, back, 0)};
     const stages::SmallMatch low = stages::match_coarsely(converged, 0, kThreads);
     table.figure("pair: points below the range", false,
-                 measure_low_end(match_coarse_points(low).matches, low.small.scale, 0).below_share, false,
-                 checks::kMostBelow);
+                 measure_low_end(match_coarse_points(low, kThreads).matches, low.small.scale, 0).below_share,
+                 false, checks::kMostBelow);
     table.figure("range: at its low end", false, share_at_low_end(low), false, checks::kMostAtLowEnd);
     table.add("disparities on both sides of 0", scene.name, judge(converged),
               {Mistake::range_begins_high, Mistake::views_swapped});

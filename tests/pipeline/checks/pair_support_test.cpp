@@ -28,17 +28,17 @@ struct Scene {
 
 TEST(PairSupport, IsTheAgreedShareOfWhatHasTexture) {
     Scene scene;
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 1);
     scene.fill(80, 160, 0, 80);
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 1);
     scene.fill(0, 80, 0, 40);
-    EXPECT_NEAR(measure_support(scene.left, scene.map, {}), 0.5, 1e-9);
+    EXPECT_NEAR(measure_support(scene.left, scene.map, {}, 2), 0.5, 1e-9);
 }
 
 TEST(PairSupport, LeavesOutWhatTheRightPictureCannotShow) {
     Scene scene;
     scene.fill(0, 4, 0, 80);  // left of the right picture's frame
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 1);
 }
 
 TEST(PairSupport, LeavesOutWhatIsMasked) {
@@ -46,13 +46,13 @@ TEST(PairSupport, LeavesOutWhatIsMasked) {
     scene.fill(0, 160, 0, 40);
     std::vector<std::uint8_t> kept(std::size_t{160} * 80, 1);
     for (std::size_t i = 0; i < std::size_t{160} * 40; ++i) kept[i] = 0;
-    EXPECT_EQ(measure_support(scene.left, scene.map, kept), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, kept, 2), 1);
 }
 
 TEST(PairSupport, WithoutTextureThereIsNone) {
     Scene scene;
     scene.left.pixels.assign(scene.left.pixels.size(), 7);
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}), 0);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 0);
 }
 
 TEST(PairSupport, HasThreeWords) {

@@ -71,7 +71,7 @@ TEST(OpenCvData, AnUnrectifiedPairIsRectifiedByItsCalibration) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     const StereoPair pair{readers::read_image(folder / "stages/left_rectified.png"),
                           readers::read_image(folder / "stages/right_rectified.png")};
-    const checks::RowFit rows = checks::measure_rows(pair, stages::match_coarsely(pair, 0, 1));
+    const checks::RowFit rows = checks::measure_rows(pair, stages::match_coarsely(pair, 0, 1), 1);
     EXPECT_GE(rows.points, 20);
     EXPECT_LT(rows.largest_px, 0.5);
 }

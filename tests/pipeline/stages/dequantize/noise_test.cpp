@@ -39,12 +39,12 @@ double rmse_px(const DisparityMap& map, const DisparityMap& truth) {
 
 TEST(Noise, IsThatOfTheMatches) {
     for (const double noise_px : {0.08, 0.12, 0.25})
-        EXPECT_NEAR(find_noise_px(matched(noise_px, 3)), noise_px, 0.15 * noise_px);
+        EXPECT_NEAR(find_noise_px(matched(noise_px, 3), 2), noise_px, 0.15 * noise_px);
 }
 
 TEST(Noise, OfSurfacesWithoutAnyIsBelowWhatIsSmoothed) {
-    EXPECT_LT(find_noise_px(matched(0, 1)), kLeastNoise_px);
-    EXPECT_LT(find_noise_px(matched(0.04, 1)), kLeastNoise_px);
+    EXPECT_LT(find_noise_px(matched(0, 1), 2), kLeastNoise_px);
+    EXPECT_LT(find_noise_px(matched(0.04, 1), 2), kLeastNoise_px);
 }
 
 TEST(Noise, FilledPixelsDoNotCount) {
@@ -53,14 +53,14 @@ TEST(Noise, FilledPixelsDoNotCount) {
         map.values[i] = 20;
         map.origins[i] = PixelOrigin::filled;
     }
-    EXPECT_NEAR(find_noise_px(map), 0.2, 0.03);
+    EXPECT_NEAR(find_noise_px(map, 2), 0.2, 0.03);
     map.origins.assign(map.values.size(), PixelOrigin::filled);
-    EXPECT_EQ(find_noise_px(map), 0);
+    EXPECT_EQ(find_noise_px(map, 2), 0);
 }
 
 TEST(Noise, IsSmoothedAndTheStepStays) {
     const DisparityMap truth = matched(0, 1), noisy = matched(0.12, 1);
-    const DisparityMap smooth = dequantize(noisy, smoothing_for(find_noise_px(noisy)).quantum_px, 2);
+    const DisparityMap smooth = dequantize(noisy, smoothing_for(find_noise_px(noisy, 2)).quantum_px, 2);
     EXPECT_LT(rmse_px(smooth, truth), 0.5 * rmse_px(noisy, truth));
     for (int y = 0; y < truth.height; ++y) {
         EXPECT_GT(smooth.at(89, y) - smooth.at(90, y), 20);
