@@ -119,10 +119,13 @@ OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::Found
 }
 
 // Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
-void add_texture(SurfaceResult::OtherViews& others, const Image& left, SurfaceMesh& mesh) {
+// used: of each of these, as PictureInUse.
+void add_texture(SurfaceResult::OtherViews& others, std::vector<std::vector<char>> used, const Image& left,
+                 SurfaceMesh& mesh) {
     if (left.empty()) return;
     std::vector<stages::PictureInUse> pictures;
-    for (const OtherView& other : others.views) pictures.push_back({other.texture(), other.missing});
+    for (std::size_t i = 0; i < used.size(); ++i)
+        pictures.push_back({others.views[i].texture(), std::move(used[i])});
     others.atlas = stages::make_atlas(left, pictures);
     std::size_t first = 0;
     for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
@@ -216,12 +219,14 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
+    std::vector<std::vector<char>> used;
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const auto add = [&](OtherView other) {
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
+        if (!view.texture.empty()) used.push_back(stages::used_pixels(other.texture(), sheet, threads));
         others.views.push_back(std::move(other));
     };
     if (right) {
@@ -250,7 +255,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
-    add_texture(others, view.texture, mesh);
+    add_texture(others, std::move(used), view.texture, mesh);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");

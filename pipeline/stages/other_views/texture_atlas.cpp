@@ -1,94 +1,127 @@
 #include "pipeline/stages/other_views/texture_atlas.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
+
+#include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kBlock_px = 8;      // of a JPEG file
-constexpr double kBeside_px = 1;  // what is so near a used pixel is used, too
-constexpr int kWhole_px = 16;     // of a WebP file, whose colours are halved
-
-// The blocks of a picture that are used, row-major.
-struct Blocks {
-    int columns, rows;
-    std::vector<char> is_used;
-
-    bool at(int column, int row) const { return is_used[static_cast<std::size_t>(row) * columns + column]; }
-    // Uses what lies in a row of the picture from x on, to last_x.
-    void use(double x, double last_x, double y) {
-        const auto block = [](double at, int blocks) {
-            return std::clamp(static_cast<int>(at / kBlock_px), 0, blocks - 1);
-        };
-        for (int r = block(y - kBeside_px, rows); r <= block(y + kBeside_px, rows); ++r)
-            for (int c = block(x - kBeside_px, columns); c <= block(last_x + kBeside_px, columns); ++c)
-                is_used[static_cast<std::size_t>(r) * columns + c] = 1;
-    }
-};
-
-Blocks used_blocks(const PictureInUse& view) {
-    const auto& [picture, used] = view;
-    Blocks blocks{
-        (picture.width + kBlock_px - 1) / kBlock_px, (picture.height + kBlock_px - 1) / kBlock_px, {}};
-    blocks.is_used.resize(static_cast<std::size_t>(blocks.columns) * blocks.rows);
-    const auto middle = [&](int x) { return (x + 0.5) * picture.width / used.width; };
-    for (int y = 0; y < used.height; ++y)
-        for (int x = 0; x < used.width; ++x) {
-            const int first = x;
-            while (x < used.width && DisparityMap::known(used.at(x, y))) ++x;
-            if (x > first) blocks.use(middle(first), middle(x - 1), (y + 0.5) * picture.height / used.height);
-        }
-    return blocks;
-}
-
-// Returns the smallest part of the picture with all used blocks; without pixels if there are none.
-PixelRect part_of(const Blocks& blocks, const Image& picture) {
-    int left = blocks.columns, right = 0, top = blocks.rows, bottom = 0;
-    for (int row = 0; row < blocks.rows; ++row)
-        for (int column = 0; column < blocks.columns; ++column)
-            if (blocks.is_used[static_cast<std::size_t>(row) * blocks.columns + column]) {
-                left = std::min(left, column);
-                right = std::max(right, column + 1);
-                top = std::min(top, row);
-                bottom = std::max(bottom, row + 1);
-            }
-    if (bottom == 0) return {};
-    const int x = left * kBlock_px / kWhole_px * kWhole_px, y = top * kBlock_px / kWhole_px * kWhole_px;
-    return {x, y, std::min(picture.width, right * kBlock_px) - x,
-            std::min(picture.height, bottom * kBlock_px) - y};
-}
+constexpr int kBlock_px = 8;   // of a JPEG file
+constexpr int kWhole_px = 16;  // of a WebP file, whose colours are halved
+constexpr int kBeside_px = 1;  // what is so near a used pixel is used, too: it is interpolated with it
+constexpr int kSmoothingRounds = 8;
 
 int whole_blocks(int px) {
     return (px + kWhole_px - 1) / kWhole_px * kWhole_px;
 }
 
+// Calls take(first, end, y) for the used pixels of each row and what lies beside them; some come several
+// times.
+template <typename Take>
+void for_used_runs(const PictureInUse& view, const Take& take) {
+    const int width = view.picture.width, height = view.picture.height;
+    for (int y = 0; y < height; ++y) {
+        const auto row = view.used.begin() + static_cast<std::ptrdiff_t>(y) * width, row_end = row + width;
+        for (auto begin = std::find(row, row_end, 1); begin != row_end;) {
+            const auto end = std::find(begin, row_end, 0);
+            const int first = std::max(0, static_cast<int>(begin - row) - kBeside_px),
+                      last = std::min(width, static_cast<int>(end - row) + kBeside_px);
+            for (int v = std::max(0, y - kBeside_px); v <= std::min(height - 1, y + kBeside_px); ++v)
+                take(first, last, v);
+            begin = std::find(end, row_end, 1);
+        }
+    }
+}
+
+// Returns the smallest part of the picture with all that is used, which begins with a whole block; without
+// pixels if nothing is.
+PixelRect part_of(const PictureInUse& view) {
+    const int width = view.picture.width, height = view.picture.height;
+    int left = width, right = 0, top = height, bottom = 0;
+    for_used_runs(view, [&](int first, int end, int y) {
+        left = std::min(left, first);
+        right = std::max(right, end);
+        top = std::min(top, y);
+        bottom = std::max(bottom, y + 1);
+    });
+    if (bottom == 0) return {};
+    left -= left % kWhole_px;
+    top -= top % kWhole_px;
+    return {left, top, right - left, bottom - top};
+}
+
 void copy_pixel(const std::uint8_t* from, int from_channels, std::uint8_t* to, int to_channels) {
-    if (from_channels == 1)
+    if (from_channels == to_channels)
+        std::copy_n(from, to_channels, to);
+    else if (from_channels == 1)
         std::fill_n(to, to_channels, from[0]);
     else
         to[0] = static_cast<std::uint8_t>((from[0] + 2 * from[1] + from[2]) / 4);
 }
 
-// Copies the used blocks. The part begins with whole blocks.
-void copy_used(const Image& from, const Blocks& blocks, const PixelRect& part, Image& to, int to_x,
-               int to_y) {
-    for (int y = 0; y < part.height; ++y)
-        for (int x = 0; x < part.width; x += kBlock_px) {
-            if (!blocks.at((part.x + x) / kBlock_px, (part.y + y) / kBlock_px)) continue;
-            const int count = std::min(kBlock_px, part.width - x);
-            const std::uint8_t* source = from.at(part.x + x, part.y + y);
-            std::uint8_t* target = to.at(to_x + x, to_y + y);
-            if (from.channels == to.channels) {
-                std::copy_n(source, count * to.channels, target);
-                continue;
-            }
-            for (int i = 0; i < count; ++i, source += from.channels, target += to.channels)
-                copy_pixel(source, from.channels, target, to.channels);
+using Colour = std::array<float, 3>;
+
+// Gives the pixels of a block that have no colour those that a JPEG file needs fewest bytes for: what goes on
+// smoothly from the block's others, or if it has none the mean of the block before. Returns the block's mean.
+Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y, const Colour& before) {
+    const int width = std::min(kBlock_px, atlas.width - x), height = std::min(kBlock_px, atlas.height - y);
+    std::array<Colour, kBlock_px * kBlock_px> colours;
+    std::array<char, kBlock_px*kBlock_px> has_colour = {}, is_given;
+    const auto for_pixels = [&](const auto& visit) {
+        for (int v = 0; v < height; ++v)
+            for (int u = 0; u < width; ++u) visit(u, v, v * kBlock_px + u);
+    };
+    bool is_empty = true;
+    for_pixels([&](int u, int v, int i) {
+        has_colour[i] = is_known[static_cast<std::size_t>(y + v) * atlas.width + x + u];
+        is_empty &= !has_colour[i];
+        colours[i] = before;
+        if (has_colour[i]) std::copy_n(atlas.at(x + u, y + v), atlas.channels, colours[i].begin());
+    });
+    is_given = has_colour;
+    const auto interpolate = [&](int u, int v, int i) {
+        if (is_given[i]) return;
+        Colour sum = {};
+        int count = 0;
+        const auto add = [&](bool is_inside, int other) {
+            if (!is_inside || !has_colour[other]) return;
+            for (int c = 0; c < atlas.channels; ++c) sum[c] += colours[other][c];
+            ++count;
+        };
+        add(u > 0, i - 1);
+        add(u + 1 < width, i + 1);
+        add(v > 0, i - kBlock_px);
+        add(v + 1 < height, i + kBlock_px);
+        if (count == 0) return;
+        for (int c = 0; c < atlas.channels; ++c) colours[i][c] = sum[c] / static_cast<float>(count);
+        has_colour[i] = 1;
+    };
+    // Colours cross the block at the latest after so many rounds as it has pixels along two sides.
+    for (int round = 0; !is_empty && round < 2 * kBlock_px + kSmoothingRounds; ++round)
+        for_pixels(interpolate);
+    Colour mean = {};
+    for_pixels([&](int u, int v, int i) {
+        for (int c = 0; c < atlas.channels; ++c) {
+            mean[c] += colours[i][c] / static_cast<float>(width * height);
+            if (!is_given[i]) atlas.at(x + u, y + v)[c] = static_cast<std::uint8_t>(colours[i][c] + 0.5f);
         }
+    });
+    return mean;
 }
 
 }  // namespace
+
+std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, int threads) {
+    View view{{}, &sheet.triangles, picture.width, picture.height};
+    for (const Vec2f& t : sheet.texcoords)
+        view.points.push_back(
+            {static_cast<double>(t.x) * picture.width, static_cast<double>(t.y) * picture.height, 0});
+    return rasterise_coverage(view, threads);
+}
 
 void TextureAtlas::move_in(std::span<Vec2f> texcoords, std::size_t view) const {
     const Place& place = places[view];
@@ -98,13 +131,11 @@ void TextureAtlas::move_in(std::span<Vec2f> texcoords, std::size_t view) const {
 }
 
 TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others) {
-    std::vector<Blocks> blocks;
     std::vector<PixelRect> parts, placed;
     // The parts lie in shelves below the left picture, as many beside each other as fit.
     int x = 0, y = whole_blocks(left.height), shelf = 0;
     for (const PictureInUse& view : others) {
-        blocks.push_back(used_blocks(view));
-        const PixelRect part = part_of(blocks.back(), view.picture);
+        const PixelRect part = part_of(view);
         if (x + part.width > left.width) {
             y += shelf;
             x = shelf = 0;
@@ -116,18 +147,31 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
     }
     TextureAtlas atlas{{left.width, y + shelf, left.channels, {}}, {}};
     Image& picture = atlas.picture;
-    const std::size_t bytes = static_cast<std::size_t>(picture.width) * picture.height * picture.channels;
+    const std::size_t count = static_cast<std::size_t>(picture.width) * picture.height,
+                      bytes = count * picture.channels;
     picture.pixels.reserve(bytes);
     picture.pixels = left.pixels;
     picture.pixels.resize(bytes);
+    std::vector<char> is_known(count);
+    std::fill_n(is_known.begin(), static_cast<std::size_t>(left.width) * left.height, 1);
     atlas.places.push_back({0, 0, static_cast<double>(left.width), static_cast<double>(left.height)});
     for (std::size_t i = 0; i < others.size(); ++i) {
         const Image& other = others[i].picture;
-        copy_used(other, blocks[i], parts[i], picture, placed[i].x, placed[i].y);
-        atlas.places.push_back({static_cast<double>(placed[i].x - parts[i].x),
-                                static_cast<double>(placed[i].y - parts[i].y),
+        const int to_x = placed[i].x - parts[i].x, to_y = placed[i].y - parts[i].y;
+        for_used_runs(others[i], [&](int first, int end, int row) {
+            for (int column = first; column < end; ++column) {
+                copy_pixel(other.at(column, row), other.channels, picture.at(to_x + column, to_y + row),
+                           picture.channels);
+                is_known[static_cast<std::size_t>(to_y + row) * picture.width + to_x + column] = 1;
+            }
+        });
+        atlas.places.push_back({static_cast<double>(to_x), static_cast<double>(to_y),
                                 static_cast<double>(other.width), static_cast<double>(other.height)});
     }
+    Colour before = {};
+    for (int top = left.height / kBlock_px * kBlock_px; top < picture.height; top += kBlock_px)
+        for (int column = 0; column < picture.width; column += kBlock_px)
+            before = fill_block(picture, is_known, column, top, before);
     return atlas;
 }
 

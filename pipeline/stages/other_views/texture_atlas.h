@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "pipeline/data/crop.h"
-#include "pipeline/data/disparity_map.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
+#include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief::stages {
 
@@ -25,14 +25,17 @@ struct TextureAtlas {
     void move_in(std::span<Vec2f> texcoords, std::size_t view) const;
 };
 
-// A view's picture at any size, and the map whose known pixels say what is used of it.
+// Returns 1 for each pixel of a view's picture, row-major, that a sheet shows by its texture coordinates.
+std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, int threads);
+
+// A view's picture at any size, and what is used of it: 1 or 0 per pixel, row-major.
 struct PictureInUse {
     const Image& picture;
-    const DisparityMap& used;
+    std::vector<char> used;
 };
 
-// Returns the atlas. Blocks of the pictures without a used pixel in them or beside them are black, which
-// takes hardly any bytes. The atlas has the left picture's channels.
+// Returns the atlas. What is not used, or beside what is, has smooth colours, which take hardly any bytes and
+// do not show where textures are interpolated. The atlas has the left picture's channels.
 TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others);
 
 }  // namespace hexrelief::stages

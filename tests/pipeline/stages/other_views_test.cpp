@@ -302,9 +302,12 @@ TEST(OtherView, IsTheSameOnAnyNumberOfThreads) {
 TEST(TextureAtlas, EachViewFindsItsPixels) {
     Image left{48, 20, 3, std::vector<std::uint8_t>(48 * 20 * 3, 10)},
         right{96, 40, 1, std::vector<std::uint8_t>(96 * 40, 77)};
-    DisparityMap used{48, 20, std::vector<float>(48 * 20, kUnknownDisparity)};
-    used.at(40, 15) = 1;
     *right.at(81, 31) = 200;
+    SurfaceMesh sheet;
+    sheet.texcoords = {{80.f / 96, 30.f / 40}, {84.f / 96, 30.f / 40}, {80.f / 96, 34.f / 40}};
+    sheet.triangles = {{0, 1, 2}};
+    const std::vector<char> used = used_pixels(right, sheet, 1);
+    EXPECT_EQ(std::count(used.begin(), used.end(), 1), 4 + 3 + 2 + 1);
     const TextureAtlas atlas = make_atlas(left, {{right, used}});
     std::vector<Vec2f> texcoords = {{0.5f, 0.5f}, {81.5f / 96, 31.5f / 40}};
     atlas.move_in(std::span(texcoords).first(1), 0);
@@ -317,6 +320,24 @@ TEST(TextureAtlas, EachViewFindsItsPixels) {
     EXPECT_EQ(at(texcoords[1]), 200);
     EXPECT_EQ(atlas.picture.channels, 3);
     EXPECT_LE(atlas.picture.height, 32 + 32);  // of the right picture only the part in use
+}
+
+TEST(TextureAtlas, WhatIsNotUsedIsSmooth) {
+    const Image left{48, 20, 1, std::vector<std::uint8_t>(48 * 20, 100)};
+    Image right{48, 20, 1, std::vector<std::uint8_t>(48 * 20, 200)};
+    std::vector<char> used(48 * 20);
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 48; ++x) {
+            if (x >= 12 && x <= 14) used[y * 48 + x] = 1;
+            if (x < 10 || x > 16) *right.at(x, y) = 0;  // not even beside what is used
+        }
+    const TextureAtlas atlas = make_atlas(left, {{right, used}});
+    for (int y = 0; y < atlas.picture.height; ++y)
+        for (int x = 0; x < 48; ++x) {
+            const int level = *atlas.picture.at(x, y);
+            EXPECT_TRUE(level == 100 || level == 200) << x << " " << y;
+            EXPECT_TRUE(level == 100 || y >= 32) << x << " " << y;  // down to the next whole block
+        }
 }
 
 }  // namespace
