@@ -120,7 +120,7 @@ OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::Found
 
 // Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
 // used: of each of these, as PictureInUse.
-void add_texture(SurfaceResult::OtherViews& others, std::vector<std::vector<char>> used, const Image& left,
+void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart> used, const Image& left,
                  SurfaceMesh& mesh) {
     if (left.empty()) return;
     std::vector<stages::PictureInUse> pictures;
@@ -219,14 +219,16 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
-    std::vector<std::vector<char>> used;
+    std::vector<stages::UsedPart> used;
+    const bool has_levels = config.exporting.lod > 1;
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const auto add = [&](OtherView other) {
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
-        if (!view.texture.empty()) used.push_back(stages::used_pixels(other.texture(), sheet, threads));
+        if (!view.texture.empty())
+            used.push_back(stages::used_part(other.texture(), sheet, has_levels, threads));
         others.views.push_back(std::move(other));
     };
     if (right) {

@@ -4,28 +4,28 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 
+#include "pipeline/data/union_find.h"
 #include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kBlock_px = 8;   // of a JPEG file
-constexpr int kWhole_px = 16;  // of a WebP file, whose colours are halved
+constexpr int kBlock_px = 8;   // of a JPEG file in full colours
 constexpr int kBeside_px = 1;  // what is so near a used pixel is used, too: it is interpolated with it
 constexpr int kSmoothingRounds = 8;
 
-int whole_blocks(int px) {
-    return (px + kWhole_px - 1) / kWhole_px * kWhole_px;
+int blocks_in(int px) {
+    return (px + kAtlasBlock_px - 1) / kAtlasBlock_px;
 }
 
 // Calls take(first, end, y) for the used pixels of each row and what lies beside them; some come several
 // times.
 template <typename Take>
-void for_used_runs(const PictureInUse& view, const Take& take) {
-    const int width = view.picture.width, height = view.picture.height;
+void for_used_runs(const std::vector<char>& used, int width, int height, const Take& take) {
     for (int y = 0; y < height; ++y) {
-        const auto row = view.used.begin() + static_cast<std::ptrdiff_t>(y) * width, row_end = row + width;
+        const auto row = used.begin() + static_cast<std::ptrdiff_t>(y) * width, row_end = row + width;
         for (auto begin = std::find(row, row_end, 1); begin != row_end;) {
             const auto end = std::find(begin, row_end, 0);
             const int first = std::max(0, static_cast<int>(begin - row) - kBeside_px),
@@ -37,22 +37,91 @@ void for_used_runs(const PictureInUse& view, const Take& take) {
     }
 }
 
-// Returns the smallest part of the picture with all that is used, which begins with a whole block; without
-// pixels if nothing is.
-PixelRect part_of(const PictureInUse& view) {
-    const int width = view.picture.width, height = view.picture.height;
-    int left = width, right = 0, top = height, bottom = 0;
-    for_used_runs(view, [&](int first, int end, int y) {
-        left = std::min(left, first);
-        right = std::max(right, end);
-        top = std::min(top, y);
-        bottom = std::max(bottom, y + 1);
-    });
-    if (bottom == 0) return {};
-    left -= left % kWhole_px;
-    top -= top % kWhole_px;
-    return {left, top, right - left, bottom - top};
+// The blocks of a picture, row by row.
+struct Blocks {
+    Blocks(int width_px, int height_px)
+        : width(width_px), height(height_px), columns(blocks_in(width_px)), rows(blocks_in(height_px)) {}
+    int width, height;  // of the picture, px
+    int columns, rows;
+
+    std::uint32_t at(int x_px, int y_px) const {
+        const int column = std::clamp(x_px / kAtlasBlock_px, 0, columns - 1),
+                  row = std::clamp(y_px / kAtlasBlock_px, 0, rows - 1);
+        return static_cast<std::uint32_t>(row * columns + column);
+    }
+    std::size_t size() const { return static_cast<std::size_t>(columns) * rows; }
+    std::uint32_t at(const Vec2f& t) const {
+        return at(static_cast<int>(t.x * static_cast<float>(width)),
+                  static_cast<int>(t.y * static_cast<float>(height)));
+    }
+};
+
+Blocks blocks_of(const Image& picture) {
+    return {picture.width, picture.height};
 }
+
+// Blocks of one picture that keep their places relative to each other.
+struct Chart {
+    std::size_t view = 0;
+    std::vector<std::uint32_t> blocks;
+    int left = 0, top = 0, right = 0, bottom = 0;  // blocks; right and bottom are beyond the last
+};
+
+std::vector<Chart> charts_of(const std::vector<PictureInUse>& views) {
+    std::vector<Chart> charts;
+    for (std::size_t view = 0; view < views.size(); ++view) {
+        const Blocks blocks = blocks_of(views[view].picture);
+        const std::vector<std::uint32_t>& names = views[view].used.charts;
+        std::vector<std::size_t> number(names.size());
+        for (std::uint32_t i = 0; i < names.size(); ++i) {
+            if (names[i] == kNoChart) continue;
+            const int x = static_cast<int>(i) % blocks.columns, y = static_cast<int>(i) / blocks.columns;
+            if (names[i] == i) {  // a chart is named by its first block
+                number[i] = charts.size();
+                charts.push_back({view, {}, x, y, x, y});
+            }
+            Chart& chart = charts[number[names[i]]];
+            chart.blocks.push_back(i);
+            chart.left = std::min(chart.left, x);
+            chart.right = std::max(chart.right, x + 1);
+            chart.bottom = y + 1;
+        }
+    }
+    std::ranges::stable_sort(charts, std::greater(), [](const Chart& chart) { return chart.blocks.size(); });
+    return charts;
+}
+
+// The blocks below the left picture, given to charts.
+class Shelf {
+  public:
+    // columns: as many as the widest chart has, at least.
+    Shelf(int width_px, int columns) : width_px_(width_px), columns_(columns) {}
+    int rows() const { return static_cast<int>(taken_.size()) / columns_; }
+
+    // Takes the first free place, row by row, where all of the chart's blocks find room. Returns its corner.
+    std::array<int, 2> place(const Chart& chart, const Blocks& blocks) {
+        const int height = chart.bottom - chart.top;
+        const int width_px =
+            std::min(chart.right * kAtlasBlock_px, blocks.width) - chart.left * kAtlasBlock_px;
+        for (int y = 0;; ++y) {
+            if (rows() < y + height) taken_.resize(static_cast<std::size_t>(y + height) * columns_);
+            for (int x = 0; x == 0 || x * kAtlasBlock_px + width_px <= width_px_; ++x) {
+                const auto cell = [&](std::uint32_t block) -> char& {
+                    const int column = static_cast<int>(block) % blocks.columns - chart.left + x,
+                              row = static_cast<int>(block) / blocks.columns - chart.top + y;
+                    return taken_[static_cast<std::size_t>(row) * columns_ + column];
+                };
+                if (std::ranges::any_of(chart.blocks, cell)) continue;
+                for (const std::uint32_t block : chart.blocks) cell(block) = 1;
+                return {x, y};
+            }
+        }
+    }
+
+  private:
+    int width_px_, columns_;
+    std::vector<char> taken_;  // row by row
+};
 
 void copy_pixel(const std::uint8_t* from, int from_channels, std::uint8_t* to, int to_channels) {
     if (from_channels == to_channels)
@@ -115,38 +184,70 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
 
 }  // namespace
 
-std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, int threads) {
-    View view{{}, &sheet.triangles, picture.width, picture.height};
+UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, bool stays_whole, int threads) {
+    const int width = picture.width, height = picture.height;
+    View view{{}, &sheet.triangles, width, height};
     for (const Vec2f& t : sheet.texcoords)
-        view.points.push_back(
-            {static_cast<double>(t.x) * picture.width, static_cast<double>(t.y) * picture.height, 0});
-    return rasterise_coverage(view, threads);
+        view.points.push_back({static_cast<double>(t.x) * width, static_cast<double>(t.y) * height, 0});
+    UsedPart part{rasterise_coverage(view, threads), {}};
+
+    const Blocks blocks = blocks_of(picture);
+    UnionFind sets(blocks.size());
+    part.charts.assign(blocks.size(), kNoChart);
+    const auto use = [&](std::uint32_t block) { return part.charts[block] = block; };
+    for_used_runs(part.pixels, width, height, [&](int first, int end, int y) {
+        for (std::uint32_t i = blocks.at(first, y); i <= blocks.at(end - 1, y); ++i) use(i);
+    });
+    for (const Triangle& t : sheet.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+            sets.join(use(blocks.at(sheet.texcoords[t[0]])), use(blocks.at(sheet.texcoords[t[k]])));
+    for (int y = 0; y < blocks.rows; ++y)
+        for (int x = 0; x < blocks.columns; ++x) {
+            const auto join = [&](int u, int v) {
+                if (u < 0 || u == blocks.columns || v == blocks.rows) return;
+                const std::uint32_t here = y * blocks.columns + x, there = v * blocks.columns + u;
+                if (part.charts[here] != kNoChart && part.charts[there] != kNoChart) sets.join(here, there);
+            };
+            join(x + 1, y);
+            for (int u = x - 1; u <= x + 1; ++u) join(u, y + 1);
+        }
+    for (std::uint32_t i = 0; i < part.charts.size(); ++i)
+        if (stays_whole)
+            part.charts[i] = 0;
+        else if (part.charts[i] != kNoChart)
+            part.charts[i] = sets.find(i);
+    return part;
 }
 
 void TextureAtlas::move_in(std::span<Vec2f> texcoords, std::size_t view) const {
     const Place& place = places[view];
-    for (Vec2f& t : texcoords)
-        t = {static_cast<float>((t.x * place.width + place.x) / picture.width),
-             static_cast<float>((t.y * place.height + place.y) / picture.height)};
+    const Blocks blocks(place.width, place.height);
+    for (Vec2f& t : texcoords) {
+        const auto& [x, y] = place.shifts[blocks.at(t)];
+        t = {static_cast<float>((static_cast<double>(t.x) * place.width + x) / picture.width),
+             static_cast<float>((static_cast<double>(t.y) * place.height + y) / picture.height)};
+    }
 }
 
 TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others) {
-    std::vector<PixelRect> parts, placed;
-    // The parts lie in shelves below the left picture, as many beside each other as fit.
-    int x = 0, y = whole_blocks(left.height), shelf = 0;
-    for (const PictureInUse& view : others) {
-        const PixelRect part = part_of(view);
-        if (x + part.width > left.width) {
-            y += shelf;
-            x = shelf = 0;
-        }
-        parts.push_back(part);
-        placed.push_back({x, y, part.width, part.height});
-        x += whole_blocks(part.width);
-        shelf = std::max(shelf, whole_blocks(part.height));
+    const std::vector<Chart> charts = charts_of(others);
+    TextureAtlas atlas;
+    atlas.places.push_back({left.width, left.height, {blocks_of(left).size(), {0, 0}}});
+    for (const PictureInUse& view : others)
+        atlas.places.push_back({view.picture.width, view.picture.height, {view.used.charts.size(), {0, 0}}});
+    int columns = blocks_in(left.width);
+    for (const Chart& chart : charts) columns = std::max(columns, chart.right - chart.left);
+    Shelf shelf(left.width, columns);
+    const int below = blocks_in(left.height);
+    for (const Chart& chart : charts) {
+        const auto [x, y] = shelf.place(chart, blocks_of(others[chart.view].picture));
+        for (const std::uint32_t block : chart.blocks)
+            atlas.places[chart.view + 1].shifts[block] = {(x - chart.left) * kAtlasBlock_px,
+                                                          (below + y - chart.top) * kAtlasBlock_px};
     }
-    TextureAtlas atlas{{left.width, y + shelf, left.channels, {}}, {}};
+
     Image& picture = atlas.picture;
+    picture = {left.width, (below + shelf.rows()) * kAtlasBlock_px, left.channels, {}};
     const std::size_t count = static_cast<std::size_t>(picture.width) * picture.height,
                       bytes = count * picture.channels;
     picture.pixels.reserve(bytes);
@@ -154,19 +255,17 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
     picture.pixels.resize(bytes);
     std::vector<char> is_known(count);
     std::fill_n(is_known.begin(), static_cast<std::size_t>(left.width) * left.height, 1);
-    atlas.places.push_back({0, 0, static_cast<double>(left.width), static_cast<double>(left.height)});
     for (std::size_t i = 0; i < others.size(); ++i) {
         const Image& other = others[i].picture;
-        const int to_x = placed[i].x - parts[i].x, to_y = placed[i].y - parts[i].y;
-        for_used_runs(others[i], [&](int first, int end, int row) {
-            for (int column = first; column < end; ++column) {
-                copy_pixel(other.at(column, row), other.channels, picture.at(to_x + column, to_y + row),
+        const Blocks blocks = blocks_of(other);
+        for_used_runs(others[i].used.pixels, other.width, other.height, [&](int first, int end, int row) {
+            const auto& [x, y] = atlas.places[i + 1].shifts[blocks.at(first, row)];
+            for (int column = first; column < std::min(end, picture.width - x); ++column) {
+                copy_pixel(other.at(column, row), other.channels, picture.at(column + x, row + y),
                            picture.channels);
-                is_known[static_cast<std::size_t>(to_y + row) * picture.width + to_x + column] = 1;
+                is_known[static_cast<std::size_t>(row + y) * picture.width + column + x] = 1;
             }
         });
-        atlas.places.push_back({static_cast<double>(to_x), static_cast<double>(to_y),
-                                static_cast<double>(other.width), static_cast<double>(other.height)});
     }
     Colour before = {};
     for (int top = left.height / kBlock_px * kBlock_px; top < picture.height; top += kBlock_px)
