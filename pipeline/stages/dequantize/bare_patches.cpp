@@ -1,11 +1,11 @@
 #include "pipeline/stages/dequantize/bare_patches.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "pipeline/data/four_neighbours.h"
@@ -66,22 +66,13 @@ std::vector<std::uint8_t> sure_pixels(const DisparityMap& map) {
     return sure;
 }
 
-// Sums of a colour over squares; beyond the border the nearest pixel counts.
-using Colours = std::vector<std::array<std::int16_t, 3>>;
-Colours colour_sums(const Image& image) {
-    const int width = image.width, height = image.height;
-    const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * width + x; };
-    Colours across(at(0, height)), sums = across;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x)
-            for (int u = x - kColourRadius_px; u <= x + kColourRadius_px; ++u)
-                for (int c = 0; c < image.channels; ++c)
-                    across[at(x, y)][c] += image.at(std::clamp(u, 0, width - 1), y)[c];
-    for (int y = 0; y < height; ++y)
-        for (int v = y - kColourRadius_px; v <= y + kColourRadius_px; ++v)
-            for (int x = 0; x < width; ++x)
-                for (int c = 0; c < image.channels; ++c)
-                    sums[at(x, y)][c] += across[at(x, std::clamp(v, 0, height - 1))][c];
+// Returns sums of colours over squares; beyond the border the nearest pixel counts.
+cv::Mat colour_sums(const Image& image) {
+    const cv::Mat colours(image.height, image.width, CV_8UC(image.channels),
+                          const_cast<std::uint8_t*>(image.pixels.data()));  // nothing here writes to it
+    const int side = 2 * kColourRadius_px + 1;
+    cv::Mat sums;
+    cv::boxFilter(colours, sums, CV_16S, {side, side}, {-1, -1}, false, cv::BORDER_REPLICATE);
     return sums;
 }
 
@@ -90,7 +81,10 @@ constexpr std::uint32_t kNoSource = ~std::uint32_t{0};
 // Returns the sure pixel that leads to each one over the least difference of colours; kNoSource if none does
 // within a bare patch.
 std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
-    const Colours colours = colour_sums(left);
+    const cv::Mat colours = colour_sums(left);
+    const auto colour = [&](std::size_t pixel) {
+        return colours.ptr<std::int16_t>() + pixel * static_cast<std::size_t>(left.channels);
+    };
     const std::vector<std::uint8_t> sure = sure_pixels(map);
     std::vector<std::uint32_t> source(sure.size(), kNoSource);
     std::vector<std::int16_t> levels(sure.size(), kBare + 1);
@@ -107,7 +101,7 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
             if (levels[from] < level) continue;
             for_four_neighbours(from, map.width, map.height, [&](std::size_t i) {
                 int step = 0;
-                for (int c = 0; c < left.channels; ++c) step += std::abs(colours[i][c] - colours[from][c]);
+                for (int c = 0; c < left.channels; ++c) step += std::abs(colour(i)[c] - colour(from)[c]);
                 const int reached = std::max(level, step * 3 / left.channels);
                 if (reached >= levels[i] || !DisparityMap::known(map.values[i])) return;
                 levels[i] = static_cast<std::int16_t>(reached);
@@ -133,6 +127,7 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
         return source[i] == kNoSource ? 0 : map.values[i] - map.values[source[i]];
     };
     std::vector<std::uint8_t> is_seen(source.size()), is_moved = is_seen;
+    bool any = false;
     std::vector<std::size_t> patch;
     for (std::size_t seed = 0; seed < source.size(); ++seed) {
         if (is_seen[seed] || fall_of(seed) <= kNearer_px) continue;
@@ -147,9 +142,12 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
                 patch.push_back(i);
             });
         }
-        if (patch.size() * kPatchShare >= source.size() && sum >= fall * static_cast<double>(patch.size()))
+        if (patch.size() * kPatchShare >= source.size() && sum >= fall * static_cast<double>(patch.size())) {
             for (const std::size_t i : patch) is_moved[i] = 1;
+            any = true;
+        }
     }
+    if (!any) return map;
     const Sums moved(map.width, map.height, [&](std::size_t i) { return is_moved[i]; });
     const Sums values(map.width, map.height,
                       [&](std::size_t i) { return is_moved[i] ? map.values[source[i]] : 0; });

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <mutex>
 
-#include "pipeline/stages/surface_raster.h"
+#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -122,9 +122,9 @@ double find_noise_px(const DisparityMap& map, int threads) {
     constexpr int kReach_px = 3 * kStride_px;
     Sizes sizes;
     std::mutex adding;
-    for_row_bands(map.height, threads, [&](int begin, int end) {
+    ThreadPool(threads).parallel_for(map.height, [&](std::size_t begin, std::size_t end) {
         Sizes of_band;
-        for (int y = begin; y < end; ++y)
+        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
             for (int x = 0; x < map.width; ++x) {
                 if (x + kReach_px < map.width) add(of_band, x, y, kStride_px, 0);
                 if (y + kReach_px < map.height) add(of_band, x, y, 0, kStride_px);
