@@ -224,8 +224,10 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
+        if (!view.texture.empty())
+            used.push_back(
+                stages::used_pixels(other.texture(), sheet, visible.seen[other.place.right > 0], threads));
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
-        if (!view.texture.empty()) used.push_back(stages::used_pixels(other.texture(), sheet, threads));
         others.views.push_back(std::move(other));
     };
     if (right) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -75,10 +76,11 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
         for (int v = 0; v < height; ++v)
             for (int u = 0; u < width; ++u) visit(u, v, v * kBlock_px + u);
     };
-    bool is_empty = true;
+    bool is_empty = true, is_full = true;
     for_pixels([&](int u, int v, int i) {
         has_colour[i] = is_known[static_cast<std::size_t>(y + v) * atlas.width + x + u];
         is_empty &= !has_colour[i];
+        is_full &= has_colour[i] != 0;
         colours[i] = before;
         if (has_colour[i]) std::copy_n(atlas.at(x + u, y + v), atlas.channels, colours[i].begin());
     });
@@ -101,8 +103,8 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
         has_colour[i] = 1;
     };
     // Colours cross the block at the latest after so many rounds as it has pixels along two sides.
-    for (int round = 0; !is_empty && round < 2 * kBlock_px + kSmoothingRounds; ++round)
-        for_pixels(interpolate);
+    const int rounds = is_empty || is_full ? 0 : 2 * kBlock_px + kSmoothingRounds;
+    for (int round = 0; round < rounds; ++round) for_pixels(interpolate);
     Colour mean = {};
     for_pixels([&](int u, int v, int i) {
         for (int c = 0; c < atlas.channels; ++c) {
@@ -115,12 +117,29 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
 
 }  // namespace
 
-std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, int threads) {
+std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, const SeenSurface& here,
+                              int threads) {
     View view{{}, &sheet.triangles, picture.width, picture.height};
     for (const Vec2f& t : sheet.texcoords)
         view.points.push_back(
             {static_cast<double>(t.x) * picture.width, static_cast<double>(t.y) * picture.height, 0});
-    return rasterise_coverage(view, threads);
+    std::vector<char> used = rasterise_coverage(view, threads);
+    const ViewPlace& place = here.place;
+    const SeenSurface shown = see(sheet, place, threads);
+    const auto pixel_at = [](int at, int size, int other_size) {
+        return static_cast<std::size_t>((2 * static_cast<std::int64_t>(at) + 1) * other_size / (2 * size));
+    };
+    for_row_bands(picture.height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < picture.width; ++x) {
+                const std::size_t there = pixel_at(y, picture.height, place.height) * place.width +
+                                          pixel_at(x, picture.width, place.width);
+                if (here.disparities[there] != kNotCovered &&
+                    std::abs(here.disparities[there] - shown.disparities[there]) <= kOneSurface_px)
+                    used[static_cast<std::size_t>(y) * picture.width + x] = 0;
+            }
+    });
+    return used;
 }
 
 void TextureAtlas::move_in(std::span<Vec2f> texcoords, std::size_t view) const {

@@ -9,6 +9,7 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
+#include "pipeline/stages/other_views/view_place.h"
 
 namespace hexrelief::stages {
 
@@ -25,8 +26,11 @@ struct TextureAtlas {
     void move_in(std::span<Vec2f> texcoords, std::size_t view) const;
 };
 
-// Returns 1 for each pixel of a view's picture, row-major, that a sheet shows by its texture coordinates.
-std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, int threads);
+// Returns 1 for each pixel of a view's picture, row-major, that a sheet shows by its texture coordinates, but
+// for where it overlaps with the surface that it is added to. here: this surface as the view shows it. The
+// same for any number of threads.
+std::vector<char> used_pixels(const Image& picture, const SurfaceMesh& sheet, const SeenSurface& here,
+                              int threads);
 
 // A view's picture at any size, and what is used of it: 1 or 0 per pixel, row-major.
 struct PictureInUse {

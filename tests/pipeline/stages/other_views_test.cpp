@@ -306,8 +306,15 @@ TEST(TextureAtlas, EachViewFindsItsPixels) {
     SurfaceMesh sheet;
     sheet.texcoords = {{80.f / 96, 30.f / 40}, {84.f / 96, 30.f / 40}, {80.f / 96, 34.f / 40}};
     sheet.triangles = {{0, 1, 2}};
-    const std::vector<char> used = used_pixels(right, sheet, 1);
+    for (const Vec2f& t : sheet.texcoords) sheet.image_points.push_back({48 * t.x, 20 * t.y});
+    sheet.disparities = {5, 5, 5};
+    SeenSurface here{{.width = 48, .height = 20}, Disparities(48 * 20, kNotCovered)};
+    const std::vector<char> used = used_pixels(right, sheet, here, 1);
     EXPECT_EQ(std::count(used.begin(), used.end(), 1), 4 + 3 + 2 + 1);
+    here.disparities[15 * 48 + 40] = 5.5;  // the same surface at four of the picture's pixels
+    here.disparities[15 * 48 + 41] = 9;    // another one
+    EXPECT_EQ(std::count(used.begin(), used.end(), 1) - 4,
+              std::ranges::count(used_pixels(right, sheet, here, 1), 1));
     const TextureAtlas atlas = make_atlas(left, {{right, used}});
     std::vector<Vec2f> texcoords = {{0.5f, 0.5f}, {81.5f / 96, 31.5f / 40}};
     atlas.move_in(std::span(texcoords).first(1), 0);
