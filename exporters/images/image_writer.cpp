@@ -7,6 +7,7 @@
 #include <webp/encode.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <csetjmp>
 #include <cstdio>
@@ -64,6 +65,17 @@ bool run_png(png_structp png, png_infop info, const Image& image) {
     return true;
 }
 
+// The same step for all frequencies, which leaves the least mean square error for its bytes: textures are
+// looked at from near as well. libjpeg's tables have larger ones for high frequencies.
+void set_quality(jpeg_compress_struct& jpeg, int quality) {
+    constexpr unsigned kSteps[] = {35, 50};  // of brightness and of colours, at quality 50
+    for (int table = 0; table < 2; ++table) {
+        std::array<unsigned, DCTSIZE2> steps;
+        steps.fill(kSteps[table]);
+        jpeg_add_quant_table(&jpeg, table, steps.data(), jpeg_quality_scaling(quality), TRUE);
+    }
+}
+
 // Separate from its caller, as run_png().
 bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, JpegSink& sink, const Image& image,
               int quality) {
@@ -75,7 +87,7 @@ bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, JpegSink& sink, co
     jpeg.input_components = image.channels;
     jpeg.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
     jpeg_set_defaults(&jpeg);
-    jpeg_set_quality(&jpeg, quality, TRUE);
+    set_quality(jpeg, quality);
     jpeg.optimize_coding = TRUE;  // 5 percent smaller for a few milliseconds per megapixel, still baseline
     for (int i = 0; i < jpeg.num_components; ++i) {  // 4:4:4, no chroma subsampling
         jpeg.comp_info[i].h_samp_factor = 1;

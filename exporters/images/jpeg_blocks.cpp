@@ -162,8 +162,8 @@ bool write_step(Transcoder& coder, const PixelRect& part) {
 
 }  // namespace
 
-std::vector<std::uint8_t> encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
-                                         const PixelRect& part) {
+JpegOfBlocks encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
+                            const PixelRect& part) {
     Transcoder coder;
     if (!header_step(coder, source) || !is_usable(coder.source, picture)) return {};
     const bool reaches = part.x + part.width <= static_cast<int>(coder.source.image_width);
@@ -173,8 +173,9 @@ std::vector<std::uint8_t> encode_jpeg_as(const std::vector<std::uint8_t>& source
     }
     if (coder.keeps_blocks && !coefficients_step(coder)) return {};
     if (!encode_step(coder, picture, part)) return {};
-    if (!coder.keeps_blocks) return std::move(coder.encoded.bytes);
-    return write_step(coder, part) ? std::move(coder.written.bytes) : std::vector<std::uint8_t>{};
+    if (!coder.keeps_blocks) return {std::move(coder.encoded.bytes)};
+    if (!write_step(coder, part)) return {};
+    return {std::move(coder.written.bytes), true};
 }
 
 }  // namespace hexrelief::exporters

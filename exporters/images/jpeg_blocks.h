@@ -12,13 +12,18 @@ namespace hexrelief::exporters {
 // Blocks of a JPEG file are up to this wide and high, px: a part that begins at multiples of it keeps them.
 inline constexpr int kJpegBlock_px = 16;
 
+struct JpegOfBlocks {
+    std::vector<std::uint8_t> bytes;
+    bool keeps_blocks = false;  // the source's own
+};
+
 // Encodes a part of a picture as `source` is encoded: with its tables, chroma subsampling and, if the source
 // is progressive, scans, without its metadata. If the picture's top left is the source's, pixel by pixel, and
 // the part begins at multiples of kJpegBlock_px, the source's own blocks are used there, which loses nothing;
-// the picture may go on below it from the next multiple of kJpegBlock_px. Returns nothing if the source is no
-// JPEG of 8 bits in grey or YCbCr, as the picture is, or its blocks are damaged. `part` lies within the
+// the picture may go on below it from the next multiple of kJpegBlock_px. Returns no bytes if the source is
+// no JPEG of 8 bits in grey or YCbCr, as the picture is, or its blocks are damaged. `part` lies within the
 // picture.
-std::vector<std::uint8_t> encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
-                                         const PixelRect& part);
+JpegOfBlocks encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
+                            const PixelRect& part);
 
 }  // namespace hexrelief::exporters

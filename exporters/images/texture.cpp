@@ -44,8 +44,12 @@ int capped(int side, const PixelRect& part, int max_px) {
     return std::max(1, static_cast<int>(std::lround(static_cast<double>(side) * max_px / longest)));
 }
 
-// Encodes a texture at a quality, or as the file was that it comes from, whichever is smaller: what the file
-// has lost comes back at no quality.
+// A texture that keeps the blocks of the file it comes from is the photograph itself, for up to so many times
+// the bytes of one encoded anew.
+constexpr double kWorthOfBlocks = 4. / 3;
+
+// Encodes a texture at a quality, or as the file was that it comes from if that is smaller, or worth it: what
+// the file has lost comes back at no quality.
 std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& texture,
                                             const TexturedMesh& mesh, int quality) {
     if (!scene.texture_file) return encode_jpeg(texture, quality);
@@ -55,8 +59,10 @@ std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& tex
         return encode_jpeg_as(*scene.texture_file, is_scaled ? texture : *scene.texture,
                               is_scaled ? whole : mesh.part);
     });
-    std::vector<std::uint8_t> encoded = encode_jpeg(texture, quality), kept = keeping.get();
-    return kept.empty() || kept.size() > encoded.size() ? encoded : kept;
+    std::vector<std::uint8_t> anew = encode_jpeg(texture, quality);
+    JpegOfBlocks as_file = keeping.get();
+    const double most = (as_file.keeps_blocks ? kWorthOfBlocks : 1) * static_cast<double>(anew.size());
+    return as_file.bytes.empty() || static_cast<double>(as_file.bytes.size()) > most ? anew : as_file.bytes;
 }
 
 }  // namespace

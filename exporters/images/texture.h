@@ -46,7 +46,8 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 
 // Returns the texture of a textured mesh, cut from the scene's picture.
 Image texture_of(const Image& picture, const TexturedMesh& mesh);
-// Encodes it. A JPEG texture never takes more bytes than one encoded as scene.texture_file is.
+// Encodes it. A JPEG texture never takes more bytes than one encoded as scene.texture_file is, and keeps this
+// file's blocks where it can for at most a third more than the quality takes.
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config);
 
 // The finest level and its texture for an archive's formats, none of which knows WebP.

@@ -29,7 +29,7 @@ std::vector<Field> export_fields() {
             "export.texture", MEMBER(exporting.texture), {"none", "jpeg", "png", "webp"},
             "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out"),
         number("export.texture_quality", MEMBER(exporting.texture_quality), "", {1, 100},
-               "of a JPEG or WebP texture; a JPEG whose own file was smaller keeps that file's blocks"),
+               "of a JPEG or WebP texture; a JPEG keeps its own file's blocks for up to 4/3 of the bytes"),
         number("export.texture_max_px", MEMBER(exporting.texture_max_px), "px", {0, 65500},
                "longest side of the texture, larger ones are scaled down; 0 = as large as it is"),
         flag("export.texture_crop", MEMBER(exporting.texture_crop),

@@ -121,12 +121,12 @@ OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::Found
 // Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
 // used: of each of these, as PictureInUse.
 void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart> used, const Image& left,
-                 SurfaceMesh& mesh) {
+                 SurfaceMesh& mesh, int threads) {
     if (left.empty()) return;
     std::vector<stages::PictureInUse> pictures;
     for (std::size_t i = 0; i < used.size(); ++i)
         pictures.push_back({others.views[i].texture(), std::move(used[i])});
-    others.atlas = stages::make_atlas(left, pictures);
+    others.atlas = stages::make_atlas(left, pictures, threads);
     std::size_t first = 0;
     for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
         others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
@@ -226,9 +226,10 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
-        if (other.place.right > 0) stages::cover(visible, sheet, threads);
         if (!view.texture.empty())
-            used.push_back(stages::used_part(other.texture(), sheet, has_levels, threads));
+            used.push_back(stages::used_part(other.texture(), sheet, visible.seen[other.place.right > 0],
+                                             has_levels, threads));
+        if (other.place.right > 0) stages::cover(visible, sheet, threads);
         others.views.push_back(std::move(other));
     };
     if (right) {
@@ -257,7 +258,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
-    add_texture(others, std::move(used), view.texture, mesh);
+    add_texture(others, std::move(used), view.texture, mesh, threads);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");

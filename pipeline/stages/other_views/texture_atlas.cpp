@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/union_find.h"
 #include "pipeline/stages/surface_raster.h"
 
@@ -144,10 +146,11 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
         for (int v = 0; v < height; ++v)
             for (int u = 0; u < width; ++u) visit(u, v, v * kBlock_px + u);
     };
-    bool is_empty = true;
+    bool is_empty = true, is_full = true;
     for_pixels([&](int u, int v, int i) {
         has_colour[i] = is_known[static_cast<std::size_t>(y + v) * atlas.width + x + u];
         is_empty &= !has_colour[i];
+        is_full &= has_colour[i] != 0;
         colours[i] = before;
         if (has_colour[i]) std::copy_n(atlas.at(x + u, y + v), atlas.channels, colours[i].begin());
     });
@@ -170,8 +173,8 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
         has_colour[i] = 1;
     };
     // Colours cross the block at the latest after so many rounds as it has pixels along two sides.
-    for (int round = 0; !is_empty && round < 2 * kBlock_px + kSmoothingRounds; ++round)
-        for_pixels(interpolate);
+    const int rounds = is_empty || is_full ? 0 : 2 * kBlock_px + kSmoothingRounds;
+    for (int round = 0; round < rounds; ++round) for_pixels(interpolate);
     Colour mean = {};
     for_pixels([&](int u, int v, int i) {
         for (int c = 0; c < atlas.channels; ++c) {
@@ -184,7 +187,8 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
 
 }  // namespace
 
-UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, bool stays_whole, int threads) {
+UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, const SeenSurface& here, bool stays_whole,
+                   int threads) {
     const int width = picture.width, height = picture.height;
     View view{{}, &sheet.triangles, width, height};
     for (const Vec2f& t : sheet.texcoords)
@@ -216,6 +220,22 @@ UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, bool stays_wh
             part.charts[i] = 0;
         else if (part.charts[i] != kNoChart)
             part.charts[i] = sets.find(i);
+
+    const ViewPlace& place = here.place;
+    const SeenSurface shown = see(sheet, place, threads);
+    const auto pixel_at = [](int at, int size, int other_size) {
+        return static_cast<std::size_t>((2 * static_cast<std::int64_t>(at) + 1) * other_size / (2 * size));
+    };
+    for_row_bands(height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y)
+            for (int x = 0; x < width; ++x) {
+                const std::size_t there =
+                    pixel_at(y, height, place.height) * place.width + pixel_at(x, width, place.width);
+                if (here.disparities[there] != kNotCovered &&
+                    std::abs(here.disparities[there] - shown.disparities[there]) <= kOneSurface_px)
+                    part.pixels[static_cast<std::size_t>(y) * width + x] = 0;
+            }
+    });
     return part;
 }
 
@@ -229,7 +249,7 @@ void TextureAtlas::move_in(std::span<Vec2f> texcoords, std::size_t view) const {
     }
 }
 
-TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others) {
+TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others, int threads) {
     const std::vector<Chart> charts = charts_of(others);
     TextureAtlas atlas;
     atlas.places.push_back({left.width, left.height, {blocks_of(left).size(), {0, 0}}});
@@ -267,10 +287,15 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
             }
         });
     }
-    Colour before = {};
-    for (int top = left.height / kBlock_px * kBlock_px; top < picture.height; top += kBlock_px)
-        for (int column = 0; column < picture.width; column += kBlock_px)
-            before = fill_block(picture, is_known, column, top, before);
+    const int first_row = left.height / kBlock_px, rows = picture.height / kBlock_px - first_row;
+    ThreadPool(threads).parallel_for_chunks(rows, [&](std::size_t begin, std::size_t end) {
+        for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+            Colour before = {};
+            std::copy_n(left.at(0, left.height - 1), left.channels, before.begin());
+            for (int column = 0; column < picture.width; column += kBlock_px)
+                before = fill_block(picture, is_known, column, (first_row + row) * kBlock_px, before);
+        }
+    });
     return atlas;
 }
 

@@ -10,12 +10,13 @@
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
+#include "pipeline/stages/other_views/view_place.h"
 
 namespace hexrelief::stages {
 
 // What a sheet shows of a picture by its texture coordinates.
 struct UsedPart {
-    std::vector<char> pixels;  // 1 or 0, row-major
+    std::vector<char> pixels;  // row-major; 1 = shown, and not where the sheet overlaps with another surface
     // Of the picture's blocks of kAtlasBlock_px, row-major: equal numbers for blocks that stay beside each
     // other in an atlas, because triangles span them; kNoChart = nothing there is used.
     std::vector<std::uint32_t> charts;
@@ -23,8 +24,10 @@ struct UsedPart {
 inline constexpr int kAtlasBlock_px = 16;  // whole blocks of a JPEG file, and of a WebP file's halved colours
 inline constexpr std::uint32_t kNoChart = ~std::uint32_t{0};
 
-// stays_whole: all blocks make one chart, for coarser sheets that will show other parts as well.
-UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, bool stays_whole, int threads);
+// here: the surface that the sheet is added to, as the view shows it. stays_whole: all blocks make one chart,
+// for coarser sheets that will show other parts as well.
+UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, const SeenSurface& here, bool stays_whole,
+                   int threads);
 
 // A view's picture at any size, and what is used of it.
 struct PictureInUse {
@@ -49,6 +52,6 @@ struct TextureAtlas {
 
 // Returns the atlas. What is not used, or beside what is, has smooth colours, which take hardly any bytes and
 // do not show where textures are interpolated. The atlas has the left picture's channels.
-TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others);
+TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others, int threads);
 
 }  // namespace hexrelief::stages
