@@ -7,6 +7,7 @@
 #include <iterator>
 #include <vector>
 
+#include "pipeline/data/start_work.h"
 #include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief::stages {
@@ -127,14 +128,17 @@ HoleShares measure_holes(const SurfaceMesh& mesh, const DisparityMap& map, doubl
         right.push_back({x - (d - shift_px), y, d});
         above.push_back({x, y + d - nearest_px, d});
     }
-    const Field rows =
-        field_of(map.height, map.width, [&](int y, int x) { return x + 0.5 - (at(x, y) - shift_px); });
+    auto at_right = start_work(threads, [&] {
+        const Field rows =
+            field_of(map.height, map.width, [&](int y, int x) { return x + 0.5 - (at(x, y) - shift_px); });
+        return open_share(
+            right, mesh, map, [&](int x, int y) { return rows.holds(y, x + 0.5); }, threads);
+    });
     const Field columns =
         field_of(map.width, map.height, [&](int x, int y) { return y + 0.5 + at(x, y) - nearest_px; });
-    return {open_share(
-                right, mesh, map, [&](int x, int y) { return rows.holds(y, x + 0.5); }, threads),
-            open_share(
-                above, mesh, map, [&](int x, int y) { return columns.holds(x, y + 0.5); }, threads)};
+    const double above_share = open_share(
+        above, mesh, map, [&](int x, int y) { return columns.holds(x, y + 0.5); }, threads);
+    return {at_right.get(), above_share};
 }
 
 }  // namespace hexrelief::stages
