@@ -12,7 +12,7 @@ namespace hexrelief::stages {
 namespace {
 
 constexpr int kBlock_px = 8;   // of a JPEG file
-constexpr int kWhole_px = 16;  // of a WebP file, whose colours are halved
+constexpr int kWhole_px = 16;  // of a JPEG or WebP file whose colours are halved
 constexpr int kBeside_px = 1;  // what is so near a used pixel is used, too: it is interpolated with it
 constexpr int kSmoothingRounds = 8;
 
@@ -187,10 +187,13 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
         atlas.places.push_back({static_cast<double>(to_x), static_cast<double>(to_y),
                                 static_cast<double>(other.width), static_cast<double>(other.height)});
     }
+    // In the order of a JPEG file whose colours are halved, so that its blocks of these have one colour, too.
     Colour before = {};
-    for (int top = left.height / kBlock_px * kBlock_px; top < picture.height; top += kBlock_px)
-        for (int column = 0; column < picture.width; column += kBlock_px)
-            before = fill_block(picture, is_known, column, top, before);
+    for (int top = left.height / kWhole_px * kWhole_px; top < picture.height; top += kWhole_px)
+        for (int column = 0; column < picture.width; column += kWhole_px)
+            for (int v = top; v < std::min(top + kWhole_px, picture.height); v += kBlock_px)
+                for (int u = column; u < std::min(column + kWhole_px, picture.width); u += kBlock_px)
+                    before = fill_block(picture, is_known, u, v, before);
     return atlas;
 }
 
