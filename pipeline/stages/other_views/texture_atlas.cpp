@@ -14,7 +14,7 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kBlock_px = 8;   // of a JPEG file in full colours
+constexpr int kBlock_px = 8;   // of a JPEG file
 constexpr int kBeside_px = 1;  // what is so near a used pixel is used, too: it is interpolated with it
 constexpr int kSmoothingRounds = 8;
 
@@ -287,13 +287,18 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
             }
         });
     }
-    const int first_row = left.height / kBlock_px, rows = picture.height / kBlock_px - first_row;
+    // In the order of a JPEG file whose colours are halved, so that its blocks of these have one colour, too.
+    const int first_row = left.height / kAtlasBlock_px, rows = blocks_in(picture.height) - first_row;
     ThreadPool(threads).parallel_for_chunks(rows, [&](std::size_t begin, std::size_t end) {
         for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+            const int top = (first_row + row) * kAtlasBlock_px,
+                      bottom = std::min(top + kAtlasBlock_px, picture.height);
             Colour before = {};
             std::copy_n(left.at(0, left.height - 1), left.channels, before.begin());
-            for (int column = 0; column < picture.width; column += kBlock_px)
-                before = fill_block(picture, is_known, column, (first_row + row) * kBlock_px, before);
+            for (int column = 0; column < picture.width; column += kAtlasBlock_px)
+                for (int v = top; v < bottom; v += kBlock_px)
+                    for (int u = column; u < std::min(column + kAtlasBlock_px, picture.width); u += kBlock_px)
+                        before = fill_block(picture, is_known, u, v, before);
         }
     });
     return atlas;
