@@ -91,9 +91,21 @@ TEST(OtherView, InTheFrameIsWhatLiesBesideWhatTheLeftViewShows) {
     const SeenSurface in_left = see(mesh, place_at(0), kThreads);
     OtherView view = right_view();
     find_missing(view, see(mesh, place_at(1), kThreads), in_left, kThreads);
-    keep_in_frame(view, in_left, kThreads);
+    keep_in_frame(view, frame_of(in_left));
     for (int x = 0; x < kWidth; ++x)  // no longer right of the left view's border
         EXPECT_EQ(view.missing.at(x, 20), x >= 40 && x < 56 ? kWall : kUnknownDisparity) << x;
+}
+
+TEST(OtherView, CutMeshesEndAtTheBorderOfWhatTheLeftViewShows) {
+    const Frame frame = frame_of(see(left_surface(), place_at(0), kThreads));
+    // Of the right view: 10 px right of the left view's border, and one triangle that is all beyond it.
+    DisparityMesh mesh{{{80, 10}, {90, 30}, {106, 10}, {100, 10}, {100, 20}, {106, 20}},
+                       std::vector<float>(6, kWall),
+                       {{0, 2, 1}, {3, 5, 4}}};
+    move_into_frame(mesh, place_at(1), frame);
+    EXPECT_EQ(mesh.points[2], (Vec2f{96, 10}));
+    EXPECT_EQ(mesh.points[0], (Vec2f{80, 10}));
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 2, 1}}));
 }
 
 // The left view with nothing missing yet: the box has the colour 200, the wall 90.
