@@ -232,7 +232,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             missing.map = map_by_surface(missing, visible.seen[1], view, threads);
             drop_background(missing, view.density.background_px);
         }
-        stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
+        stages::find_missing(missing, visible.seen[1], visible.seen[0], view.is_by_points, threads);
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
@@ -248,7 +248,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
                                 visible, threads);
         stages::join_to_surface(left, here, threads);
         add(std::move(left));
-        if (view.is_by_points) add(stages::backing_of(here, view.color));
+        if (view.is_by_points) add(stages::backing_of(here, view.color, behind));
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);

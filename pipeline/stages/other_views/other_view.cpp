@@ -23,6 +23,7 @@ Image mirrored(const Image& image) {
     return result;
 }
 
+constexpr double kJoined_px = 2;
 constexpr double kNear_px = 1;  // of the border of a view: vertices on it are in the view
 
 bool is_seen(const SeenSurface& seen, const ViewPoint& in_left) {
@@ -51,7 +52,8 @@ DisparityMap mirrored(DisparityMap map) {
     return map;
 }
 
-void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& in_left, int threads) {
+void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& in_left, bool only_joined,
+                  int threads) {
     const DisparityMap& map = view.map;
     DisparityMap open{map.width, map.height, std::vector<float>(map.values.size(), kUnknownDisparity)};
     const auto is_open = [&](std::size_t i) {
@@ -72,6 +74,22 @@ void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& i
                 const double d = here.disparities[row + x];
                 return d == kNotCovered ? open.values[row + x] : static_cast<float>(d);
             };
+            for (int x = 0; only_joined && x < map.width; ++x) {
+                if (!is_open(row + x)) continue;
+                const int first = x;
+                while (x + 1 < map.width && is_open(row + x + 1)) ++x;
+                const auto joined = [&](int from, int step) {
+                    float d = beside(from - step);
+                    while (from >= first && from <= x &&
+                           std::abs(open.values[row + from] - d) <= kJoined_px) {
+                        d = open.values[row + from];
+                        from += step;
+                    }
+                    return from;
+                };
+                const int left_end = joined(first, 1), right_end = joined(x, -1);
+                for (int i = left_end; i <= right_end; ++i) open.values[row + i] = kUnknownDisparity;
+            }
             const auto is_wrong = [&](int x) {
                 return is_open(row + x) && !DisparityMap::known(open.values[row + x]);
             };

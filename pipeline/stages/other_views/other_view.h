@@ -30,9 +30,10 @@ DisparityMap mirrored(DisparityMap map);
 
 // Sets `missing` of the right camera's view, which has its map, to what the surface leaves open there. A
 // disparity that would put a pixel in front of what the left camera sees is wrong: the pixel gets the farther
-// of the surfaces beside it in its row. here, in_left: the left view's surface as the right and as the left
-// camera see it.
-void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& in_left, int threads);
+// of the surfaces beside it in its row. only_joined: so do pixels that continue neither of these within
+// steps of 2 px. here, in_left: the left view's surface as the right and as the left camera see it.
+void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& in_left, bool only_joined,
+                  int threads);
 
 // What a view shows of a surface, from the first to the end of the last pixel of each row and column. The
 // first of a row or column without any is not before its end.
