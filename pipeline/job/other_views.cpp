@@ -82,7 +82,8 @@ void drop_background(OtherView& right, float background_px) {
 
 // Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
 SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages::VisibleSurface& visible,
-                     const config::Config& config, Backend& backend, const RunLog& log) {
+                     const stages::Frame& frame, const config::Config& config, Backend& backend,
+                     const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
     const int width = other.place.width, height = other.place.height;
     // Without a density the lattice stays regular.
@@ -99,6 +100,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     if (other.place.right == 0 || left.is_by_points)
         surface.least_discontinuity_px = left.right ? kHiddenStep_px : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
+    if (left.is_by_points) stages::move_into_frame(cut, other.place, frame);
     stages::keep_behind(cut, other.place, visible, backend.threads());
     if (cut.triangles.empty()) return {};
     try {
@@ -222,8 +224,9 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     std::vector<stages::UsedPart> used;
     const bool has_levels = config.exporting.lod > 1;
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
+    const stages::Frame frame = stages::frame_of(visible.seen[0]);
     const auto add = [&](OtherView other) {
-        const SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
+        const SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
         if (!view.texture.empty())
@@ -238,11 +241,11 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             missing.map = map_by_surface(missing, visible.seen[1], view, threads);
             drop_background(missing, view.density.background_px);
         }
-        stages::find_missing(missing, visible.seen[1], visible.seen[0], threads);
+        stages::find_missing(missing, visible.seen[1], visible.seen[0], view.is_by_points, threads);
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
-        if (view.is_by_points) stages::keep_in_frame(missing, visible.seen[0], threads);
+        if (view.is_by_points) stages::keep_in_frame(missing, frame);
         stages::join_to_surface(missing, visible.seen[1], threads);
         add(std::move(missing));
     }
@@ -254,7 +257,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
                                 visible, threads);
         stages::join_to_surface(left, here, threads);
         add(std::move(left));
-        if (view.is_by_points) add(stages::backing_of(here, view.color));
+        if (view.is_by_points) add(stages::backing_of(here, view.color, behind));
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
@@ -271,9 +274,10 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
     const int threads = backend.threads();
     if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
+    const stages::Frame frame = stages::frame_of(visible.seen[0]);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
-        SurfaceMesh sheet = sheet_of(other, view, visible, config, backend, log);
+        SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
         stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
         if (other.place.right > 0) stages::cover(visible, sheet, threads);

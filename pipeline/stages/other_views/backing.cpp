@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kSide_px = 320, kReachShare = 10;
 constexpr int kOverlap_px = 2;            // that the backing reaches beyond a silhouette
+constexpr int kRim_px = 4;                // what is narrower at the border is not met
 constexpr double kBehindFarthest_px = 1;  // of the left view
 constexpr double kFarSide_px = 2;         // from the farthest surface; what is no farther has its colours
 
@@ -92,9 +93,30 @@ Reduced reduced(const SeenSurface& here, int by) {
     return small;
 }
 
+// Brings a surface forward to the ends of each row and column, as far from there as a camera so many
+// baselines beside the view would see it beyond the end; `reach` squares at most.
+void meet_ends(Values& surface, const Values& ends, const Grid& grid, int reach, double baselines) {
+    const auto meet_end = [&](std::size_t end, std::ptrdiff_t inwards, int count) {
+        for (int i = 0; i < std::min(reach, count); ++i) {
+            double& d = surface[end + i * inwards];
+            const double nearer = ends[end] - d, beyond = std::min<double>(reach, nearer * baselines);
+            if (i < beyond) d += nearer * (1 - i / beyond);
+        }
+    };
+    const auto meet_both = [&](std::size_t first, std::ptrdiff_t step, int count) {
+        int begin = 0, last = count - 1;
+        while (begin < last && ends[first + begin * step] == kNotCovered) ++begin;
+        while (begin < last && ends[first + last * step] == kNotCovered) --last;
+        meet_end(first + begin * step, step, last - begin);
+        meet_end(first + last * step, -step, last - begin);
+    };
+    for (int y = 0; y < grid.height; ++y) meet_both(grid.at(0, y), 1, grid.width);
+    for (int x = 0; x < grid.width; ++x) meet_both(grid.at(x, 0), grid.width, grid.height);
+}
+
 }  // namespace
 
-OtherView backing_of(const SeenSurface& here, const Image& picture) {
+OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines) {
     const int longer = std::max(here.place.width, here.place.height);
     const int by = (longer + kSide_px - 1) / kSide_px, radius = longer / by / kReachShare;
     const Reduced small = reduced(here, by);
@@ -107,21 +129,32 @@ OtherView backing_of(const SeenSurface& here, const Image& picture) {
     view.place.height = grid.height;
     view.map = view.missing = {grid.width, grid.height, std::vector<float>(count, kUnknownDisparity)};
 
-    const Values farthest = over_squares(small.nearest, grid, radius, [](double a, double b) {
-        return a == kNotCovered ? b : b == kNotCovered ? a : std::min(a, b);
-    });
-    Values is_covered(count), covered(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        is_covered[i] = farthest[i] != kNotCovered;
-        covered[i] = is_covered[i] > 0 ? farthest[i] : 0;
-    }
-    const Values numbers = sums(is_covered, grid, radius / 2), totals = sums(covered, grid, radius / 2);
+    const auto farthest_within = [&](int squares) {
+        return over_squares(small.nearest, grid, squares, [](double a, double b) {
+            return a == kNotCovered ? b : b == kNotCovered ? a : std::min(a, b);
+        });
+    };
+    const Values farthest = farthest_within(radius);
+    Values is_covered(count);
+    for (std::size_t i = 0; i < count; ++i) is_covered[i] = farthest[i] != kNotCovered;
+    const auto smoothed = [&](Values values, int squares) {
+        for (std::size_t i = 0; i < count; ++i)
+            if (is_covered[i] == 0) values[i] = 0;
+        const Values numbers = sums(is_covered, grid, squares), totals = sums(values, grid, squares);
+        for (std::size_t i = 0; i < count; ++i)
+            values[i] = numbers[i] > 0 ? totals[i] / numbers[i] : kNotCovered;
+        return values;
+    };
+    Values surface = smoothed(farthest, radius / 2);
+    for (double& d : surface) d -= kBehindFarthest_px;
+    meet_ends(surface, farthest_within(kRim_px), grid, radius, baselines / by);
+    surface = smoothed(surface, kRim_px);
     const Values in_front = largest(small.nearest, grid, kOverlap_px),
                  is_near = largest(small.is_silhouette, grid, radius),
                  is_at_end = largest(small.is_open, grid, kOverlap_px);
     for (std::size_t i = 0; i < count; ++i) {
-        if (numbers[i] == 0) continue;
-        const double d = totals[i] / numbers[i] - kBehindFarthest_px;
+        if (surface[i] == kNotCovered) continue;
+        const double d = surface[i];
         view.map.values[i] = static_cast<float>(d / by);
         if (is_near[i] > 0 && is_at_end[i] == 0 && in_front[i] != kNotCovered &&
             in_front[i] - d > kBehindFarthest_px + kOneSurface_px)

@@ -1,6 +1,7 @@
 #include "pipeline/stages/other_views/other_view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -22,6 +23,7 @@ Image mirrored(const Image& image) {
     return result;
 }
 
+constexpr double kJoined_px = 2;
 constexpr double kNear_px = 1;  // of the border of a view: vertices on it are in the view
 
 bool is_seen(const SeenSurface& seen, const ViewPoint& in_left) {
@@ -50,7 +52,8 @@ DisparityMap mirrored(DisparityMap map) {
     return map;
 }
 
-void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& in_left, int threads) {
+void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& in_left, bool only_joined,
+                  int threads) {
     const DisparityMap& map = view.map;
     DisparityMap open{map.width, map.height, std::vector<float>(map.values.size(), kUnknownDisparity)};
     const auto is_open = [&](std::size_t i) {
@@ -71,6 +74,22 @@ void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& i
                 const double d = here.disparities[row + x];
                 return d == kNotCovered ? open.values[row + x] : static_cast<float>(d);
             };
+            for (int x = 0; only_joined && x < map.width; ++x) {
+                if (!is_open(row + x)) continue;
+                const int first = x;
+                while (x + 1 < map.width && is_open(row + x + 1)) ++x;
+                const auto joined = [&](int from, int step) {
+                    float d = beside(from - step);
+                    while (from >= first && from <= x &&
+                           std::abs(open.values[row + from] - d) <= kJoined_px) {
+                        d = open.values[row + from];
+                        from += step;
+                    }
+                    return from;
+                };
+                const int left_end = joined(first, 1), right_end = joined(x, -1);
+                for (int i = left_end; i <= right_end; ++i) open.values[row + i] = kUnknownDisparity;
+            }
             const auto is_wrong = [&](int x) {
                 return is_open(row + x) && !DisparityMap::known(open.values[row + x]);
             };
@@ -86,20 +105,53 @@ void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& i
     view.missing = std::move(open);
 }
 
-void keep_in_frame(OtherView& view, const SeenSurface& in_left, int threads) {
-    const int width = view.place.width;
-    for_row_bands(view.place.height, threads, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) {
-            const std::size_t row = static_cast<std::size_t>(y) * width;
-            int first = 0, last = width - 1;
-            while (first <= last && in_left.disparities[row + first] == kNotCovered) ++first;
-            while (first <= last && in_left.disparities[row + last] == kNotCovered) --last;
-            for (int x = 0; x < width; ++x) {
-                float& d = view.missing.values[row + x];
-                const double there = view.place.to_left({x + 0.5, y + 0.5, d}).x;
-                if (!(there >= first && there <= last + 1)) d = kUnknownDisparity;
-            }
+Frame frame_of(const SeenSurface& seen) {
+    const int width = seen.place.width, height = seen.place.height;
+    Frame frame{{static_cast<std::size_t>(height), {1.0 * width, 0}},
+                {static_cast<std::size_t>(width), {1.0 * height, 0}}};
+    const auto add = [](Frame::Line& line, int at) {
+        line = {std::min(line.first, 1.0 * at), std::max(line.end, at + 1.0)};
+    };
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (seen.disparities[static_cast<std::size_t>(y) * width + x] == kNotCovered) continue;
+            add(frame.rows[y], x);
+            add(frame.columns[x], y);
         }
+    return frame;
+}
+
+void keep_in_frame(OtherView& view, const Frame& left_frame) {
+    for (int y = 0; y < view.place.height; ++y)
+        for (int x = 0; x < view.place.width; ++x) {
+            float& d = view.missing.at(x, y);
+            const double there = view.place.to_left({x + 0.5, y + 0.5, d}).x;
+            if (!(there >= left_frame.rows[y].first && there <= left_frame.rows[y].end))
+                d = kUnknownDisparity;
+        }
+}
+
+void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Frame& left_frame) {
+    const auto line_at = [](const std::vector<Frame::Line>& lines, double at) {
+        return lines[static_cast<std::size_t>(std::clamp(at, 0.0, lines.size() - 1.0))];
+    };
+    for (std::size_t i = 0; i < cut_mesh.points.size(); ++i) {
+        Vec2f& point = cut_mesh.points[i];
+        ViewPoint p = place.to_left({point.x, point.y, cut_mesh.disparities[i]});
+        const Frame::Line row = line_at(left_frame.rows, p.y), column = line_at(left_frame.columns, p.x);
+        const bool has_row = row.first < row.end, has_column = column.first < column.end;
+        const double x = has_row ? row.nearest(p.x) : p.x, y = has_column ? column.nearest(p.y) : p.y;
+        if (x == p.x && y == p.y) continue;
+        if (x == p.x || (y != p.y && std::abs(y - p.y) < std::abs(x - p.x)))
+            p.y = y;
+        else
+            p.x = x;
+        const ViewPoint moved = place.from_left(p);
+        point = {static_cast<float>(moved.x), static_cast<float>(moved.y)};
+    }
+    std::erase_if(cut_mesh.triangles, [&](const Triangle& t) {
+        const Vec2f &a = cut_mesh.points[t[0]], &b = cut_mesh.points[t[1]], &c = cut_mesh.points[t[2]];
+        return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y) <= 0;
     });
 }
 

@@ -1,6 +1,7 @@
 // What another camera sees and the surface so far does not show.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "pipeline/data/disparity_map.h"
@@ -29,13 +30,26 @@ DisparityMap mirrored(DisparityMap map);
 
 // Sets `missing` of the right camera's view, which has its map, to what the surface leaves open there. A
 // disparity that would put a pixel in front of what the left camera sees is wrong: the pixel gets the farther
-// of the surfaces beside it in its row. here, in_left: the left view's surface as the right and as the left
-// camera see it.
-void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& in_left, int threads);
+// of the surfaces beside it in its row. only_joined: so do pixels that continue neither of these within
+// steps of 2 px. here, in_left: the left view's surface as the right and as the left camera see it.
+void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& in_left, bool only_joined,
+                  int threads);
 
-// Drops from `missing` what lies left of the first or right of the last pixel that the left view shows in its
-// row. in_left: as above. The same for any number of threads.
-void keep_in_frame(OtherView& view, const SeenSurface& in_left, int threads);
+// What a view shows of a surface, from the first to the end of the last pixel of each row and column. The
+// first of a row or column without any is not before its end.
+struct Frame {
+    struct Line {
+        double first = 0, end = 0;
+        double nearest(double at) const { return std::clamp(at, first, end); }
+    };
+    std::vector<Line> rows, columns;
+};
+Frame frame_of(const SeenSurface& seen);
+// Drops from `missing` what lies beyond the frame in its row of the left view.
+void keep_in_frame(OtherView& view, const Frame& left_frame);
+// Moves the vertices of a cut mesh of a view that lie beyond the left view's frame to its border, along their
+// row or column of the left view, and drops triangles that this leaves without area.
+void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Frame& left_frame);
 
 // Returns the provenance of each vertex of a surface with all its parts. The left view's part was seen by the
 // left camera. A camera saw a vertex if in its view the surface at the vertex's pixel, or at one beside it,

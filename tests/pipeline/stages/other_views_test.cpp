@@ -67,7 +67,7 @@ TEST(ViewPlace, PointsAndCamerasAgree) {
 TEST(OtherView, MissingIsWhatOnlyTheRightCameraSees) {
     const SurfaceMesh mesh = left_surface();
     OtherView view = right_view();
-    find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), kThreads);
+    find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), false, kThreads);
     for (int x = 0; x < kWidth; ++x) {
         // The wall right of the box, which hid it from the left camera, and right of the left view's border.
         const bool is_missing = (x >= 40 && x < 56) || x >= 96;
@@ -80,20 +80,44 @@ TEST(OtherView, WhatTheLeftCameraWouldSeeInFrontIsReplacedByTheFartherSurface) {
     OtherView view = right_view();
     for (int x = 40; x < 45; ++x) view.map.at(x, 20) = kBox;  // the box seems wider than the left view's
     view.map.at(50, 20) = kUnknownDisparity;
-    find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), kThreads);
+    find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), false, kThreads);
     for (int x = 40; x < 45; ++x) EXPECT_EQ(view.missing.at(x, 20), kWall) << x;
     EXPECT_EQ(view.missing.at(50, 20),
               kUnknownDisparity);  // what the right view does not know is not made up
+}
+
+TEST(OtherView, WhatContinuesNothingInItsRowIsReplacedByTheFartherSurfaceIfAsked) {
+    const SurfaceMesh mesh = left_surface();
+    for (const bool only_joined : {false, true}) {
+        OtherView view = right_view();
+        view.map.at(46, 20) = kWall + 6;
+        find_missing(view, see(mesh, place_at(1), kThreads), see(mesh, place_at(0), kThreads), only_joined,
+                     kThreads);
+        EXPECT_EQ(view.missing.at(46, 20), only_joined ? kWall : kWall + 6);
+        EXPECT_EQ(view.missing.at(47, 20), kWall);
+    }
 }
 
 TEST(OtherView, InTheFrameIsWhatLiesBesideWhatTheLeftViewShows) {
     const SurfaceMesh mesh = left_surface();
     const SeenSurface in_left = see(mesh, place_at(0), kThreads);
     OtherView view = right_view();
-    find_missing(view, see(mesh, place_at(1), kThreads), in_left, kThreads);
-    keep_in_frame(view, in_left, kThreads);
+    find_missing(view, see(mesh, place_at(1), kThreads), in_left, false, kThreads);
+    keep_in_frame(view, frame_of(in_left));
     for (int x = 0; x < kWidth; ++x)  // no longer right of the left view's border
         EXPECT_EQ(view.missing.at(x, 20), x >= 40 && x < 56 ? kWall : kUnknownDisparity) << x;
+}
+
+TEST(OtherView, CutMeshesEndAtTheBorderOfWhatTheLeftViewShows) {
+    const Frame frame = frame_of(see(left_surface(), place_at(0), kThreads));
+    // Of the right view: 10 px right of the left view's border, and one triangle that is all beyond it.
+    DisparityMesh mesh{{{80, 10}, {90, 30}, {106, 10}, {100, 10}, {100, 20}, {106, 20}},
+                       std::vector<float>(6, kWall),
+                       {{0, 2, 1}, {3, 5, 4}}};
+    move_into_frame(mesh, place_at(1), frame);
+    EXPECT_EQ(mesh.points[2], (Vec2f{96, 10}));
+    EXPECT_EQ(mesh.points[0], (Vec2f{80, 10}));
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 2, 1}}));
 }
 
 // The left view with nothing missing yet: the box has the colour 200, the wall 90.
@@ -153,7 +177,7 @@ TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) 
     Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)};
     for (int y = 0; y < kHeight; ++y)
         for (int x = kBoxBegin; x < kBoxEnd; ++x) *picture.at(x, y) = 200;
-    const OtherView view = backing_of(here, picture);
+    const OtherView view = backing_of(here, picture, 1);
     ASSERT_EQ(view.place.scale, 1);
     for (int x = 0; x < kWidth; ++x) {
         const bool is_missing = x >= kBoxBegin - 2 && x < kBoxEnd + 2;
@@ -162,9 +186,19 @@ TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) 
     }
 }
 
+TEST(OtherView, ABackingMeetsTheSurfaceAtTheBorderOfTheView) {
+    SurfaceMesh mesh;
+    add_rectangle(mesh, 0, kWidth - 20, kWall);
+    add_rectangle(mesh, kWidth - 20, kWidth, kBox);
+    const OtherView view = backing_of(see(mesh, place_at(0), kThreads), {}, 1);
+    EXPECT_EQ(view.map.at(20, 20), kWall - 1);
+    EXPECT_GT(view.map.at(kWidth - 1, 20), (kWall + kBox) / 2);
+    for (int x = 60; x + 1 < kWidth; ++x) EXPECT_LE(view.map.at(x, 20), view.map.at(x + 1, 20)) << x;
+}
+
 TEST(OtherView, ABackingOfALargeViewHas320PxAtMost) {
     const SeenSurface here{{0, 0, 0, 1, 1000, 400}, Disparities(400000, 7.0)};
-    const OtherView view = backing_of(here, {});
+    const OtherView view = backing_of(here, {}, 1);
     EXPECT_EQ(view.place.scale, 4);
     EXPECT_EQ(view.place.width, 250);
     for (const float d : view.missing.values) EXPECT_FALSE(DisparityMap::known(d));
