@@ -155,7 +155,7 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
                        ThreadPool& pool) {
     const int width = view.place.width, height = view.place.height;
     Continued result(front.size());
-    pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
+    pool.parallel_for_chunks(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
             std::fill_n(result.disparities.begin() + row, width, kNotCovered);
@@ -167,7 +167,7 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
                                {beyond.right, beyond.mixed_px}, result);
         }
     });
-    pool.parallel_for(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
+    pool.parallel_for_chunks(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
         const auto top = static_cast<std::ptrdiff_t>(begin);
         const std::ptrdiff_t bottom = top + static_cast<std::ptrdiff_t>(height - 1) * width;
         if (beyond.up > 0)
@@ -285,7 +285,7 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
     // The colours are taken before any pixel is painted.
     RawVector<std::uint64_t> colours(continued.disparities.size());
     std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
-    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
             colours[pixel] = colour_of(from);
@@ -297,7 +297,7 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
     });
     // Pixels a stride apart share what is added up, so what lies between is averaged again.
     RawVector<std::uint64_t> means(colours.size());
-    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i];
             means[pixel] =
@@ -320,7 +320,7 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             for (int u = column(x); u < column(x + 1); ++u)
                 std::copy_n(colour, picture.channels, picture.at(u, v));
     };
-    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) paint_at(i);
     });
 }
@@ -369,7 +369,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     });
     Continued continued = continued_in(front, view, beyond, pool);
     smooth(continued, front, place, pool);
-    pool.parallel_for(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i];
             const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
