@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <limits>
 
-#include "pipeline/checks/point_matches.h"
 #include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {

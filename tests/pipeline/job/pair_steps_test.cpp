@@ -6,8 +6,8 @@
 #include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/job/pairs/align_pair.h"
-#include "pipeline/job/steps.h"
 
 namespace hexrelief::job {
 namespace {
