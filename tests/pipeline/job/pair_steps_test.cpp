@@ -8,6 +8,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/job/disparities.h"
 #include "pipeline/job/pairs/align_pair.h"
+#include "pipeline/job/surfaces.h"
 
 namespace hexrelief::job {
 namespace {
