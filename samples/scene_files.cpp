@@ -1,7 +1,6 @@
 #include "samples/scene_files.h"
 
 #include <cstdio>
-#include <string>
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/images/image_writer.h"

@@ -5,18 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "pipeline/data/number_text.h"
+
 namespace hexrelief::exporters {
 namespace {
-
-std::string nine_digits(float value) {  // enough to read the same float back
-    char text[32];
-    std::snprintf(text, sizeof text, "%.9g", value);
-    return text;
-}
 
 float in_six_decimals(float value) {
     return std::strtof(std::to_string(value).c_str(), nullptr);
@@ -68,9 +63,9 @@ void set_box(draco::ExpertEncoder& encoder, int attribute, const Grid<N>& grid, 
     if (!exactly) return;
     draco::Options options = *encoder.options().FindAttributeOptions(attribute);
     std::string origin;
-    for (int axis = 0; axis < N; ++axis) origin += nine_digits(box.origin[axis]) + " ";
+    for (int axis = 0; axis < N; ++axis) origin += number_text(box.origin[axis]) + " ";
     options.SetString("quantization_origin", origin);
-    options.SetString("quantization_range", nine_digits(box.range));
+    options.SetString("quantization_range", number_text(box.range));
     encoder.options().SetAttributeOptions(attribute, options);
 }
 template void set_box(draco::ExpertEncoder&, int, const Grid<2>&, bool);

@@ -5,7 +5,6 @@
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <new>

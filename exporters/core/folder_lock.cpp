@@ -8,10 +8,8 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <string>
 #include <string_view>
 #include <thread>
-#include <vector>
 
 namespace hexrelief::exporters {
 namespace {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
@@ -155,20 +155,19 @@ void check_buffers(const Source& source) {
     }
 }
 
-long long component_bytes(const Source& source, const Json& accessor) {
-    switch (integer(source, accessor, "componentType")) {
-        case 5120:
-        case 5121:
-            return 1;
-        case 5122:
-        case 5123:
-            return 2;
-        case 5125:
-        case 5126:
-            return 4;
-        default:
-            fail_reading(source.path, "an accessor has an unknown component type");
-    }
+struct ComponentType {
+    int code, bytes;
+    float most = 1;  // what stands for 1 where integers are normalised
+};
+
+const ComponentType& component_type(const Source& source, const Json& accessor) {
+    static constexpr ComponentType kTypes[] = {{5120, 1, 127},   {5121, 1, 255}, {5122, 2, 32767},
+                                               {5123, 2, 65535}, {5125, 4},      {5126, 4}};
+    const long long code = integer(source, accessor, "componentType");
+    const auto type =
+        std::ranges::find_if(kTypes, [&](const ComponentType& one) { return one.code == code; });
+    if (type == std::end(kTypes)) fail_reading(source.path, "an accessor has an unknown component type");
+    return *type;
 }
 
 // Returns the accessor, after checking that its elements lie within its buffer view.
@@ -179,7 +178,7 @@ const Json& accessor_at(const Source& source, long long index) {
         const Json& view = item(source, "bufferViews", integer(source, accessor, "bufferView"));
         const std::string type = accessor.value("type", "");
         const long long components = type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 1;
-        const long long size = components * component_bytes(source, accessor);
+        const long long size = components * component_type(source, accessor).bytes;
         const long long stride = integer(source, view, "byteStride", size);
         const long long length =
             integer(source, view, "byteLength") - integer(source, accessor, "byteOffset", 0);
@@ -197,15 +196,7 @@ std::optional<Vec3f> corner(const Source& source, const Json& accessor, const ch
     for (const Json& value : *it) {
         if (!value.is_number()) return std::nullopt;
     }
-    float scale = 1;
-    if (accessor.value("normalized", false)) {
-        const long long type = integer(source, accessor, "componentType");
-        scale = type == 5120   ? 127.f
-                : type == 5121 ? 255.f
-                : type == 5122 ? 32767.f
-                : type == 5123 ? 65535.f
-                               : 1.f;
-    }
+    const float scale = accessor.value("normalized", false) ? component_type(source, accessor).most : 1;
     return Vec3f{(*it)[0].get<float>() / scale, (*it)[1].get<float>() / scale, (*it)[2].get<float>() / scale};
 }
 

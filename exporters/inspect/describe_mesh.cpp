@@ -1,7 +1,6 @@
 #include "exporters/inspect/describe_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>

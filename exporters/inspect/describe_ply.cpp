@@ -2,7 +2,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <string_view>
@@ -15,13 +17,39 @@ namespace {
 namespace fs = std::filesystem;
 
 enum class Encoding { ascii, little_endian, big_endian };
-enum class Number { i8, u8, i16, u16, i32, u32, f32, f64 };
+template <typename T>
+double number_in(const char* bytes) {
+    T value;
+    std::memcpy(&value, bytes, sizeof value);
+    return static_cast<double>(value);
+}
+
+struct NumberType {
+    std::string_view name, other_name;
+    std::size_t bytes;
+    double (*read)(const char* bytes);
+};
+template <typename T>
+constexpr NumberType type_of(std::string_view name, std::string_view other_name) {
+    return {name, other_name, sizeof(T), number_in<T>};
+}
+constexpr NumberType kNumberTypes[] = {
+    type_of<std::int8_t>("char", "int8"),    type_of<std::uint8_t>("uchar", "uint8"),
+    type_of<std::int16_t>("short", "int16"), type_of<std::uint16_t>("ushort", "uint16"),
+    type_of<std::int32_t>("int", "int32"),   type_of<std::uint32_t>("uint", "uint32"),
+    type_of<float>("float", "float32"),      type_of<double>("double", "float64")};
+
+// Returns null for any other name.
+const NumberType* find_type(std::string_view name) {
+    const auto found = std::ranges::find_if(
+        kNumberTypes, [&](const NumberType& type) { return name == type.name || name == type.other_name; });
+    return found == std::end(kNumberTypes) ? nullptr : found;
+}
 
 struct Property {
     std::string name;
-    Number type = Number::f32;
-    bool list = false;
-    Number count_type = Number::u8;
+    const NumberType* type = nullptr;
+    const NumberType* count_type = nullptr;  // of a list; null = it is none
 };
 
 struct Element {
@@ -29,23 +57,6 @@ struct Element {
     long long count = 0;
     std::vector<Property> properties;
 };
-
-std::size_t size_of(Number type) {
-    constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<int>(type)];
-}
-
-bool to_number_type(std::string_view name, Number& type) {
-    constexpr const char* kNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                                         {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                                         {"float", "float32"}, {"double", "float64"}};
-    for (int i = 0; i < 8; ++i) {
-        if (name != kNames[i][0] && name != kNames[i][1]) continue;
-        type = static_cast<Number>(i);
-        return true;
-    }
-    return false;
-}
 
 std::vector<std::string_view> words_of(std::string_view line) {
     std::vector<std::string_view> words;
@@ -126,11 +137,10 @@ class PlyReader {
 
     void add_property(std::string_view line, const std::vector<std::string_view>& words) {
         Property property;
-        property.list = words.size() == 5 && words[1] == "list";
-        const bool sound = !elements_.empty() &&
-                           (property.list ? to_number_type(words[2], property.count_type) &&
-                                                to_number_type(words[3], property.type)
-                                          : words.size() == 3 && to_number_type(words[1], property.type));
+        const bool is_list = words.size() == 5 && words[1] == "list";
+        if (is_list) property.count_type = find_type(words[2]);
+        if (is_list || words.size() == 3) property.type = find_type(words[words.size() - 2]);
+        const bool sound = !elements_.empty() && property.type && (!is_list || property.count_type);
         if (!sound) fail_header(line);
         property.name = std::string(words.back());
         if (elements_.back().name == "vertex") {
@@ -142,7 +152,7 @@ class PlyReader {
         elements_.back().properties.push_back(property);
     }
 
-    double next_number(Number type) {
+    double next_number(const NumberType& type) {
         if (encoding_ == Encoding::ascii) {
             const std::size_t begin = rest_.find_first_not_of(" \t\r\n");
             rest_.remove_prefix(std::min(begin, rest_.size()));
@@ -154,34 +164,11 @@ class PlyReader {
             return value;
         }
         char bytes[8];
-        const std::size_t size = size_of(type);
-        if (rest_.size() < size) fail("it is truncated");
-        std::memcpy(bytes, rest_.data(), size);
-        rest_.remove_prefix(size);
-        if (encoding_ == Encoding::big_endian) std::reverse(bytes, bytes + size);
-        const auto as = [&]<typename T>(T value) {
-            std::memcpy(&value, bytes, sizeof value);
-            return static_cast<double>(value);
-        };
-        switch (type) {
-            case Number::i8:
-                return as(std::int8_t{});
-            case Number::u8:
-                return as(std::uint8_t{});
-            case Number::i16:
-                return as(std::int16_t{});
-            case Number::u16:
-                return as(std::uint16_t{});
-            case Number::i32:
-                return as(std::int32_t{});
-            case Number::u32:
-                return as(std::uint32_t{});
-            case Number::f32:
-                return as(float{});
-            case Number::f64:
-                return as(double{});
-        }
-        return 0;
+        if (rest_.size() < type.bytes) fail("it is truncated");
+        std::memcpy(bytes, rest_.data(), type.bytes);
+        rest_.remove_prefix(type.bytes);
+        if (encoding_ == Encoding::big_endian) std::reverse(bytes, bytes + type.bytes);
+        return type.read(bytes);
     }
 
     void read_item(const Element& element) {
@@ -189,12 +176,12 @@ class PlyReader {
         Vec3f point;
         int coordinates = 0;
         for (const Property& property : element.properties) {
-            if (property.list) {
-                const double count = next_number(property.count_type);
+            if (property.count_type) {
+                const double count = next_number(*property.count_type);
                 if (!(count >= 0) || count > static_cast<double>(rest_.size())) fail("it is truncated");
                 const bool indices = is_face && property.name.starts_with("vertex_ind");
                 for (auto left = static_cast<long long>(std::ceil(count)); left > 0; --left) {
-                    const double index = next_number(property.type);
+                    const double index = next_number(*property.type);
                     if (indices && !(index >= 0 && index < static_cast<double>(out_.vertices))) {
                         fail("a face uses a vertex that is not there");
                     }
@@ -202,7 +189,7 @@ class PlyReader {
                 if (indices) out_.triangles += std::max(0LL, static_cast<long long>(count) - 2);
                 continue;
             }
-            const double value = next_number(property.type);
+            const double value = next_number(*property.type);
             if (is_vertex && property.name == "provenance" && value >= 0 &&
                 value < static_cast<double>(out_.provenance.size()))
                 ++out_.provenance[static_cast<std::size_t>(value)];

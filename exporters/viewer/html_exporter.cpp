@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/gltf_exporter.h"
@@ -18,6 +14,7 @@
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/viewer/viewer_page.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
@@ -123,9 +120,7 @@ std::string facts_json(const Scene& scene, const Json& bytes, const fs::path& pa
 }
 
 std::string printed(double value, int decimals) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*f", decimals, value);
-    std::string out = text;
+    std::string out = fixed(value, decimals);
     // Thousands are separated by a narrow no-break space.
     const std::size_t point = std::min(out.find('.'), out.size());
     for (std::size_t at = point; at > 3 && std::isdigit(static_cast<unsigned char>(out[at - 4]));) {
@@ -146,13 +141,9 @@ std::string row(const std::vector<GalleryColumn>& columns, const GalleryEntry& e
     for (std::size_t i = 0; i < columns.size(); ++i) {
         const double value = entry.values.at(i);
         out += "<td data-name=\"" + html_escaped(columns[i].name) + "\"";
-        if (std::isfinite(value)) {
-            char exact[64];
-            std::snprintf(exact, sizeof exact, "%.17g", value);
-            out += std::string(" data-value=\"") + exact + "\">" + printed(value, columns[i].decimals);
-        } else {
-            out += ">–";
-        }
+        out += std::isfinite(value)
+                   ? " data-value=\"" + number_text(value, 17) + "\">" + printed(value, columns[i].decimals)
+                   : ">–";
         out += "</td>";
     }
     return out + "</tr>\n";

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "pipeline/alignment/disparity_bounds.h"
-#include "pipeline/alignment/estimate.h"
 #include "pipeline/alignment/grey_picture.h"
 #include "pipeline/alignment/median.h"
 #include "pipeline/alignment/resample.h"
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::alignment {
 namespace {
@@ -118,12 +117,6 @@ constexpr double kLargestTurnCosine =
     0.848048096156426;  // of 32 degrees; a cosine, as processors agree on it
 constexpr double kLargestRowMedian_px = 0.75, kLeastParallax_px = 3;
 
-std::string number(double value, const char* format) {
-    char text[32];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 bool are_rows_aligned(const std::vector<Match>& matches) {
     std::vector<double> near;
     for (const Match& match : matches)
@@ -170,18 +163,18 @@ std::string obstacle(const Estimate& estimate) {
                " parts of the scene";
     if (const double cosine = turn_cosine(estimate); cosine < kLargestTurnCosine)
         return "the camera went forward, not sideways (" +
-               number(std::acos(cosine) * 180 / std::acos(-1.0), "%.0f") + " degrees off)";
+               fixed(std::acos(cosine) * 180 / std::acos(-1.0), 0) + " degrees off)";
     const double ratio = factor_of(estimate.fit.parameters[kFocalRatio]);
     if (const double larger = std::max(ratio, 1 / ratio); larger > kLargestRatio)
-        return "the camera went forward, not sideways: one picture is " + number(100 * (larger - 1), "%.0f") +
+        return "the camera went forward, not sideways: one picture is " + fixed(100 * (larger - 1), 0) +
                " % larger";
     if (estimate.after.median_px > kLargestRowMedian_px)
-        return "rows stay off by " + number(estimate.after.median_px, "%.2f") + " px of " +
+        return "rows stay off by " + fixed(estimate.after.median_px, 2) + " px of " +
                std::to_string(kWorkingSide_px);
     const std::vector<double> disparities = estimate.disparities();
     const double parallax = quantile(disparities, 0.98) - quantile(disparities, 0.02);
     if (parallax < kLeastParallax_px)
-        return "the camera was turned, not moved: points shift by " + number(parallax, "%.1f") + " px of " +
+        return "the camera was turned, not moved: points shift by " + fixed(parallax, 1) + " px of " +
                std::to_string(kWorkingSide_px);
     return {};
 }

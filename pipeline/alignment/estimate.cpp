@@ -4,9 +4,7 @@
 #include <cmath>
 #include <span>
 #include <utility>
-#include <vector>
 
-#include "pipeline/alignment/fit.h"
 #include "pipeline/alignment/median.h"
 
 namespace hexrelief::alignment {

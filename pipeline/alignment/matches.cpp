@@ -1,10 +1,8 @@
 #include "pipeline/alignment/matches.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <optional>
-#include <utility>
 
 #include "pipeline/base/uninitialized_vector.h"
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/job/log/run_log.h"
 
 namespace hexrelief::batch {
@@ -55,13 +56,13 @@ std::string progress_bar(const BatchCounts& counts, double seconds) {
     if (counts.failed > 0) bar += ", " + std::to_string(counts.failed) + " failed";
     const double per_second = rate(counts, seconds);
     if (per_second <= 0) return bar;
-    return bar + ", " + job::fixed(per_second, 1) + " a second, " +
+    return bar + ", " + fixed(per_second, 1) + " a second, " +
            clock_text(static_cast<double>(counts.units - counts.ended()) / per_second) + " left";
 }
 
 std::string batch_summary(const BatchCounts& counts, double seconds) {
     std::string text = std::to_string(counts.units) + (counts.units == 1 ? " row in " : " rows in ") +
-                       job::fixed(seconds, 2) + " s, " + job::fixed(rate(counts, seconds), 1) + " a second: ";
+                       fixed(seconds, 2) + " s, " + fixed(rate(counts, seconds), 1) + " a second: ";
     if (counts.would_run > 0)
         text += std::to_string(counts.would_run) + " to do, ";
     else

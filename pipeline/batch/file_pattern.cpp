@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"

@@ -7,7 +7,6 @@
 #include <optional>
 #include <sstream>
 #include <string_view>
-#include <utility>
 
 #include "pipeline/data/error.h"
 #include "pipeline/data/nesting.h"

@@ -23,7 +23,7 @@ Json report_of(const TableRow& row) {
     const bool has_report =
         row.result.outcome == UnitOutcome::done || row.result.outcome == UnitOutcome::up_to_date;
     if (!has_report || row.report.empty()) return nullptr;
-    return job::read_report(row.report);
+    return job::read_json(row.report);
 }
 
 bool is_list_of_texts(const Json& json) {

@@ -1,6 +1,7 @@
 #include "pipeline/batch/unit.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <new>
 #include <system_error>
@@ -15,6 +16,8 @@ namespace hexrelief::batch {
 namespace {
 
 constexpr int kBug = 1, kMemory = 6;
+constexpr const char* kOutOfMemory =
+    "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
 // Resets the process's peak memory. On kernels that cannot, it remains the peak so far.
 void forget_peak_memory() {
@@ -69,13 +72,16 @@ UnitResult result_of_exception() {
     } catch (const Error& error) {
         result.exit_code = static_cast<int>(error.kind());
         result.message = error.what();
+    } catch (const std::filesystem::filesystem_error& error) {  // a file that vanished or is inaccessible
+        result.exit_code = static_cast<int>(ErrorKind::input);
+        result.message = "cannot use '" + error.path1().string() + "': " + error.code().message();
     } catch (const std::bad_alloc&) {
         result.exit_code = kMemory;
-        result.message = "out of memory";
+        result.message = kOutOfMemory;
     } catch (const std::system_error& error) {  // thrown by threads, which need memory
         const bool memory = error.code() == std::errc::resource_unavailable_try_again;
         result.exit_code = memory ? kMemory : kBug;
-        result.message = memory ? "out of memory" : std::string("internal error: ") + error.what();
+        result.message = memory ? kOutOfMemory : std::string("internal error: ") + error.what();
     } catch (const std::exception& error) {
         result.message = std::string("internal error: ") + error.what();
     } catch (...) {

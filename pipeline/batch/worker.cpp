@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/files/interrupt.h"
 
 namespace hexrelief::batch {
@@ -179,10 +180,8 @@ std::vector<std::string> devices_of(const std::string& text) {
     const std::vector<std::string> names = device_names();
     if (names.empty()) throw Error(ErrorKind::device, "--gpus: no usable GPU; see 'hexrelief devices'");
     if (text == "all") return names;
-    std::size_t count = 0;
-    int end = 0;
-    if (std::sscanf(text.c_str(), "%3zu%n", &count, &end) != 1 ||
-        static_cast<std::size_t>(end) != text.size() || count < 1 || count > names.size())
+    const std::size_t count = whole_number(text).value_or(0);
+    if (count < 1 || count > names.size())
         throw Error(ErrorKind::usage, "--gpus: must be 'all' or a number from 1 to " +
                                           std::to_string(names.size()) + ", not '" + text + "'");
     return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "pipeline/base/thread_pool.h"
-#include "pipeline/checks/point_matches.h"
 #include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {

@@ -2,8 +2,9 @@
 // inputs, not close to that of any one scene: EXPERIMENTS.md has both.
 #pragma once
 
-#include <cstdio>
 #include <string>
+
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::checks {
 
@@ -62,19 +63,11 @@ constexpr double kLeastDepth_m = 0.05, kLargestDepth_m = 1000;
 
 // Returns a number with three digits or more: 0.0123, 1.23, 1234.
 inline std::string figure(double value) {
-    char text[32];
-    const double size = value < 0 ? -value : value;
-    if (size >= 100)
-        std::snprintf(text, sizeof text, "%.0f", value);
-    else
-        std::snprintf(text, sizeof text, "%.3g", value);
-    return text;
+    return value > -100 && value < 100 ? number_text(value, 3) : fixed(value, 0);
 }
 
 inline std::string percent(double share) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
-    return text;
+    return fixed(100 * share, 0) + " %";
 }
 
 }  // namespace hexrelief::checks

@@ -14,8 +14,8 @@
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/cli/run_options.h"
-#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/config/shell_words.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
@@ -241,8 +241,8 @@ void write_table(const TableFiles& table, const std::vector<batch::BatchUnit>& u
         rows.push_back(std::move(row));
     }
     files::OutputSet files;
-    job::write_text_file(batch::table_csv(rows), table.csv, files);
-    job::write_text_file(batch::table_json(rows), table.json, files);
+    files.write(table.csv, batch::table_csv(rows));
+    files.write(table.json, batch::table_json(rows));
     files.commit();
 }
 

@@ -3,7 +3,7 @@
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"

@@ -10,8 +10,8 @@
 
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/cli/run_options.h"
-#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/config/shell_words.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"

@@ -3,7 +3,7 @@
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/gallery/gallery.h"
-#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/printable.h"
 
 namespace hexrelief::cli {
 

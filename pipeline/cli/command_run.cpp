@@ -11,9 +11,8 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/manual.h"
 #include "pipeline/cli/piped_inputs.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/cli/run_options.h"
-#include "pipeline/cli/standard_output.h"
-#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::cli {
@@ -185,35 +184,44 @@ void add_run_options(Command& command, FileRequest& files, Options& options, Ver
     add_job_options(command, options);
 }
 
+Options told_on_terminal(Options options, Verbosity verbosity, ProgressLine& progress) {
+    const bool verbose = verbosity == Verbosity::verbose,
+               shows = verbosity == Verbosity::summary && isatty(STDERR_FILENO);
+    if (shows)
+        options.progress = [&](const std::string& stage, double share) { progress.show(stage, share); };
+    options.stage_ended = [&, verbose, shows](const std::string& stage, double seconds) {
+        if (shows) progress.end(stage);
+        if (verbose) std::fprintf(stderr, "%-10s %8.3f s\n", stage.c_str(), seconds);
+    };
+    if (verbose)
+        options.decided = [](const std::string& decision) {
+            std::fprintf(stderr, "  %s\n", printable(decision).c_str());
+        };
+    if (verbosity != Verbosity::quiet)
+        options.warn = [&](const std::string& warning) {
+            progress.break_line();
+            print_warning(warning);
+        };
+    return options;
+}
+
 namespace {
+
+// Throws Error(usage) if one of the outputs is the standard output, and that is a terminal.
+void refuse_terminal(const std::vector<std::string>& outputs) {
+    for (const std::string& output : outputs)
+        if (isatty(STDOUT_FILENO) && uses_standard_output({.outputs = {output}}))
+            throw Error(ErrorKind::usage,
+                        "-o " + output +
+                            ": the standard output is a terminal, which cannot show a mesh; "
+                            "redirect it, as in '-o - > relief.glb'");
+}
 
 void run_files_and_tell(const FileRequest& files, const Options& options, Verbosity verbosity) {
     const auto begun = std::chrono::steady_clock::now();
     const bool quiet = verbosity == Verbosity::quiet, verbose = verbosity == Verbosity::verbose;
-    Options said = options;
-    ProgressLine progress(!quiet && !verbose && isatty(STDERR_FILENO));
-    std::string shown;  // the stage that the progress line shows
-    said.progress = [&](const std::string& stage, double share) {
-        if (shown == stage)
-            progress.update(share);
-        else
-            progress.begin(shown = stage);
-    };
-    said.stage_ended = [&](const std::string& stage, double seconds) {
-        progress.end();
-        shown.clear();
-        if (verbose) std::fprintf(stderr, "%-10s %8.3f s\n", stage.c_str(), seconds);
-    };
-    if (verbose)
-        said.decided = [](const std::string& decision) {
-            std::fprintf(stderr, "  %s\n", printable(decision).c_str());
-        };
-    if (!quiet)
-        said.warn = [&](const std::string& warning) {
-            progress.break_line();
-            print_warning(warning);
-        };
-    const RunSummary summary = run(files, said);
+    ProgressLine progress;
+    const RunSummary summary = run(files, told_on_terminal(options, verbosity, progress));
     if (summary.is_up_to_date) {
         if (!quiet) std::printf("%s: up to date\n", printable(files.report).c_str());
         return end_telling();

@@ -24,17 +24,11 @@ Json json_value(const FieldValue& value) {
         value);
 }
 
-// Returns the object inside root that holds the last name of a dotted path, and stores that name in
-// leaf. Makes missing objects.
-Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
-    Json* node = &root;
-    std::size_t from = 0;
-    for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', from)) {
-        node = &(*node)[path.substr(from, dot - from)];
-        from = dot + 1;
-    }
-    leaf = path.substr(from);
-    return *node;
+// Returns the place of a dotted path in nested objects, of which each level is below `level`.
+Json::json_pointer place_of(const std::string& path, const std::string& level = "/") {
+    std::string place = level;
+    for (const char c : path) place += c == '.' ? level : std::string(1, c);
+    return Json::json_pointer(place);
 }
 
 // Escapes what a terminal obeys, in a JSON string, which escapes the characters below a space alone: C1
@@ -90,10 +84,8 @@ std::string short_type(const Field& field) {
     if (field.type == FieldType::choice) return type;
     type = format_value(FieldValue(field.range.min)) + " .. " + format_value(FieldValue(field.range.max));
     if (!field.unit.empty()) type += " " + field.unit;
-    if (field.type == FieldType::integer || field.type == FieldType::optional_integer) type += ", integer";
-    if (field.type == FieldType::optional_real || field.type == FieldType::optional_integer)
-        type += ", or null";
-    return type;
+    return type + (field.type == FieldType::integer ? ", integer" : "") +
+           (field.is_optional ? ", or null" : "");
 }
 
 std::string indent_of(const std::string& path) {
@@ -138,20 +130,18 @@ Json field_schema(const Field& field, const FieldValue& initial) {
     Json schema;
     schema["description"] = help_of(field) + (field.unit.empty() ? "" : " [" + field.unit + "]");
     // In the order of FieldType.
-    constexpr const char* kTypes[] = {"boolean", "integer", "integer", "number",
-                                      "number",  "",        "string",  "string"};
+    constexpr const char* kTypes[] = {"boolean", "integer", "number", "", "string", "string"};
     const char* const type = kTypes[static_cast<std::size_t>(field.type)];
     if (field.type == FieldType::choice)
         schema["enum"] = field.choices;
-    else if (field.type == FieldType::boolean || field.type == FieldType::integer ||
-             field.type == FieldType::real)
-        schema["type"] = type;
-    else
+    else if (field.is_optional || field.type >= FieldType::text)
         schema["type"] = {type, "null"};
-    if (field.type == FieldType::integer || field.type == FieldType::optional_integer) {
+    else
+        schema["type"] = type;
+    if (field.type == FieldType::integer) {
         schema["minimum"] = static_cast<long long>(field.range.min);
         schema["maximum"] = static_cast<long long>(field.range.max);
-    } else if (field.type == FieldType::real || field.type == FieldType::optional_real) {
+    } else if (field.type == FieldType::real) {
         schema["minimum"] = field.range.min;
         schema["maximum"] = field.range.max;
     }
@@ -187,10 +177,7 @@ std::string config_yaml(const Config& config) {
 
 Json config_json(const Config& config) {
     Json root;
-    for (const Field& field : config_fields()) {
-        std::string leaf;
-        parent_of(root, field.path, leaf)[leaf] = json_value(field.get(config));
-    }
+    for (const Field& field : config_fields()) root[place_of(field.path)] = json_value(field.get(config));
     return root;
 }
 
@@ -200,22 +187,12 @@ std::string config_schema() {
                  {"type", {"object", "null"}},
                  {"additionalProperties", false},
                  {"properties", Json::object()}};
-    const auto home_of = [&root](const std::string& path, std::string& leaf) -> Json& {
-        Json* node = &root["properties"];
-        std::size_t from = 0;
-        for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', from)) {
-            node = &(*node)[path.substr(from, dot - from)]["properties"];
-            from = dot + 1;
-        }
-        leaf = path.substr(from);
-        return *node;
-    };
-    std::string leaf;
+    const std::string level = "/properties/";
     for (const Section& section : config_sections())
-        home_of(section.path, leaf)[leaf] = section_schema(section);
+        root[place_of(section.path, level)] = section_schema(section);
     const Config defaults;
     for (const Field& field : config_fields())
-        home_of(field.path, leaf)[leaf] = field_schema(field, field.get(defaults));
+        root[place_of(field.path, level)] = field_schema(field, field.get(defaults));
     return root.dump(2) + "\n";
 }
 

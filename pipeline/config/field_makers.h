@@ -76,7 +76,8 @@ Field file(const std::string& path, Access access, const std::string& help, cons
 template <typename Access>
 Field optional(const std::string& path, Access access, const std::string& unit, const ValueRange& range,
                const std::string& help, const FieldOption& option = {}) {
-    Field field{path, unit, help, FieldType::optional_real, range, {}, option, {}, {}};
+    Field field = number(path, access, unit, range, help, option);
+    field.is_optional = true;
     field.get = [access](const Config& config) -> FieldValue {
         const double value = access(const_cast<Config&>(config));
         return std::isnan(value) ? FieldValue{} : FieldValue{value};
@@ -91,7 +92,8 @@ Field optional(const std::string& path, Access access, const std::string& unit, 
 template <typename Access>
 Field optional_integer(const std::string& path, Access access, const std::string& unit,
                        const ValueRange& range, const std::string& help, const FieldOption& option = {}) {
-    Field field{path, unit, help, FieldType::optional_integer, range, {}, option, {}, {}};
+    Field field = number(path, access, unit, range, help, option);
+    field.is_optional = true;
     field.get = [access](const Config& config) -> FieldValue {
         const int value = access(const_cast<Config&>(config));
         return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};

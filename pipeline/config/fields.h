@@ -18,7 +18,7 @@ int edit_distance(const std::string& a, const std::string& b);
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
 // A file name in a YAML file is relative to that file.
-enum class FieldType { boolean, integer, optional_integer, real, optional_real, choice, text, file };
+enum class FieldType { boolean, integer, real, choice, text, file };
 
 // monostate = null: an optional value that is not given.
 using FieldValue = std::variant<std::monostate, bool, long long, double, std::string>;
@@ -40,6 +40,7 @@ struct Field {
     FieldOption option;
     std::function<FieldValue(const Config&)> get;
     std::function<void(Config&, const FieldValue&)> set;  // the value must have the field's type and range
+    bool is_optional = false;                             // null = not given
 };
 
 struct Section {

@@ -4,9 +4,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "pipeline/config/fields.h"
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief::config {
 namespace {

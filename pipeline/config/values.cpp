@@ -38,52 +38,26 @@ std::optional<FieldValue> number_of(const std::string& text) {
 
 // Returns none if the text has another type.
 std::optional<FieldValue> value_of(const Field& field, const std::string& text) {
-    switch (field.type) {
-        case FieldType::boolean:
-            if (text == "true" || text == "True" || text == "yes" || text == "on") return true;
-            if (text == "false" || text == "False" || text == "no" || text == "off") return false;
-            return std::nullopt;
-        case FieldType::optional_integer:
-            return is_null(text) ? FieldValue() : number_of<long long>(text);
-        case FieldType::integer:
-            return number_of<long long>(text);
-        case FieldType::optional_real:
-            return is_null(text) ? FieldValue() : number_of<double>(text);
-        case FieldType::real:
-            return number_of<double>(text);
-        case FieldType::choice:
-            return text;
-        case FieldType::text:
-        case FieldType::file:
-            break;
+    if (field.is_optional && is_null(text)) return FieldValue();
+    if (field.type == FieldType::boolean) {
+        if (text == "true" || text == "True" || text == "yes" || text == "on") return true;
+        if (text == "false" || text == "False" || text == "no" || text == "off") return false;
+        return std::nullopt;
     }
-    return is_null(text) ? std::string() : text;
+    if (field.type == FieldType::integer) return number_of<long long>(text);
+    if (field.type == FieldType::real) return number_of<double>(text);
+    return is_null(text) && field.type != FieldType::choice ? std::string() : text;
 }
 
 bool takes(const Field& field, const FieldValue& value) {
+    if (std::holds_alternative<std::monostate>(value)) return field.is_optional;
     const auto* const integer = std::get_if<long long>(&value);
     const auto* const real = std::get_if<double>(&value);
-    const bool is_none = std::holds_alternative<std::monostate>(value);
-    const bool is_integer = integer && field.range.holds(static_cast<double>(*integer));
-    const bool is_real = real && field.range.holds(*real);
-    switch (field.type) {
-        case FieldType::boolean:
-            return std::holds_alternative<bool>(value);
-        case FieldType::optional_integer:
-            return is_none || is_integer;
-        case FieldType::integer:
-            return is_integer;
-        case FieldType::optional_real:
-            return is_none || is_real;
-        case FieldType::real:
-            return is_real;
-        case FieldType::choice:
-            return std::find(field.choices.begin(), field.choices.end(), format_value(value)) !=
-                   field.choices.end();
-        case FieldType::text:
-        case FieldType::file:
-            break;
-    }
+    if (field.type == FieldType::boolean) return std::holds_alternative<bool>(value);
+    if (field.type == FieldType::integer) return integer && field.range.holds(static_cast<double>(*integer));
+    if (field.type == FieldType::real) return real && field.range.holds(*real);
+    if (field.type == FieldType::choice)
+        return std::ranges::find(field.choices, format_value(value)) != field.choices.end();
     return std::holds_alternative<std::string>(value);
 }
 
@@ -102,10 +76,9 @@ std::string describe_type(const Field& field) {
         return "one of " + names;
     }
     // In the order of FieldType.
-    constexpr const char* kTypes[] = {"true or false", "an integer",       "null or an integer",
-                                      "a number",      "null or a number", "",
-                                      "a text",        "a file name"};
-    const std::string type = kTypes[static_cast<std::size_t>(field.type)];
+    constexpr const char* kTypes[] = {"true or false", "an integer", "a number", "", "a text", "a file name"};
+    const std::string type =
+        (field.is_optional ? "null or " : "") + std::string(kTypes[static_cast<std::size_t>(field.type)]);
     if (!type.ends_with("integer") && !type.ends_with("number")) return type;
     return type + " from " + format_number(field.range.min) + " to " + format_number(field.range.max) +
            (field.unit.empty() ? "" : " " + field.unit);

@@ -1,7 +1,6 @@
 // The lattice mesh in the image, cut along depth discontinuities, with a disparity per vertex.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "pipeline/data/geometry.h"

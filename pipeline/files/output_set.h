@@ -52,6 +52,12 @@ class OutputSet {
     // Prepares the writing of `path` to files(): makes its folder if it is missing, or directs it
     // to the standard output.
     void place(const std::filesystem::path& path);
+    // Places and writes a file. Throws Error(output) as FileTransaction::write() does.
+    template <typename Bytes>
+    void write(const std::filesystem::path& path, const Bytes& bytes) {
+        place(path);
+        files_.write(path, bytes);
+    }
     exporters::FileTransaction& files() { return files_; }
     const std::vector<WrittenFile>& written() const { return written_; }
     // Throws Error(output) as FileTransaction::commit() does.

@@ -3,10 +3,7 @@
 #include <nettle/sha2.h>
 #include <sys/stat.h>
 
-#include <array>
-#include <cstdint>
 #include <fstream>
-#include <vector>
 
 #include "pipeline/data/error.h"
 

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <memory>
 #include <thread>
 #include <utility>
 
 #include "pipeline/data/error.h"
 #include "pipeline/job/budget/budget.h"
-#include "pipeline/job/log/run_log.h"
 #ifdef HEXRELIEF_HAS_CUDA
 #include "cuda/cuda_matcher.h"
 #include "cuda/cuda_mesher.h"

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <future>
 #include <iterator>
-#include <optional>
 #include <utility>
 
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/sha256.h"
-#include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/maps/fit_map.h"
 #include "pipeline/job/pairs/align_pair.h"

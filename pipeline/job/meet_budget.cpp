@@ -8,8 +8,7 @@
 #include "exporters/images/texture.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/outputs.h"
-#include "pipeline/job/steps.h"
-#include "pipeline/job/tolerance.h"
+#include "pipeline/job/surfaces.h"
 
 namespace hexrelief::job {
 namespace {

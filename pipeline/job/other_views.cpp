@@ -7,7 +7,7 @@
 #include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/matchers/given_maps.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/surfaces.h"
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/noise.h"

@@ -1,23 +1,89 @@
 #include "pipeline/job/outputs.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
+#include <cmath>
 #include <future>
+#include <optional>
 #include <utility>
 
+#include "exporters/compression/quantized_streams.h"
 #include "exporters/exporter.h"
 #include "exporters/images/image_writer.h"
+#include "exporters/images/texture.h"
 #include "mesher/mesher.h"
 #include "pipeline/data/bounds.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/job/pictures/drawing.h"
 #include "pipeline/job/pictures/stage_pictures.h"
 #include "pipeline/job/report.h"
-#include "pipeline/job/tolerance.h"
 
 namespace hexrelief::job {
+namespace {
 
 namespace fs = std::filesystem;
+
+// Returns the grid that Draco makes of a fixed number of bits.
+exporters::Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
+    const Bounds bounds = bounds_of(surface.positions);
+    const double step = bounds.widest_side() / ((1u << bits) - 1);
+    exporters::Grid<3> grid;
+    grid.origin = {bounds.low.x, bounds.low.y, bounds.low.z};
+    grid.step = {step, step, step};
+    for (const Vec3f& p : surface.positions) {
+        const std::array<float, 3> values = {p.x, p.y, p.z};
+        std::array<std::int32_t, 3> cell;
+        for (int k = 0; k < 3; ++k)
+            cell[k] = static_cast<std::int32_t>(std::lround((values[k] - grid.origin[k]) / step));
+        grid.cells.push_back(cell);
+    }
+    return grid;
+}
+
+// Returns the grid of a file's positions; none if they stay floats. Draco in glTF has a step per axis; .drc
+// has no transform that could hold them.
+std::optional<exporters::Grid<3>> grid_of(const exporters::Scene& scene,
+                                          const exporters::ExportConfig& config, const fs::path& path) {
+    const exporters::ExportConfig held = exporters::config_of_file(scene, config, path);
+    if (held.compression != exporters::Compression::draco)
+        return exporters::position_grid(exporters::untextured_mesh(scene, held), scene.camera, held,
+                                        held.compression == exporters::Compression::meshopt);
+    if (held.draco.position_bits > 0) return grid_of_bits(*scene.mesh, held.draco.position_bits);
+    return exporters::quantise_positions(
+        *scene.mesh, *scene.camera, held.tolerance_px,
+        exporters::export_format(path).compression == exporters::Compression::draco
+            ? exporters::GridShape::cubic
+            : exporters::GridShape::per_axis);
+}
+
+}  // namespace
+
+bool is_compressed(const fs::path& path, const exporters::ExportConfig& config) {
+    return exporters::export_format(path).compression_in(config) != exporters::Compression::none;
+}
+
+SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportConfig& config,
+                       const std::vector<fs::path>& outputs) {
+    const auto path = std::find_if(outputs.begin(), outputs.end(),
+                                   [&](const fs::path& output) { return is_compressed(output, config); });
+    if (path == outputs.end()) return *scene.mesh;
+    const std::optional<exporters::Grid<3>> held = grid_of(scene, config, *path);
+    if (!held) return *scene.mesh;
+    const exporters::Grid<3>& grid = *held;
+    const Calibration& camera = *scene.camera;
+    SurfaceMesh seen;
+    seen.triangles = scene.mesh->triangles;
+    for (std::size_t i = 0; i < grid.cells.size(); ++i) {
+        const double depth = -grid.value(i, 2);
+        seen.image_points.push_back(
+            {static_cast<float>(grid.value(i, 0) / depth * camera.focal_px + camera.cx),
+             static_cast<float>(-grid.value(i, 1) / depth * camera.focal_px + camera.cy)});
+        seen.disparities.push_back(
+            static_cast<float>(camera.focal_px * camera.baseline_m / depth - camera.doffs_px));
+    }
+    return seen;
+}
 
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                           const std::vector<SurfaceMesh>& coarser) {
@@ -108,10 +174,8 @@ void save_rectified(const StereoPair& pair, const Calibration& camera, const fs:
     files.files().write(folder / names[0], exporters::encode_png(pair.left));
     files.files().write(folder / names[1], exporters::encode_png(pair.right));
     std::string text = "# The camera of " + names[0].string() + " and " + names[1].string() + ".\n";
-    const auto line = [&](const char* key, double value) {
-        char number[64];
-        std::snprintf(number, sizeof number, "%s: %.17g\n", key, value);
-        text += number;
+    const auto line = [&](const std::string& key, double value) {
+        text += key + ": " + number_text(value, 17) + "\n";
     };
     line("focal_px", camera.focal_px);
     line("baseline_m", camera.baseline_m);
@@ -120,12 +184,7 @@ void save_rectified(const StereoPair& pair, const Calibration& camera, const fs:
     line("doffs_px", camera.doffs_px);
     line("width", camera.width);
     line("height", camera.height);
-    write_text_file(text, folder / names[2], files);
-}
-
-void write_text_file(const std::string& text, const fs::path& name, files::OutputSet& files) {
-    files.place(name);
-    files.files().write(name, text);
+    files.write(folder / names[2], text);
 }
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {

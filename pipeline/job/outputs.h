@@ -25,6 +25,15 @@ struct OutputFile {
 exporters::Scene scene_of(const LeftView& view, const SurfaceResult& result,
                           const std::vector<SurfaceMesh>& coarser);
 
+// True if a file at this path has quantised positions.
+bool is_compressed(const std::filesystem::path& path, const exporters::ExportConfig& config);
+
+// Returns the scene's mesh with the triangles, image points and disparities that a reader of the first
+// compressed one of `outputs` gets; the mesh itself if no output is compressed. The scene has a camera, and
+// all positions lie in front of it.
+SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportConfig& config,
+                       const std::vector<std::filesystem::path>& outputs);
+
 // Measures the left view's part of the surface, as the compressed files among `outputs` hold it, against the
 // map. Takes as long as a good part of the stage surface. measure_written() tells the log as well.
 stages::SurfaceQuality quality_as_written(const LeftView& view, const SurfaceResult& result,
@@ -45,9 +54,6 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const std::f
 // Writes a rectified pair, and its camera as a file that --calib reads. Throws Error(output).
 void save_rectified(const StereoPair& pair, const Calibration& camera, const std::filesystem::path& folder,
                     files::OutputSet& files);
-
-// Writes the text. Throws Error(output).
-void write_text_file(const std::string& text, const std::filesystem::path& name, files::OutputSet& files);
 
 // True if one of the outputs is a page.
 bool has_page(const std::vector<std::filesystem::path>& outputs);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/job/pairs/align_pair.h"

@@ -1,7 +1,6 @@
 #include "pipeline/job/report.h"
 
 #include <sys/resource.h>
-#include <utility>
 
 #include <algorithm>
 #include <cmath>
@@ -18,15 +17,6 @@ using Json = nlohmann::ordered_json;
 
 Json finite(double value) {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json calibration_json(const Calibration& camera) {
-    return {{"focal_px", camera.focal_px},
-            {"cx", camera.cx},
-            {"cy", camera.cy},
-            {"baseline_m", camera.baseline_m},
-            {"doffs_px", camera.doffs_px},
-            {"metric", camera.metric}};
 }
 
 Json filling_json(const DisparityResult& disparity) {
@@ -212,6 +202,15 @@ std::size_t peak_bytes() {
 }
 
 }  // namespace
+
+Json calibration_json(const Calibration& camera) {
+    return {{"focal_px", camera.focal_px},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"baseline_m", camera.baseline_m},
+            {"doffs_px", camera.doffs_px},
+            {"metric", camera.metric}};
+}
 
 Json surface_figures_json(const stages::SurfaceQuality& quality, const stages::HoleShares& holes) {
     return {{"rmse_near_px", quality.rmse_near_px},

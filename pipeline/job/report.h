@@ -36,6 +36,8 @@ struct RunReport {
     const config::Config& config() const { return relief->surface.config; }  // in effect
 };
 
+nlohmann::ordered_json calibration_json(const Calibration& camera);
+
 // Returns the figures that compare a surface with its map, by their names in the report.
 nlohmann::ordered_json surface_figures_json(const stages::SurfaceQuality& quality,
                                             const stages::HoleShares& holes);

@@ -102,13 +102,8 @@ std::vector<InputFile> all_files(const DisparityFiles& map) {
 std::vector<InputFile> all_files(const DepthFiles& map) {
     return all_files_of_map("depth", map);
 }
-std::vector<InputFile> all_files(const PairArrays&) {
-    return {};
-}
-std::vector<InputFile> all_files(const DisparityArrays&) {
-    return {};
-}
-std::vector<InputFile> all_files(const DepthArrays&) {
+template <typename Arrays>
+std::vector<InputFile> all_files(const Arrays&) {
     return {};
 }
 

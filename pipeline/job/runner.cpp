@@ -15,6 +15,7 @@
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/maps/fit_map.h"
 #include "pipeline/job/meet_budget.h"
@@ -23,10 +24,8 @@
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/run_files.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/surfaces.h"
 #include "pipeline/readers/source.h"
-#include "pipeline/stages/dequantize/bare_patches.h"
-#include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/disparity.h"
 
 namespace hexrelief::job {
@@ -132,35 +131,6 @@ BackendPointer take_backend(BackendPointer started, const config::Config& config
     return with_replacement(started, cpu, log);
 }
 
-DisparityResult supplied_disparities(InputMap& input, const readers::PixelMask& mask,
-                                     const config::Config& config, int threads, RunLog& log) {
-    DisparityMap map = std::move(input.disparities);
-    if (config.input.densify == config::Densification::automatic)
-        map = densify_map(std::move(map), input.color, mask, threads, log);
-    if (!input.color.empty() && map.origins.empty() && config.disparity.fill == stages::DisparityFill::planes)
-        map = sharpen_map(std::move(map), input.color, threads, log);
-    if (input.right.values.empty() && !input.right_color.empty())
-        map = check_map(std::move(map), {input.color, std::move(input.right_color)}, config.disparity,
-                        threads, log);
-    DisparityResult result = config.disparity.dequantize == stages::Dequantization::none
-                                 ? DisparityResult{std::move(map), {}}
-                                 : smooth_map(std::move(map), config.budget.max_error_px, threads, log);
-    if (config.disparity.fill == stages::DisparityFill::planes)
-        fill_map(result, input.color, mask, threads, log);
-    return result;
-}
-
-stages::OtherView supplied_right_view(InputMap& input, const config::Config& config, int threads,
-                                      RunLog& log) {
-    InputMap map{std::move(input.right), std::move(input.right_color)};
-    DisparityResult result = supplied_disparities(map, {}, config, threads, log);
-    return {{},
-            result.quantum_px > 0 ? std::move(result.smooth) : std::move(result.map),
-            {},
-            std::move(map.color),
-            std::move(input.right_picture)};
-}
-
 }  // namespace
 
 Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
@@ -245,25 +215,7 @@ Relief make_relief(RunRequest request, Backends& backends, RunLog& log) {
     Relief relief = make_disparities(std::move(request), backends, log);
     Backend& backend = *relief.backend;
     const InputPair* const pair = relief.input.pair();
-    const bool is_smoothed = config.disparity.dequantize == stages::Dequantization::automatic;
-    if (pair && pair->alignment) {
-        press_near(relief.disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
-        if (has_camera_of_points(*pair->alignment))
-            relief.disparity.map =
-                stages::with_bare_patches_behind(std::move(relief.disparity.map), pair->views.left);
-        if (is_smoothed) refine_noisy(relief.disparity, *pair, backend.threads(), log);
-        if (is_smoothed && has_camera_of_points(*pair->alignment))
-            relief.disparity.map =
-                stages::with_wider_near(std::move(relief.disparity.map), backend.threads());
-        flatten_relief(relief.disparity, *pair, relief.input.calibration, log);
-    }
-    relief.pair_camera = relief.input.calibration;
-    end_scene(relief.disparity, relief.input.calibration, config.surface, log);
-    count_from_infinity(relief.disparity, relief.input.calibration, relief.input.is_aligned(), log);
-    if (pair && !config.given.contains("surface.behind"))
-        config.surface.behind = baselines_of_turn(relief.disparity.map, relief.input.calibration,
-                                                  pair->alignment && has_camera_of_points(*pair->alignment));
-    if (is_smoothed) smooth_noise(relief.disparity, backend.threads(), log);
+    finish_disparities(relief, config, log);
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), for_reduced(config.density, relief.input.reduced_by()),
                           backend.threads(), log);
@@ -309,8 +261,8 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
         });
     report.shares = shares.get();
     take_figures(log, report);
-    if (!request.depfile.empty()) write_text_file(depfile_rule(request), request.depfile, files);
-    if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
+    if (!request.depfile.empty()) files.write(request.depfile, depfile_rule(request));
+    if (!request.report.empty()) files.write(request.report, report_json(report));
     files.commit();
     return report;
 }

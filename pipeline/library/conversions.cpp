@@ -236,6 +236,21 @@ job::RunRequest request_of(const FileRequest& files, const Options& options) {
     return request;
 }
 
+void tell_caller(const Options& options, job::RunLog& log) {
+    log.stage_begins = {};
+    log.stage_progresses = {};
+    if (options.progress) {
+        const auto stage = std::make_shared<std::string>();
+        log.stage_begins = [stage, tell = options.progress](const std::string& name) {
+            tell(*stage = name, 0);
+        };
+        log.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
+    }
+    log.warns = options.warn;
+    log.stage_ends = options.stage_ended;
+    log.decides = options.decided;
+}
+
 RunSummary summary_of(const job::RunReport& report) {
     const job::Relief& relief = *report.relief;
     const job::SurfaceResult& surface = relief.surface;

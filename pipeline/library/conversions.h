@@ -7,6 +7,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
+#include "pipeline/job/log/run_log.h"
 #include "pipeline/job/report.h"
 #include "pipeline/job/request.h"
 #include "pipeline/readers/depth/depth_reader.h"
@@ -36,6 +37,9 @@ bool sets_tolerance(const Options& options);
 
 // Returns the request of a run. Throws Error(usage).
 job::RunRequest request_of(const FileRequest& files, const Options& options);
+
+// Connects the log's events to the caller's functions, which may be empty.
+void tell_caller(const Options& options, job::RunLog& log);
 
 RunSummary summary_of(const job::RunReport& report);
 

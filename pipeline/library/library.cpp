@@ -12,7 +12,7 @@
 #include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/job/stamp/stamp.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/surfaces.h"
 #include "pipeline/library/conversions.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -22,26 +22,6 @@ namespace {
 
 // Held during each call: the process has one set of files to undo, and a device does one job at a time.
 std::mutex library_mutex;
-
-// Connects the log's events to the caller's functions.
-void tell_caller(const Options& options, job::RunLog& log) {
-    if (options.progress) {
-        const auto stage = std::make_shared<std::string>();
-        log.stage_begins = [stage, tell = options.progress](const std::string& name) {
-            tell(*stage = name, 0);
-        };
-        log.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
-    }
-    log.warns = options.warn;
-    log.stage_ends = options.stage_ended;
-    log.decides = options.decided;
-}
-
-void tell_nobody(job::RunLog& log) {
-    log.stage_begins = {};
-    log.stage_progresses = {};
-    tell_caller({}, log);
-}
 
 // Keeps the first device that is used, so that the next call need not wait for its start. The backends are
 // never destroyed, because at the process's end the driver may be gone first.
@@ -155,10 +135,10 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
         const config::Config config = changed;
         ~Restore() {
             changed = config;
-            tell_nobody(state.log);
+            library::tell_caller({}, state.log);
         }
     } restore{state, config};
-    tell_caller(options, state.log);
+    library::tell_caller(options, state.log);
     library::apply_export_settings(config, options);
     if (library::sets_tolerance(options))
         config = job::with_tolerance(config, state.surface(), state.relief->view(),
@@ -205,7 +185,7 @@ Disparities compute_disparity(const ImageView& left, const ImageView& right, con
     request.config.disparity.working_px = 0;  // the map is one of the given pictures
     request.source = job::PairArrays{{library::image_of(left, "left"), library::image_of(right, "right")}};
     job::RunLog log;
-    tell_caller(options, log);
+    library::tell_caller(options, log);
     DisparityMap map = job::make_disparities(std::move(request), kept_backends(), log).disparity.map;
     return {map.width, map.height, std::move(map.values)};
 }
@@ -216,14 +196,14 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
     if (is_depth && input.disparity.values != nullptr)
         throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
-    tell_caller(options, state->log);
+    library::tell_caller(options, state->log);
     job::RunRequest request;
     request.config = library::config_of(options, camera, {is_depth ? "--depth" : "--disparity"});
     request.source = source_of(input, request.config.input);
     request.outputs = {kLimitedOutput};
     state->relief =
         std::make_shared<job::Relief>(job::make_relief(std::move(request), kept_backends(), state->log));
-    tell_nobody(state->log);
+    library::tell_caller({}, state->log);
     return Mesh(std::move(state));
 }
 
@@ -239,7 +219,7 @@ RunSummary run(const FileRequest& files, const Options& options) {
         if (job::stamp_request(request) == job::UnitState::current) return {.is_up_to_date = true};
     }
     job::RunLog log;
-    tell_caller(options, log);
+    library::tell_caller(options, log);
     if (!files.ends_process) return library::summary_of(job::run_job(request, kept_backends(), log));
     job::Backends backends = job::Backends::for_one_run();
     return library::summary_of(job::run_job(request, backends, log));

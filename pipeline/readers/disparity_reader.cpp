@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 
 namespace hexrelief::readers {
@@ -153,22 +153,16 @@ std::vector<float> floats_to_px(std::vector<float> samples, double nodata, const
     return samples;
 }
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
-
 std::string believed(const codec::Raster& raster, const Meaning& meaning, const DisparityFileConfig& config) {
     std::string text = (raster.stated.told.empty() ? codec::samples_name(raster) : raster.stated.told) + ", ";
     text += meaning.scale == 1    ? "px"
             : meaning.scale == -1 ? "px, sign turned"
-            : meaning.scale > 0   ? "1/" + number(meaning.scale) + " px"
-                                  : "-1/" + number(-meaning.scale) + " px";
+            : meaning.scale > 0   ? "1/" + number_text(meaning.scale, 6) + " px"
+                                  : "-1/" + number_text(-meaning.scale, 6) + " px";
     text += meaning.whose;
     if (config.offset_px != 0)
-        text += (config.offset_px > 0 ? ", +" : ", ") + number(config.offset_px) + " px";
-    if (meaning.unknown < 0) text += ", " + number(meaning.unknown) + " unknown";
+        text += (config.offset_px > 0 ? ", +" : ", ") + number_text(config.offset_px, 6) + " px";
+    if (meaning.unknown < 0) text += ", " + number_text(meaning.unknown, 6) + " unknown";
     return text;
 }
 

@@ -1,9 +1,9 @@
 #include "pipeline/readers/netpbm_codec.h"
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/parse_text.h"
 
@@ -39,14 +39,12 @@ std::string_view NetpbmHeader::next_word() {
 
 unsigned NetpbmHeader::next_number(const char* what) {
     const std::string_view word = next_word();
-    const bool digits = std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (word.empty() || word.size() > 9 || !digits) {
+    const auto value = whole_number(word);
+    if (word.size() > 9 || !value) {
         refuse(source_.path, std::string("its header has ") + excerpt(word) + " as " + what +
                                  " instead of a whole number; export it again");
     }
-    unsigned value = 0;
-    for (char c : word) value = value * 10 + static_cast<unsigned>(c - '0');
-    return value;
+    return static_cast<unsigned>(*value);
 }
 
 std::size_t NetpbmHeader::samples_at(unsigned long long sample_bytes, unsigned long long file_bytes) const {

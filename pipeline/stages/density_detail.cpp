@@ -1,7 +1,6 @@
 #include "pipeline/stages/density_detail.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "pipeline/data/error.h"
 #include "pipeline/stages/surface_topology.h"

@@ -1,6 +1,5 @@
 #include "pipeline/stages/surface_raster.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>

@@ -1,7 +1,6 @@
 #include "pipeline/stages/surface_topology.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <algorithm>
 #include <bit>
 #include <span>
 #include <stdexcept>

@@ -149,12 +149,6 @@ void lay_lattice(const PlanRequest& request, TilePlan& plan) {
     while (pixels() > kCoarsePixels) plan.shrunk_by *= 2;
 }
 
-void write_file(files::OutputSet& files, const std::filesystem::path& path,
-                const std::vector<std::uint8_t>& bytes) {
-    files.place(path);
-    files.files().write(path, bytes);
-}
-
 // Solves and writes the seams. Those of rows are as long as the map is wide: few at a time, each by several
 // threads. Those of columns are solved as many at a time as there are threads.
 void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::CoarseLattice& coarse,
@@ -180,7 +174,7 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::
         });
     });
     for (int j = 1; j < tiling.down(); ++j)
-        write_file(files, row_seam_file(plan, j), seam_bytes(rows[static_cast<std::size_t>(j)]));
+        files.write(row_seam_file(plan, j), seam_bytes(rows[static_cast<std::size_t>(j)]));
     const auto row_seam = [&](int j) {
         return j > 0 && j < tiling.down() ? &rows[static_cast<std::size_t>(j)] : nullptr;
     };
@@ -194,9 +188,8 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const mesh_tiles::
         });
     });
     for (std::size_t k = 0; k < columns.size(); ++k)
-        write_file(files,
-                   column_seam_file(plan, static_cast<int>(k) % inner + 1, static_cast<int>(k) / inner),
-                   columns[k]);
+        files.write(column_seam_file(plan, static_cast<int>(k) % inner + 1, static_cast<int>(k) / inner),
+                    columns[k]);
 }
 
 }  // namespace
@@ -227,7 +220,7 @@ TilePlan make_plan(const PlanRequest& request, job::Backend& backend, job::RunLo
         return backend.solve_mesh(shrunk, plan.config.mesh, [&](double share) { log.progress(share); });
     });
     files::OutputSet files;
-    write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));
+    files.write(coarse_file(plan), lattice_bytes(coarse.mesh));
     const TileWorkers workers = workers_of(backend, threads);
     write_seams(plan, map, coarse, workers, files, log);
     write_plan(plan, files);

@@ -10,7 +10,6 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/stages/surface.h"
-#include "pipeline/tiles/shrunk_picture.h"
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_output.h"
@@ -36,12 +35,16 @@ void check_solved(const TilePlan& plan, const std::vector<TileNumber>& tiles, in
                     "; run 'hexrelief tiles solve'");
 }
 
+mesh_tiles::TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
+    return read_tile(tile_file(plan, tile, ".mesh"));
+}
+
 // Checks that each edge between two tiles occurs once in each direction.
 void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int threads) {
     std::vector<SeamEdge> edges;
     std::mutex turn;
     do_jobs(tiles.size(), threads, [&](std::size_t k) {
-        const mesh_tiles::TileMesh mesh = read_tile(tile_file(plan, tiles[k], ".mesh"));
+        const mesh_tiles::TileMesh mesh = mesh_of(plan, tiles[k]);
         const std::lock_guard lock(turn);
         edges.insert(edges.end(), mesh.seam_edges.begin(), mesh.seam_edges.end());
     });
@@ -73,10 +76,6 @@ mesh_tiles::MapRect extent_of(const TilePlan& plan, const mesh_tiles::TileMesh& 
     return {x, y, above(most.x, plan.width) - x, above(most.y, plan.height) - y};
 }
 
-mesh_tiles::TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
-    return read_tile(tile_file(plan, tile, ".mesh"));
-}
-
 void solve_coarser(const TilePlan& plan, const TileNumber& tile,
                    const std::vector<mesh_tiles::TileMesh>& parts, const readers::PictureWindows* picture,
                    int threads) {
@@ -96,7 +95,7 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile,
     const int by = 1 << (plan.finest_level() - tile.level);
     const mesh_tiles::MapRect extent = extent_of(plan, coarser.mesh, by);
     Image texture;
-    if (picture) texture = shrunk_picture(*picture, extent, by);
+    if (picture) texture = picture->read_shrunk(extent.x, extent.y, extent.width, extent.height, by);
     write_tile(plan, tile, coarser.mesh, tile_scene(plan, coarser.mesh, extent),
                texture.empty() ? nullptr : &texture, threads, report);
 }
@@ -192,16 +191,12 @@ void write_tileset(const TilePlan& plan, const fs::path& output, files::OutputSe
             .lexically_normal()
             .lexically_relative(fs::absolute(folder.empty() ? "." : folder).lexically_normal()) /
         "{level}/{x}/{y}.glb";
-    const auto write = [&](const fs::path& path, const auto& bytes) {
-        files.place(path);
-        files.files().write(path, bytes);
-    };
     const std::vector<tileset::TilesetTile> tiles = tileset_tiles(plan);
     const tileset::ImplicitTileset halved =
         tileset::implicit_tileset(tiles, content.generic_string(), generator);
-    for (const auto& subtree : halved.subtrees) write(folder / subtree.name, subtree.bytes);
-    write(fs::path(output).replace_extension(".implicit.json"), halved.json);
-    write(output, tileset::explicit_tileset(tiles, content.generic_string(), generator));
+    for (const auto& subtree : halved.subtrees) files.write(folder / subtree.name, subtree.bytes);
+    files.write(fs::path(output).replace_extension(".implicit.json"), halved.json);
+    files.write(output, tileset::explicit_tileset(tiles, content.generic_string(), generator));
 }
 
 // Refuses an output that would overwrite the tiles or their sources.

@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <string>
-#include <utility>
 
 #include "exporters/exporter.h"
 #include "pipeline/data/error.h"
-#include "pipeline/data/nesting.h"
+#include "pipeline/data/union_find.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/job/stamp/stamp.h"
 #include "pipeline/stages/surface.h"
 #include "pipeline/stages/surface_topology.h"
 #include "pipeline/tiles/tile_files.h"
@@ -23,6 +20,8 @@ namespace {
 
 constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds exactly
 
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 using GridPoint = std::array<std::int64_t, 3>;
 
 GridPoint grid_point(const TilePlan& plan, const mesh_tiles::TileCorner& corner) {
@@ -92,62 +91,55 @@ TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
 
 void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles) {
     if (min_triangles <= 1 || mesh.empty()) return;
-    // Union-find over the corners' numbers: each corner points to one before it or to itself.
-    std::vector<std::uint32_t> parents(mesh.corners.size());
-    for (std::uint32_t v = 0; v < parents.size(); ++v) parents[v] = v;
-    const auto root = [&](std::uint32_t v) {
-        while (parents[v] != v) v = parents[v] = parents[parents[v]];
-        return v;
-    };
+    UnionFind parts(mesh.corners.size());
     for (const Triangle& t : mesh.triangles)
-        for (int k = 1; k < 3; ++k) {
-            const std::uint32_t a = root(t[0]), b = root(t[static_cast<std::size_t>(k)]);
-            parents[std::max(a, b)] = std::min(a, b);
-        }
+        for (const std::uint32_t corner : t) parts.join(t[0], corner);
     std::vector<int> triangles(mesh.corners.size(), 0);
-    for (const Triangle& t : mesh.triangles) ++triangles[root(t[0])];
+    for (const Triangle& t : mesh.triangles) ++triangles[parts.find(t[0])];
     std::set<mesh_tiles::TileCorner> at_seams;
     for (const auto& edge : mesh.seam_edges) at_seams.insert(edge.begin(), edge.end());
     std::vector<bool> stays(mesh.corners.size());
-    for (std::uint32_t v = 0; v < parents.size(); ++v)
-        if (triangles[root(v)] >= min_triangles || at_seams.contains(mesh.corners[v])) stays[root(v)] = true;
-    std::erase_if(mesh.triangles, [&](const Triangle& t) { return !stays[root(t[0])]; });
+    for (std::uint32_t v = 0; v < mesh.corners.size(); ++v)
+        if (triangles[parts.find(v)] >= min_triangles || at_seams.contains(mesh.corners[v]))
+            stays[parts.find(v)] = true;
+    std::erase_if(mesh.triangles, [&](const Triangle& t) { return !stays[parts.find(t[0])]; });
 }
 
-using Json = nlohmann::ordered_json;
+namespace {
+
+// Calls use(key, member) for each figure of a report.
+template <typename Report, typename Use>
+void for_each_figure(Report& report, const Use& use) {
+    use("plan", report.plan);
+    use("vertices", report.vertices);
+    use("triangles", report.triangles);
+    use("seam_edges", report.seam_edges);
+    use("low_m", report.low_m);
+    use("high_m", report.high_m);
+    use("error_px", report.error_px);
+    use("error_m", report.error_m);
+}
 
 std::string report_text(const TileReport& report) {
-    Json json = {{"plan", report.plan},           {"vertices", report.vertices},
-                 {"triangles", report.triangles}, {"seam_edges", report.seam_edges},
-                 {"low_m", report.low_m},         {"high_m", report.high_m},
-                 {"error_px", report.error_px},   {"error_m", report.error_m},
-                 {"files", Json::array()}};
+    Json json;
+    for_each_figure(report, [&](const char* key, const auto& value) { json[key] = value; });
+    json["files"] = Json::array();
     for (const files::WrittenFile& file : report.files)
         json["files"].push_back(
             {{"name", file.path.string()}, {"bytes", file.bytes}, {"sha256", file.sha256}});
     return json.dump(2) + "\n";
 }
 
-TileReport read_tile_report(const std::filesystem::path& path) {
-    // The size comes first: a pipe has none, and would be waited for.
-    constexpr std::uintmax_t longest = 16 << 20;
-    std::error_code code;
-    const bool is_file = std::filesystem::is_regular_file(path, code);
-    std::ifstream file(is_file ? path : std::filesystem::path(), std::ios::binary);
-    if (!file) throw Error(ErrorKind::input, path.string() + ": is missing; run 'hexrelief tiles solve'");
-    std::string text(std::min(std::filesystem::file_size(path), longest), ' ');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+}  // namespace
+
+TileReport read_tile_report(const fs::path& path) {
+    std::error_code none;
+    if (!fs::is_regular_file(path, none))
+        throw Error(ErrorKind::input, path.string() + ": is missing; run 'hexrelief tiles solve'");
     try {
-        const Json json = is_nested_too_deeply(text) ? Json() : Json::parse(text);
+        const Json json = job::read_json(path);
         TileReport report;
-        report.plan = json.at("plan");
-        report.vertices = json.at("vertices");
-        report.triangles = json.at("triangles");
-        report.seam_edges = json.at("seam_edges");
-        report.low_m = json.at("low_m");
-        report.high_m = json.at("high_m");
-        report.error_px = json.at("error_px");
-        report.error_m = json.at("error_m");
+        for_each_figure(report, [&](const char* key, auto& value) { json.at(key).get_to(value); });
         for (const Json& one : json.at("files"))
             report.files.push_back({one.at("name").get<std::string>(), one.at("bytes"), one.at("sha256")});
         return report;
@@ -156,8 +148,6 @@ TileReport read_tile_report(const std::filesystem::path& path) {
                     path.string() + ": is damaged; remove it and run 'hexrelief tiles solve'");
     }
 }
-
-namespace fs = std::filesystem;
 
 void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::TileMesh& mesh,
                 const TileScene& scene, const Image* texture, int threads, TileReport report) {
@@ -170,8 +160,7 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::
         files.place(path);
         return path;
     };
-    const fs::path kept = place(".mesh");
-    files.files().write(kept, tile_bytes(mesh));
+    files.files().write(place(".mesh"), tile_bytes(mesh));
     if (!scene.mesh.empty()) {
         exporters::Scene exported{
             &scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
@@ -188,8 +177,7 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const mesh_tiles::
     report.high_m = scene.high_m;
     report.files = files.written();
     for (files::WrittenFile& file : report.files) file.path = file.path.lexically_relative(plan.folder);
-    const fs::path path = place(".json");
-    files.files().write(path, report_text(report));
+    files.files().write(place(".json"), report_text(report));
     files.commit();
 }
 

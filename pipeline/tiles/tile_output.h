@@ -40,7 +40,6 @@ struct TileReport {
     std::vector<files::WrittenFile> files;  // names within the plan's folder
 };
 
-std::string report_text(const TileReport& report);
 // Reads a report. Throws Error(input) if it is missing or malformed.
 TileReport read_tile_report(const std::filesystem::path& path);
 

@@ -6,15 +6,15 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "mesher/som/level_plan.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
-#include "pipeline/data/nesting.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/job/report.h"
+#include "pipeline/job/stamp/stamp.h"
 
 namespace hexrelief::tiles {
 namespace {
@@ -33,16 +33,6 @@ std::string numbered(const char* format, int a, int b) {
 
 [[noreturn]] void refuse_plan(const fs::path& path, const char* why) {
     throw Error(ErrorKind::input, path.string() + ": " + why + "; run 'hexrelief tiles plan' again");
-}
-
-std::string read_text(const fs::path& path) {
-    constexpr std::uintmax_t longest = 256 << 20;
-    std::error_code code;
-    const std::uintmax_t size = fs::file_size(path, code);
-    std::string text(code ? 0 : std::min(size, longest), ' ');
-    if (!std::ifstream(path, std::ios::binary).read(text.data(), static_cast<std::streamsize>(text.size())))
-        refuse_plan(path, "cannot be read, or is no file of a plan");
-    return text;
 }
 
 Json file_json(const PlannedFile& file) {
@@ -66,15 +56,6 @@ readers::RawMapLayout raw_of(const Json& json) {
             json.at("big_endian")};
 }
 
-Json camera_json(const Calibration& camera) {
-    return {{"focal_px", camera.focal_px},
-            {"cx", camera.cx},
-            {"cy", camera.cy},
-            {"baseline_m", camera.baseline_m},
-            {"doffs_px", camera.doffs_px},
-            {"metric", camera.metric}};
-}
-
 Calibration camera_of(const Json& json) {
     Calibration camera;
     camera.focal_px = json.at("focal_px");
@@ -95,7 +76,7 @@ Json plan_json(const TilePlan& plan) {
     json["map"]["nearest_px"] = plan.nearest_px;
     json["map"]["farthest_px"] = plan.farthest_px;
     if (!plan.color.path.empty()) json["color"] = file_json(plan.color);
-    json["calibration"] = camera_json(plan.calibration);
+    json["calibration"] = job::calibration_json(plan.calibration);
     const mesh_tiles::LatticeTiling tiling = plan.tiling();
     json["lattice"] = {{"columns", plan.columns},
                        {"rows", plan.rows},
@@ -224,13 +205,11 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
 }
 
 void write_plan(TilePlan& plan, files::OutputSet& files) {
-    const fs::path config = plan_config_file(plan.folder), whole = plan_file(plan.folder);
     config::Config kept = plan.config;
     // The tiles do not depend on backend and threads: a plan made with others has the same stamp.
     kept.run.backend = config::ExecutionConfig{}.backend;
     kept.run.threads = config::ExecutionConfig{}.threads;
-    files.place(config);
-    files.files().write(config, config::config_yaml(kept));
+    files.write(plan_config_file(plan.folder), config::config_yaml(kept));
     Json json = plan_json(plan);
     for (const files::WrittenFile& file : files.written())
         plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;
@@ -244,17 +223,15 @@ void write_plan(TilePlan& plan, files::OutputSet& files) {
             plan.map.path.string() + ": a plan holds names in UTF-8 only; rename the map or the picture");
     }
     plan.stamp = files::sha256_of(text.data(), text.size());
-    files.place(whole);
-    files.files().write(whole, text);
+    files.write(plan_file(plan.folder), text);
 }
 
 TilePlan read_plan(const fs::path& folder) {
     const fs::path path = plan_file(folder);
     if (!fs::is_regular_file(path)) refuse_plan(folder, "holds no plan.json");
-    const std::string text = read_text(path);
+    const Json json = job::read_json(path);
     TilePlan plan;
     try {
-        const Json json = is_nested_too_deeply(text) ? Json() : Json::parse(text);
         if (json.at("hexrelief").at("plan") != kPlanVersion ||
             json.at("hexrelief").at("version") != HEXRELIEF_VERSION)
             refuse_plan(path, "made by another version of hexrelief");
@@ -264,7 +241,7 @@ TilePlan read_plan(const fs::path& folder) {
         refuse_plan(path, "damaged");
     }
     plan.folder = folder;
-    plan.stamp = files::sha256_of(text.data(), text.size());
+    plan.stamp = files::sha256_of_file(path);
     check_planned_file(plan, plan_config_file(folder));
     config::apply_config_file(plan.config, plan_config_file(folder));
     if (!is_consistent(plan)) refuse_plan(path, "damaged: its numbers do not agree");

@@ -42,28 +42,11 @@ def in_memory(options, scenes):
             if len({size for _, size in done}) > 1:
                 sys.exit(f"{scene.name}: two jobs gave different files")
             seconds = [one for one, _ in done]
-            table.add(
-                (
-                    scene.name,
-                    f"{width}x{height}",
-                    backend,
-                    options.threads,
-                    options.jobs,
-                    rate,
-                    1e3 * statistics.median(seconds),
-                    1e3 * max(seconds),
-                    done[0][1],
-                ),
-                {
-                    "scene": scene.name,
-                    "width": width,
-                    "height": height,
-                    "backend": backend,
-                    "jobs": options.jobs,
-                    "jobs_per_second": rate,
-                    "job_seconds": common.times(seconds),
-                },
-            )
+            row = {"scene": scene.name, "width": width, "height": height, "backend": backend, "jobs": options.jobs}
+            row |= {"jobs_per_second": rate, "job_seconds": common.times(seconds)}
+            times_ms = (1e3 * statistics.median(seconds), 1e3 * max(seconds))
+            size = f"{width}x{height}"
+            table.add((scene.name, size, backend, options.threads, options.jobs, rate, *times_ms, done[0][1]), row)
     return table.rows
 
 
@@ -78,23 +61,9 @@ def batch_seconds(scene, jobs, workers, options):
         manifest.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
         sets = [word for setting in options.settings for word in ("--set", setting)]
         before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-        subprocess.run(
-            [
-                program,
-                "batch",
-                manifest,
-                "-o",
-                pathlib.Path(folder, "out"),
-                "--jobs",
-                str(workers),
-                "--threads",
-                str(workers),
-                "--quiet",
-                *sets,
-            ],
-            check=True,
-            stdout=subprocess.DEVNULL,
-        )
+        words = [program, "batch", manifest, "-o", pathlib.Path(folder, "out"), "--quiet", *sets]
+        words += ["--jobs", str(workers), "--threads", str(workers)]
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
         wall, after = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
     return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -108,17 +77,9 @@ def from_files(options, scenes):
         runs = [[batch_seconds(scene, options.jobs, count, options) for count in (1, workers)] for _ in range(2)]
         (one_s, one_cpu_s), (all_s, all_cpu_s) = (map(min, zip(*run)) for run in zip(*runs))
         cpu_ms = (1e3 * one_cpu_s / options.jobs, 1e3 * all_cpu_s / options.jobs)
-        table.add(
-            (scene.name, options.jobs, options.jobs / one_s, options.jobs / all_s, one_s / all_s, *cpu_ms),
-            {
-                "scene": scene.name,
-                "jobs": options.jobs,
-                "workers": workers,
-                "times": one_s / all_s,
-                "one": {"seconds": one_s, "cpu_seconds": one_cpu_s},
-                "all": {"seconds": all_s, "cpu_seconds": all_cpu_s},
-            },
-        )
+        row = {"scene": scene.name, "jobs": options.jobs, "workers": workers, "times": one_s / all_s}
+        row |= {"one": {"seconds": one_s, "cpu_seconds": one_cpu_s}, "all": {"seconds": all_s, "cpu_seconds": all_cpu_s}}
+        table.add((scene.name, options.jobs, options.jobs / one_s, options.jobs / all_s, one_s / all_s, *cpu_ms), row)
     return table.rows
 
 

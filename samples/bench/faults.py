@@ -16,6 +16,7 @@ import numpy as np
 
 import common
 import hexrelief
+import meshes
 
 FORMS = ("given", "left", "picture", "both")
 FIGURES = ("bad_2_percent", "edge_percent", "duo_rmse_near_px", "sheet_share")
@@ -88,14 +89,8 @@ FAULTS = {
 def filled(disparity):
     """Known everywhere: from the nearest known pixels of the row, the farther one, then of the column."""
     for _ in range(2):
-        known = np.where(np.isfinite(disparity), disparity, 0)
-        columns = np.arange(known.shape[1])
-        before = np.maximum.accumulate(np.where(known > 0, columns, 0), axis=1)
-        after = np.flip(np.minimum.accumulate(np.flip(np.where(known > 0, columns, len(columns) - 1), 1), axis=1), 1)
-        sides = [np.take_along_axis(known, side, axis=1) for side in (before, after)]
-        best = np.where((sides[0] > 0) & (sides[1] > 0), np.minimum(*sides), np.maximum(*sides))
-        disparity = np.where(known > 0, known, np.where(best > 0, best, np.inf)).T
-    return disparity.astype(np.float32)
+        disparity = meshes.filled(disparity).T
+    return np.where(disparity > 0, disparity, np.inf).astype(np.float32)
 
 
 def seen_from_right(truth):

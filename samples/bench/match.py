@@ -18,16 +18,8 @@ import public_figures
 METHODS = ("sgm", "sgbm", "opencv")
 BLOCK_PX, P1, P2, CAP, UNIQUENESS_PERCENT = 3, 16, 64, 31, 5  # of StereoSGBM, as sgbm has them; penalties per sample of a block
 SPECKLE_PX = 100
-FIGURES = (
-    "bad_1_percent",
-    "bad_2_percent",
-    "bad_1_nonoccluded_percent",
-    "bad_2_nonoccluded_percent",
-    "edge_percent",
-    "coverage_percent",
-    "average_error_px",
-    "roughness_px",
-)
+BAD = ("bad_1_percent", "bad_2_percent", "bad_1_nonoccluded_percent", "bad_2_nonoccluded_percent")
+FIGURES = (*BAD, "edge_percent", "coverage_percent", "average_error_px", "roughness_px")
 
 
 def match_by_opencv(left, right, count_px):
@@ -91,16 +83,9 @@ def measure(scene, pair, truth, method, backend, options):
             config = common.settings(options) | {"disparity.method": method}
             disparity = hexrelief.compute_disparity(*pair, config=config, backend=backend)
         seconds.append(time.perf_counter() - begun)
-    return {
-        "scene": scene.name,
-        "size": scene.size,
-        "width": truth.shape[1],
-        "height": truth.shape[0],
-        "method": method,
-        "backend": backend,
-        "seconds": common.times(seconds),
-        **evaluate(scene, disparity, truth),
-    }
+    row = {"scene": scene.name, "size": scene.size, "width": truth.shape[1], "height": truth.shape[0]}
+    row |= {"method": method, "backend": backend, "seconds": common.times(seconds)}
+    return row | evaluate(scene, disparity, truth)
 
 
 def add_means(table):

@@ -57,19 +57,9 @@ def meshoptimizer():
     if name is None:
         return None
     library = ctypes.CDLL(name)
-    library.meshopt_simplify.restype = ctypes.c_size_t
-    library.meshopt_simplify.argtypes = [
-        ctypes.c_void_p,
-        ctypes.c_void_p,
-        ctypes.c_size_t,
-        ctypes.c_void_p,
-        ctypes.c_size_t,
-        ctypes.c_size_t,
-        ctypes.c_size_t,
-        ctypes.c_float,
-        ctypes.c_uint,
-        ctypes.c_void_p,
-    ]
+    array, size, number, flags = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_float, ctypes.c_uint
+    library.meshopt_simplify.restype = size
+    library.meshopt_simplify.argtypes = [array, array, size, array, size, size, size, number, flags, array]
     return library
 
 

@@ -21,17 +21,10 @@ PRESETS = ("default", "quality", "compact", "paper")
 OTHERS = ("uniform", "meshopt", "meshopt+cut")
 COMPARED_PX = (10, 6, 4)  # spacings of the uniform grids at whose bytes all are compared
 STEP_PX = 4  # triangles across larger steps are cut before simplification
-LEAST_TOLERANCE_PX = 0.01  # pipeline/job/tolerance.h
+LEAST_TOLERANCE_PX = 0.01  # pipeline/job/surfaces.cpp
 IRREGULAR_BITS = 21  # that Draco needs for a vertex of a simplified mesh at 12 bits
-FIGURES = (
-    "rmse_near_px",
-    "duo_rmse_near_px",
-    "flat_rmse_px",
-    "sheet_share",
-    "slack_coverage",
-    "hole_share",
-    "hole_share_above",
-)
+ERRORS = ("rmse_near_px", "duo_rmse_near_px", "flat_rmse_px")
+FIGURES = (*ERRORS, "sheet_share", "slack_coverage", "hole_share", "hole_share_above")
 
 
 class Bench:
@@ -44,18 +37,9 @@ class Bench:
     def add(self, method, spacing_px, seconds, mesh, bits):
         size, points, faces = meshes.through_draco(*mesh, bits)
         figures = hexrelief.measure_surface(points, faces, self.disparity, **common.settings(self.options))
-        row = {
-            "map": self.name,
-            "method": method,
-            "spacing_px": spacing_px,
-            "position_bits": bits,
-            "vertices": len(points),
-            "triangles": len(faces),
-            "bytes": size,
-            "bits_per_vertex": 8 * size / len(points),
-            **figures,
-            "seconds": seconds,
-        }
+        row = {"map": self.name, "method": method, "spacing_px": spacing_px, "position_bits": bits}
+        row |= {"vertices": len(points), "triangles": len(faces), "bytes": size, "bits_per_vertex": 8 * size / len(points)}
+        row |= {**figures, "seconds": seconds}
         cells = [figures[figure] * (100 if "_px" not in figure else 1) for figure in FIGURES]
         self.table.add((self.name, method, spacing_px, bits, len(points), size, row["bits_per_vertex"], *cells, seconds), row)
         self.points.append(row)
@@ -144,7 +128,7 @@ def comparison(points, grid, methods, peers):
         own = [point for point in points if point["method"] == method]
         if method in peers:
             own = unbeaten(own)
-        errors[method] = {figure: at_bytes(own, grid["bytes"], figure) for figure in FIGURES[:3]}
+        errors[method] = {figure: at_bytes(own, grid["bytes"], figure) for figure in ERRORS}
     rivals = {method: errors[method]["duo_rmse_near_px"] for method in methods if method not in PRESETS}
     best = min((method for method in rivals if rivals[method] is not None), key=rivals.get)
     print(
@@ -155,13 +139,8 @@ def comparison(points, grid, methods, peers):
             for method, error in ((method, errors[method]["duo_rmse_near_px"]) for method in methods)
         ),
     )
-    return {
-        "map": grid["map"],
-        "uniform_spacing_px": grid["spacing_px"],
-        "bytes": grid["bytes"],
-        "methods": errors,
-        "best_peer": best,
-    }
+    row = {"map": grid["map"], "uniform_spacing_px": grid["spacing_px"], "bytes": grid["bytes"]}
+    return row | {"methods": errors, "best_peer": best}
 
 
 def means(comparisons, presets):
@@ -179,13 +158,8 @@ def means(comparisons, presets):
                     f"{preset:13} at the bytes of uniform grids of {spacing_px} px: error of both views {mean:.3f} of the best "
                     f"other mesher's (geometric mean of {len(ratios)} maps), below it on {below}"
                 )
-                yield {
-                    "method": preset,
-                    "uniform_spacing_px": spacing_px,
-                    "maps": len(ratios),
-                    "maps_below_best_peer": below,
-                    "duo_share_of_best_peer": mean,
-                }
+                row = {"method": preset, "uniform_spacing_px": spacing_px, "maps": len(ratios)}
+                yield row | {"maps_below_best_peer": below, "duo_share_of_best_peer": mean}
 
 
 def peer(text):

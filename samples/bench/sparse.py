@@ -44,29 +44,17 @@ def thinned(truth, pattern):
 
 def measure(scene, pattern, truth, picture, options):
     disparity = truth if pattern == "whole" else thinned(truth, pattern)
-    mesh = hexrelief.mesh(
-        disparity,
-        color=picture,
-        config=options.preset,
-        camera=common.camera_of(truth),
-        **common.LEFT_ALONE,
-        **common.settings(options),
-    )
+    settings = common.LEFT_ALONE | common.settings(options)
+    mesh = hexrelief.mesh(disparity, color=picture, config=options.preset, camera=common.camera_of(truth), **settings)
     figures = hexrelief.measure_surface(common.points_of(mesh), mesh.faces, truth, config=options.preset)
     known = np.isfinite(truth)
     filled = mesh.disparity[known]
     with np.errstate(invalid="ignore"):
         wrong = np.isfinite(filled) & (np.abs(filled - truth[known]) > 1)
-    return {
-        "scene": scene.name,
-        "pattern": pattern,
-        "known_share": float(np.isfinite(disparity).mean()),
-        "wrong_share": float(wrong.mean()),
-        "unknown_share": float(1 - np.isfinite(filled).mean()),
-        "duo_rmse_near_px": figures["duo_rmse_near_px"],
-        "flat_rmse_px": figures["flat_rmse_px"],
-        "seconds": common.stage_seconds(mesh.report, "densify"),
-    }
+    row = {"scene": scene.name, "pattern": pattern, "known_share": float(np.isfinite(disparity).mean())}
+    row |= {"wrong_share": float(wrong.mean()), "unknown_share": float(1 - np.isfinite(filled).mean())}
+    row |= {figure: figures[figure] for figure in ("duo_rmse_near_px", "flat_rmse_px")}
+    return row | {"seconds": common.stage_seconds(mesh.report, "densify")}
 
 
 def main():

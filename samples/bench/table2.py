@@ -33,45 +33,19 @@ def measure(method, paper, disparity, backend, runs, options):
 
 def row_of(paper, method, backend, report, mesh_s, surface_s):
     mesh, config = report["mesh"], report["config"]["mesh"]
-    return {
-        "set": paper.set,
-        "map": paper.name,
-        "width": report["input"]["width"],
-        "height": report["input"]["height"],
-        "method": method,
-        "backend": backend,
-        "ssr": config["ssr"],
-        "crr": config["crr"],
-        "seconds": common.times(mesh_s),
-        "surface_seconds": common.times(surface_s),
-        **mesh,
-        "paper": {
-            "gpu_seconds": paper.gpu_s,
-            "cpu_seconds": paper.cpu_s,
-            "gpu_percent_cost": paper.gpu_cost,
-            "cpu_percent_cost": paper.cpu_cost,
-        },
-    }
+    row = {"set": paper.set, "map": paper.name, "width": report["input"]["width"], "height": report["input"]["height"]}
+    row |= {"method": method, "backend": backend, "ssr": config["ssr"], "crr": config["crr"]}
+    row |= {"seconds": common.times(mesh_s), "surface_seconds": common.times(surface_s), **mesh}
+    names = ("gpu_seconds", "cpu_seconds", "gpu_percent_cost", "cpu_percent_cost")
+    return row | {"paper": dict(zip(names, (paper.gpu_s, paper.cpu_s, paper.gpu_cost, paper.cpu_cost)))}
 
 
 def cells_of(row):
-    mesh = (f"{row['columns']}x{row['rows']}", row["ssr"], row["crr"], row["iterations"])
+    mesh = (f"{row['columns']}x{row['rows']}", row["ssr"], row["crr"], row["iterations"], row["method"], row["backend"])
+    times = (row["seconds"]["median"], row["seconds"]["spread"], row["surface_seconds"]["median"])
+    quality = (row["percent_cost"], row["max_deviation_percent"], row["inverted_triangles"])
     angles = (row["angles_deg"]["p1"], row["angles_deg"]["median"])
-    return (
-        row["map"],
-        f"{row['width']}x{row['height']}",
-        *mesh,
-        row["method"],
-        row["backend"],
-        row["seconds"]["median"],
-        row["seconds"]["spread"],
-        row["surface_seconds"]["median"],
-        row["percent_cost"],
-        row["max_deviation_percent"],
-        row["inverted_triangles"],
-        *angles,
-        *row["paper"].values(),
-    )
+    return (row["map"], f"{row['width']}x{row['height']}", *mesh, *times, *quality, *angles, *row["paper"].values())
 
 
 def add_means(table, name):
@@ -79,39 +53,16 @@ def add_means(table, name):
     rows = [row for row in table.rows if row["set"] == name and "maps" not in row]
     for method, backend in dict.fromkeys((row["method"], row["backend"]) for row in rows):
         same = [row for row in rows if (row["method"], row["backend"]) == (method, backend)]
-        mean = {
-            "set": name,
-            "maps": len(same),
-            "method": method,
-            "backend": backend,
-            "seconds": statistics.mean(row["seconds"]["median"] for row in same),
-            "surface_seconds": statistics.mean(row["surface_seconds"]["median"] for row in same),
-            "percent_cost": statistics.mean(row["percent_cost"] for row in same),
-            "inverted_triangles": sum(row["inverted_triangles"] for row in same),
-            "paper": {key: statistics.mean(row["paper"][key] for row in same) for key in same[0]["paper"]},
-        }
-        table.add(
-            (
-                "mean",
-                f"{len(same)} maps",
-                None,
-                None,
-                None,
-                None,
-                method,
-                backend,
-                mean["seconds"],
-                None,
-                mean["surface_seconds"],
-                mean["percent_cost"],
-                None,
-                mean["inverted_triangles"],
-                None,
-                None,
-                *mean["paper"].values(),
-            ),
-            mean,
-        )
+        mean = {"set": name, "maps": len(same), "method": method, "backend": backend}
+        for key in ("seconds", "surface_seconds"):
+            mean[key] = statistics.mean(row[key]["median"] for row in same)
+        mean["percent_cost"] = statistics.mean(row["percent_cost"] for row in same)
+        mean["inverted_triangles"] = sum(row["inverted_triangles"] for row in same)
+        mean["paper"] = {key: statistics.mean(row["paper"][key] for row in same) for key in same[0]["paper"]}
+        times = (mean["seconds"], None, mean["surface_seconds"])
+        quality = (mean["percent_cost"], None, mean["inverted_triangles"], None, None)
+        mesh = (None, None, None, None, method, backend)
+        table.add(("mean", f"{len(same)} maps", *mesh, *times, *quality, *mean["paper"].values()), mean)
 
 
 def main():

@@ -61,11 +61,9 @@ void change(config::Config& config, Draw& draw) {
             value = field.choices[draw.byte() % field.choices.size()];
             break;
         case config::FieldType::integer:
-        case config::FieldType::optional_integer:
             value = static_cast<long long>(std::floor(number(field, draw)));
             break;
         case config::FieldType::real:
-        case config::FieldType::optional_real:
             value = number(field, draw);
             break;
         case config::FieldType::text:

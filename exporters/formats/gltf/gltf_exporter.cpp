@@ -1,17 +1,14 @@
 #include "exporters/formats/gltf/gltf_exporter.h"
 
 #include <cctype>
-#include <cstdint>
 #include <future>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "exporters/core/mesh_format.h"
-#include "exporters/core/scene.h"
 #include "exporters/formats/gltf/gltf_parts.h"
 #include "exporters/images/texture.h"
 #include "exporters/inspect/describe_formats.h"

@@ -8,7 +8,6 @@
 #include <optional>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "exporters/core/file_names.h"
 #include "exporters/viewer/html_exporter.h"
@@ -231,8 +230,7 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
                                           "writes what a gallery shows");
     const std::string title = fs::canonical(folder).filename().string();
     files::OutputSet outputs;
-    outputs.place(path);
-    outputs.files().write(path, exporters::gallery_page(title, kColumns, entries));
+    outputs.write(path, exporters::gallery_page(title, kColumns, entries));
     outputs.commit();
     return entries.size();
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -12,7 +11,6 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/job/log/run_log.h"
-#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 #include "pipeline/stages/disparity_range.h"
 
@@ -124,10 +122,8 @@ double focal_of_picture(const CameraSource& source, ResolvedCalibration& resolve
         readers::read_exif_focal(source.picture_file, source.picture.width, source.picture.height);
     if (!focal) return 0;
     const double focal_px = focal->focal_px * source.view.width / source.picture.width;
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f", focal_px);
     resolved.focal_from = "EXIF: " + focal->believed;
-    resolved.focal_doubt = "no focal length is given: " + std::string(text) +
+    resolved.focal_doubt = "no focal length is given: " + fixed(focal_px, 1) +
                            " px follow from the EXIF data of " + source.picture_file.string() + " (" +
                            focal->believed + "), which is wrong where the picture was cropped";
     return focal_px;
@@ -144,10 +140,9 @@ void check_principal_point(const Calibration& camera, ViewSize view) {
 
 void check_between(const char* what, double value, double least, double most, const char* unit) {
     if (value >= least && value <= most) return;
-    char text[160];
-    std::snprintf(text, sizeof text, "the %s is %.6g %s; it must be from %g to %g %s: check the calibration",
-                  what, value, unit, least, most, unit);
-    throw Error(ErrorKind::input, text);
+    throw Error(ErrorKind::input, std::string("the ") + what + " is " + number_text(value, 6) + " " + unit +
+                                      "; it must be from " + number_text(least) + " to " + number_text(most) +
+                                      " " + unit + ": check the calibration");
 }
 
 // The limits include microscopes and aerial photographs; beyond them depths do not fit into floats.

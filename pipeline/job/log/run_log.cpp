@@ -1,7 +1,6 @@
 #include "pipeline/job/log/run_log.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "pipeline/files/interrupt.h"
 
@@ -34,12 +33,6 @@ void RunLog::decide(const std::string& decision) const {
 void RunLog::warn(const std::string& warning) {
     warnings_.push_back(warning);
     if (warns) warns(warning);
-}
-
-std::string fixed(double value, int digits) {
-    char buffer[64];
-    std::snprintf(buffer, sizeof buffer, "%.*f", digits, value);
-    return buffer;
 }
 
 }  // namespace hexrelief::job

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/data/clock.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::job {
 
@@ -57,8 +58,5 @@ class RunLog {
     std::vector<std::pair<std::string, double>> stage_seconds_;  // in the order of their first end
     std::vector<std::string> warnings_;
 };
-
-// Formats a number with `digits` decimals.
-std::string fixed(double value, int digits);
 
 }  // namespace hexrelief::job

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <iterator>
 #include <limits>
-#include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/stages/depth.h"
 
 namespace hexrelief::job {
@@ -25,12 +24,6 @@ constexpr const char* kAdvice =
     "--disparity-scale -1 turns the sign of all, --disparity-offset PX moves them (input.disparity.scale, "
     "input.disparity.offset_px)";
 
-std::string figure(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", value);
-    return text;
-}
-
 // Returns the disparity that one in a hundred exceeds.
 double usual_largest(const DisparityMap& map) {
     std::vector<float> known;
@@ -47,15 +40,9 @@ std::vector<std::string> doubts(const DisparityMap& map) {
     const double largest = usual_largest(map), other = largest * kAssumed / kStereoSgbm;
     if (largest >= kSmallest * map.width || other < kSmallest * map.width || other > kLargest * map.width)
         return {};
-    return {"the map's disparities go up to " + figure(largest) +
+    return {"the map's disparities go up to " + number_text(largest, 3) +
             " px only, if KITTI's scale of 256 is right, which was assumed; with OpenCV's 1/16 px up to " +
-            figure(other) + " px: give --disparity-scale 16 or 256 (input.disparity.scale)"};
-}
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
+            number_text(other, 3) + " px: give --disparity-scale 16 or 256 (input.disparity.scale)"};
 }
 
 // Returns the share of known pixels and their range of depths. Throws Error(input) if none is known.
@@ -72,8 +59,9 @@ std::string extent_text(const DepthMap& map) {
         throw Error(ErrorKind::input,
                     "no depth lies between input.depth.near_m and input.depth.far_m; check them and the "
                     "map's unit (--depth-unit)");
-    return number(100.0 * static_cast<double>(known) / static_cast<double>(map.values.size())) +
-           " % known, " + number(nearest) + " to " + number(farthest) + (map.metric ? " m" : " (relative)");
+    return number_text(100.0 * static_cast<double>(known) / static_cast<double>(map.values.size()), 4) +
+           " % known, " + number_text(nearest, 4) + " to " + number_text(farthest, 4) +
+           (map.metric ? " m" : " (relative)");
 }
 
 }  // namespace
@@ -91,15 +79,16 @@ std::vector<std::string> keep_in_front(readers::DisparityFile& file, double doff
         d = kUnknownDisparity;
     }
     if (known > 0 && beyond == known)
-        throw Error(ErrorKind::input, "the map's disparities go from " + figure(least) + " to " +
-                                          figure(largest) + " px, none above " + figure(0 - doffs_px) +
-                                          " px, so none has a depth; " + kAdvice);
+        throw Error(ErrorKind::input, "the map's disparities go from " + number_text(least, 3) + " to " +
+                                          number_text(largest, 3) + " px, none above " +
+                                          number_text(0 - doffs_px, 3) + " px, so none has a depth; " +
+                                          kAdvice);
     std::vector<std::string> warnings;
     if (file.is_scale_assumed) warnings = doubts(file.map);
     const double share = static_cast<double>(beyond) / static_cast<double>(std::max<std::size_t>(known, 1));
     if (share > kFewBeyond)
-        warnings.push_back(figure(100 * share) + " % of the map's disparities are " + figure(0 - doffs_px) +
-                           " px or less and become unknown; " + kAdvice);
+        warnings.push_back(number_text(100 * share, 3) + " % of the map's disparities are " +
+                           number_text(0 - doffs_px, 3) + " px or less and become unknown; " + kAdvice);
     return warnings;
 }
 
@@ -116,7 +105,7 @@ DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& 
         camera.doffs_px = 0;
         input.is_baseline_chosen = true;
         input.decisions.push_back("depth: taken as disparities of a baseline of " +
-                                  number(camera.baseline_m) + (map.metric ? " m" : " (relative)") +
+                                  number_text(camera.baseline_m, 4) + (map.metric ? " m" : " (relative)") +
                                   ", chosen by the nearest distance");
     }
     input.map = stages::disparities_of(map, camera);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <type_traits>
 #include <utility>
 
 #include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::job {
 namespace {
@@ -140,11 +140,9 @@ readers::PixelMask both(readers::PixelMask a, const readers::PixelMask& b) {
 }
 
 std::string percent_text(const readers::PixelMask& mask, std::uint8_t value) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%.1f",
-                  100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
-                      static_cast<double>(mask.kept.size()));
-    return text;
+    return fixed(100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
+                     static_cast<double>(mask.kept.size()),
+                 1);
 }
 
 }  // namespace hexrelief::job

@@ -1,7 +1,6 @@
 // A program of the user's that this one starts, waits for and ends.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

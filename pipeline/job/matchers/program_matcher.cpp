@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <utility>
 
 #include "exporters/images/image_writer.h"

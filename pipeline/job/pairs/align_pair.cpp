@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
 #include "pipeline/alignment/resample.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::job {
 namespace {
@@ -22,18 +22,12 @@ constexpr double kFarMargin = 0.08, kNearMargin = 0.25;
 constexpr double kFarMargin_px = 2, kNearMargin_px = 1;
 constexpr double kMostBehind = 3;  // of a pair in two files: farther behind infinity than before it
 
-std::string digits(double value, int places) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.*f", places, value);
-    return text;
-}
-
 void tell_infinity(PairAlignment& pair) {
     const DisparityBounds& bounds = pair.found.disparities;
     if (bounds.is_infinity_known) return;
     const double farthest = (bounds.largest_px - bounds.infinity_px) / (bounds.least_px - bounds.infinity_px);
     pair.warnings.push_back("where infinity lies is not known: the farthest point is taken to be at most " +
-                            digits(farthest, 1) + " times as far as the nearest");
+                            fixed(farthest, 1) + " times as far as the nearest");
 }
 
 void tell_aligned(PairAlignment& pair) {
@@ -45,8 +39,8 @@ void tell_aligned(PairAlignment& pair) {
             "the cameras stood one above the other: both pictures are turned by a quarter");
     if (const alignment::Movers& movers = pair.found.movers; movers.points > 0)
         pair.warnings.push_back(std::to_string(movers.points) + " of " + std::to_string(pair.found.matches) +
-                                " points, around (" + digits(movers.middle.x, 0) + ", " +
-                                digits(movers.middle.y, 0) +
+                                " points, around (" + fixed(movers.middle.x, 0) + ", " +
+                                fixed(movers.middle.y, 0) +
                                 ") px of the first picture, shift together as no movement of the camera "
                                 "explains: something moved "
                                 "there, or a pattern repeats, and the mesh is wrong there");
@@ -110,7 +104,7 @@ bool is_wrongly_exchanged(const StereoPair& views, const Alignment& found, int t
 void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
     DisparityBounds& bounds = pair.found.disparities;
     pair.decisions.push_back("alignment: none, rows are off by " +
-                             digits(pair.found.estimate.before.median_px, 2) + " px in the median of " +
+                             fixed(pair.found.estimate.before.median_px, 2) + " px in the median of " +
                              std::to_string(pair.found.matches) + " points");
     // Two files whose points nearly all lie behind infinity may be exchanged, which the checks tell.
     if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) {
@@ -203,10 +197,10 @@ Calibration flattened(Calibration camera, const Alignment& found, const ReliefMa
 std::string alignment_text(const Alignment& found, const Calibration& camera, const std::string& focal_from) {
     const alignment::Estimate& estimate = found.estimate;
     const alignment::Angles angles = alignment::angles_of(estimate.fit.parameters);
-    return "aligned: rows were off by " + digits(estimate.before.median_px, 2) +
-           " px in the median and are by " + digits(estimate.held_out.median_px, 2) + " px; pitch " +
-           digits(angles.pitch, 2) + ", yaw " + digits(angles.yaw, 2) + ", roll " + digits(angles.roll, 2) +
-           " degrees; focal length of " + digits(camera.focal_px, 0) + " px: " + focal_from +
+    return "aligned: rows were off by " + fixed(estimate.before.median_px, 2) +
+           " px in the median and are by " + fixed(estimate.held_out.median_px, 2) + " px; pitch " +
+           fixed(angles.pitch, 2) + ", yaw " + fixed(angles.yaw, 2) + ", roll " + fixed(angles.roll, 2) +
+           " degrees; focal length of " + fixed(camera.focal_px, 0) + " px: " + focal_from +
            (camera.metric ? "" : "; relative units (--calib FILE says metres)");
 }
 

@@ -114,7 +114,7 @@ std::string unit_stamp(const RunRequest& request) {
     return files::sha256_of(text.data(), text.size());
 }
 
-nlohmann::ordered_json read_report(const fs::path& path) {
+nlohmann::ordered_json read_json(const fs::path& path) {
     constexpr std::uintmax_t most_bytes = 64 << 20;
     try {
         const std::vector<std::uint8_t> text = readers::codec::load_file(path, most_bytes).bytes;
@@ -133,7 +133,7 @@ UnitState stamp_request(RunRequest& request) {
 }
 
 UnitState unit_state(const RunRequest& request, const std::string& stamp) {
-    const Json report = read_report(request.report);
+    const Json report = read_json(request.report);
     if (report.is_null() || !report.contains("stamp")) return UnitState::missing;
     if (report["stamp"] != stamp) return UnitState::changed;
     try {

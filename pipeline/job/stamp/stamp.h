@@ -21,9 +21,9 @@ enum class UnitState {
     current,  // everything is in place, and the outputs have the bytes that the report states
 };
 
-// Reads a report, which others may have written; null if there is none, or it is no JSON object, larger than
-// 64 MiB or nested too deeply.
-nlohmann::ordered_json read_report(const std::filesystem::path& path);
+// Reads a report or another JSON object of this program, which others may have written; null if there is
+// none, or it is no JSON object, larger than 64 MiB or nested too deeply.
+nlohmann::ordered_json read_json(const std::filesystem::path& path);
 
 // Compares the stamp with the request's report, which is the last of its files to be written.
 UnitState unit_state(const RunRequest& request, const std::string& stamp);

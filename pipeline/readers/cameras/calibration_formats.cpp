@@ -1,9 +1,7 @@
 #include "pipeline/readers/cameras/calibration_formats.h"
 
 #include <cmath>
-#include <cstdio>
 
-#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/source.h"
@@ -19,12 +17,6 @@ std::string matrix_text(const SourceFile& source) {
 }
 
 }  // namespace
-
-std::string exact_text(double number) {
-    char digits[40];
-    std::snprintf(digits, sizeof digits, "%.17g", number);
-    return digits;
-}
 
 CalibrationText load_calibration_text(const std::filesystem::path& path) {
     constexpr std::uintmax_t longest = 1u << 20;  // lists of thousands of poses are longer than a calibration

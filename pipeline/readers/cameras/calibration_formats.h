@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pipeline/data/calibration.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::readers::codec {
 
@@ -40,7 +41,9 @@ std::optional<Calibration> parse_matrix(CalibrationText& source);
 std::optional<Calibration> parse_mvsnet(CalibrationText& source);
 
 // Returns digits that read back as the same number.
-std::string exact_text(double number);
+inline std::string exact_text(double number) {
+    return number_text(number, 17);
+}
 
 // Throws Error(input): "cannot read 'PATH': KEY REASON".
 [[noreturn]] void refuse_key(const CalibrationText& source, std::string_view key, const std::string& reason);

@@ -1,7 +1,6 @@
 #include "pipeline/readers/cameras/camera_parts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 #include "pipeline/data/number_text.h"

@@ -1,7 +1,6 @@
 #include "pipeline/readers/cameras/key_table.h"
 
 #include <algorithm>
-#include <array>
 
 #include "pipeline/readers/parse_text.h"
 

@@ -2,8 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <optional>
-
 #include "pipeline/readers/cameras/entries.h"
 #include "pipeline/readers/parse_text.h"
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <optional>
 #include <vector>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/parse_text.h"
 
@@ -23,12 +23,6 @@ constexpr double kOutlierShare = 0.002;
 
 // Renderers write 1e10 for pixels where no surface is hit.
 constexpr double kSky_m = 1e9;
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
-    return text;
-}
 
 // The samples as floats; those that mean "unknown" are NaN.
 struct Samples {
@@ -95,7 +89,7 @@ Unit unit_of(const std::filesystem::path& path, const Samples& samples, const De
                       "integers of inverse depth do not say how many are one over a metre; give --depth-unit "
                       "(input.depth.unit)");
     if (said_per_m > 0)
-        return {said_per_m, (said_per_m == 1000 ? "mm" : "1/" + number(said_per_m) + " m") +
+        return {said_per_m, (said_per_m == 1000 ? "mm" : "1/" + number_text(said_per_m, 6) + " m") +
                                 std::string(", as the calibration file says")};
     if (samples.are_bytes)
         codec::refuse(path,
@@ -174,8 +168,8 @@ DepthFile from_affine_depth(Samples samples, const Unit& unit, const DepthFileCo
     const Affine affine = affine_of(samples.values, config);
     const double per_m = affine.is_given ? unit.per_m : 1;
     DepthFile file;
-    file.believed = "depth = " + number(affine.shift) + " + " + number(affine.scale) + " * sample" +
-                    affine_sense(affine, unit, "smallest", "affine_inverse");
+    file.believed = "depth = " + number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) +
+                    " * sample" + affine_sense(affine, unit, "smallest", "affine_inverse");
     file.map.metric = affine.is_given;
     file.map.step = samples.step * std::abs(affine.scale) / per_m;
     file.map.values = depths(std::move(samples.values),
@@ -187,8 +181,8 @@ DepthFile from_affine_inverse(Samples samples, const Unit& unit, const DepthFile
     const Affine affine = affine_of(samples.values, config);
     const double per_m = affine.is_given ? unit.per_m : 1;
     DepthFile file;
-    file.believed = "depth = 1 / (" + number(affine.shift) + " + " + number(affine.scale) + " * sample)" +
-                    affine_sense(affine, unit, "largest", "affine_depth");
+    file.believed = "depth = 1 / (" + number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) +
+                    " * sample)" + affine_sense(affine, unit, "largest", "affine_depth");
     file.map.metric = affine.is_given;
     file.map.is_inverse = true;
     file.map.step = samples.step * std::abs(affine.scale) * per_m;
@@ -210,7 +204,7 @@ std::string doubt_of(const Samples& samples, const DepthFileConfig& config) {
         largest = std::max(largest, sample);
     }
     if (largest < far_m || largest >= kSky_m) return {};
-    return "the depths are whole numbers up to " + number(largest) +
+    return "the depths are whole numbers up to " + number_text(largest, 6) +
            ", read as metres; if they are millimetres, give --depth-unit mm (input.depth.unit)";
 }
 

@@ -2,23 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <type_traits>
-#include <vector>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 
 namespace hexrelief::readers {
 namespace {
-
-std::string short_number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
 
 struct Extent {
     double least = 0, largest = 0, known_share = 0;
@@ -39,8 +32,8 @@ Extent extent_of(const std::vector<float>& values) {
 
 // Returns "0.52 .. 7.31 m, 93.1 % known".
 std::string text_of(const Extent& extent, const char* unit) {
-    return short_number(extent.least) + " .. " + short_number(extent.largest) + unit + ", " +
-           short_number(100 * extent.known_share) + " % known";
+    return number_text(extent.least, 4) + " .. " + number_text(extent.largest, 4) + unit + ", " +
+           number_text(100 * extent.known_share, 4) + " % known";
 }
 
 // Returns the result of text(), or the reason why it refuses the file.
@@ -79,7 +72,7 @@ void add_depths(const codec::Raster& raster, const std::filesystem::path& path, 
 
 void add_disparities(const codec::Raster& raster, const std::filesystem::path& path, double scale,
                      std::vector<std::string>& lines) {
-    add_if_usual(lines, "--disparity-scale " + short_number(scale), [&]() -> std::string {
+    add_if_usual(lines, "--disparity-scale " + number_text(scale, 4), [&]() -> std::string {
         const Extent extent = extent_of(disparities_of(raster, path, {.scale = scale}).map.values);
         const bool is_usual =
             extent.largest >= kLeastShare * raster.width && extent.largest <= kLargestShare * raster.width;

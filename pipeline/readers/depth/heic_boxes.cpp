@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "pipeline/readers/depth/heic_properties.h"
-#include "pipeline/readers/depth/iso_boxes.h"
 
 namespace hexrelief::readers::codec {
 namespace {

@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <map>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include "pipeline/readers/depth/heic_boxes.h"
 

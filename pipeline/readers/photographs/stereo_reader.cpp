@@ -1,7 +1,6 @@
 #include "pipeline/readers/photographs/stereo_reader.h"
 
 #include <algorithm>
-#include <string>
 #include <string_view>
 #include <utility>
 

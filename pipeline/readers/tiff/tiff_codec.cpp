@@ -1,7 +1,6 @@
 // Reads TIFF by libtiff: the first picture of the file. Grey and RGB samples are read as stored, everything
 // else (palettes, YCbCr, CMYK) by libtiff's own conversion to 8-bit RGB. Pixels are as stored, whatever the
 // orientation tag says.
-#include <cstring>
 #include <memory>
 
 #include "pipeline/readers/codecs.h"

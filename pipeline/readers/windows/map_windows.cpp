@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/data/shrink.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/windows/window_source.h"
@@ -69,10 +70,21 @@ std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, con
 
 }  // namespace
 
-MapWindows::MapWindows(std::filesystem::path path, const MapWindowConfig& config)
-    : path_(std::move(path)), config_(config.disparity), source_(open_source(path_, config)) {}
+FileWindows::FileWindows(std::filesystem::path path, std::unique_ptr<WindowSource> source)
+    : path_(std::move(path)), source_(std::move(source)) {}
 
-MapWindows::~MapWindows() = default;
+FileWindows::~FileWindows() = default;
+
+int FileWindows::width() const {
+    return source_->width;
+}
+
+int FileWindows::height() const {
+    return source_->height;
+}
+
+MapWindows::MapWindows(const std::filesystem::path& path, const MapWindowConfig& config)
+    : FileWindows(path, open_source(path, config)), config_(config.disparity) {}
 
 std::unique_ptr<MapWindows> MapWindows::open(const std::filesystem::path& path,
                                              const MapWindowConfig& config) {
@@ -82,36 +94,15 @@ std::unique_ptr<MapWindows> MapWindows::open(const std::filesystem::path& path,
     return map;
 }
 
-int MapWindows::width() const {
-    return source_->width;
-}
-
-int MapWindows::height() const {
-    return source_->height;
-}
-
 DisparityMap MapWindows::read(int x, int y, int width, int height) const {
     return disparities_of_part(read_window(*source_, path_, {x, y, width, height}), path_, config_);
 }
 
-PictureWindows::PictureWindows(std::filesystem::path path, const ReaderLimits& limits)
-    : path_(std::move(path)), source_(open_source(path_, limits)) {}
-
-PictureWindows::~PictureWindows() = default;
-
 std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path& path,
                                                      const ReaderLimits& limits) {
-    std::unique_ptr<PictureWindows> picture(new PictureWindows(path, limits));
+    std::unique_ptr<PictureWindows> picture(new PictureWindows(path, open_source(path, limits)));
     image_of(no_samples(*picture->source_), path);  // refuses floats, which are not a picture
     return picture;
-}
-
-int PictureWindows::width() const {
-    return source_->width;
-}
-
-int PictureWindows::height() const {
-    return source_->height;
 }
 
 int PictureWindows::channels() const {
@@ -124,6 +115,18 @@ bool PictureWindows::has_alpha() const {
 
 Image PictureWindows::read(int x, int y, int width, int height) const {
     return image_of(read_window(*source_, path_, {x, y, width, height}), path_);
+}
+
+Image PictureWindows::read_shrunk(int x, int y, int width, int height, int by) const {
+    Image out{0, 0, channels(), {}};
+    const int band_rows = std::max(by, (1 << 24) / std::max(1, width) / by * by);
+    for (int top = 0; top < height; top += band_rows) {
+        const Image band = shrunk(read(x, y + top, width, std::min(band_rows, height - top)), by);
+        out.width = band.width;
+        out.height += band.height;
+        out.pixels.insert(out.pixels.end(), band.pixels.begin(), band.pixels.end());
+    }
+    return out;
 }
 
 }  // namespace hexrelief::readers

@@ -36,9 +36,22 @@ struct MapWindowConfig {
 
 class WindowSource;
 
+// A file of pixels of which any window can be read.
+class FileWindows {
+  public:
+    ~FileWindows();
+    int width() const;
+    int height() const;
+
+  protected:
+    FileWindows(std::filesystem::path path, std::unique_ptr<WindowSource> source);
+    std::filesystem::path path_;
+    std::unique_ptr<WindowSource> source_;
+};
+
 // A map file of which any window can be read. Several threads may read at once: rows are read by position
 // from one descriptor, and each thread in a TIFF's tiles has its own libtiff handle.
-class MapWindows {
+class MapWindows : public FileWindows {
   public:
     // Opens a map and reads its header; of float maps in rows also 256 x 256 px in the middle, to check the
     // byte order. TIFF: samples of one channel, of the kinds that read_disparity_map() accepts; in tiles or
@@ -46,36 +59,26 @@ class MapWindows {
     // that a map may have any size up to kLargestMapSide_px a side, and only unknown pixels.
     static std::unique_ptr<MapWindows> open(const std::filesystem::path& path,
                                             const MapWindowConfig& config = {});
-    ~MapWindows();
-
-    int width() const;
-    int height() const;
     // Returns the same pixels as a crop of read_disparity_map()'s map. Memory: the window, for integers also
     // its samples, and a tile; for compressed strips a row, and a strip as stored. Throws Error(input) if the
     // window is empty, not within the map or above kMaxPixels, or if the file is damaged or truncated there.
     DisparityMap read(int x, int y, int width, int height) const;
 
   private:
-    MapWindows(std::filesystem::path path, const MapWindowConfig& config);
-    std::filesystem::path path_;
+    MapWindows(const std::filesystem::path& path, const MapWindowConfig& config);
     DisparityFileConfig config_;
-    std::unique_ptr<WindowSource> source_;
 };
 
 // A picture's file of which any window can be read, by any number of threads. Only the window is read from
 // TIFF and BigTIFF in grey or RGB, with or without alpha, in tiles or strips, and from binary PGM and PPM; a
 // side may have up to kLargestMapSide_px. Pictures in other formats, and TIFF with palettes,
 // YCbCr or inks, are held in memory as a whole, within read_image()'s limits.
-class PictureWindows {
+class PictureWindows : public FileWindows {
   public:
     // Opens a picture. limits: for pictures that are held as a whole. Throws
     // Error(input) as read_image() does.
     static std::unique_ptr<PictureWindows> open(const std::filesystem::path& path,
                                                 const ReaderLimits& limits = {});
-    ~PictureWindows();
-
-    int width() const;
-    int height() const;
     int channels() const;    // 1 or 3
     bool has_alpha() const;  // some pixels may be transparent
     // Returns the same pixels as a crop of read_image()'s picture; alpha is kept if it is below half at some
@@ -83,11 +86,12 @@ class PictureWindows {
     // strip as stored. Throws Error(input) if the window is empty, not within the picture or above
     // kMaxPixels, or if the file is damaged or truncated there.
     Image read(int x, int y, int width, int height) const;
+    // Returns the means over squares of by x by px of a window, which may end within a square; x and y are
+    // multiples of `by`. Memory: the result, and a band of the window.
+    Image read_shrunk(int x, int y, int width, int height, int by) const;
 
   private:
-    PictureWindows(std::filesystem::path path, const ReaderLimits& limits);
-    std::filesystem::path path_;
-    std::unique_ptr<WindowSource> source_;
+    using FileWindows::FileWindows;
 };
 
 }  // namespace hexrelief::readers

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/windows/map_windows.h"

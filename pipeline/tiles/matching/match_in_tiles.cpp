@@ -12,11 +12,10 @@
 #include "pipeline/data/start_work.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/windows/map_writer.h"
 #include "pipeline/stages/sgbm.h"
-#include "pipeline/tiles/shrunk_picture.h"
 
 namespace hexrelief::tiles {
 namespace {
@@ -35,9 +34,11 @@ int shrunk_by(int width, int height) {
 }
 
 StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
-    const mesh_tiles::MapRect whole{0, 0, pair.left.width(), pair.left.height()};
-    auto right = start_work(threads, [&] { return shrunk_picture(pair.right, whole, by); });
-    Image left = shrunk_picture(pair.left, whole, by);
+    const auto shrunk = [by](const readers::PictureWindows& picture) {
+        return picture.read_shrunk(0, 0, picture.width(), picture.height(), by);
+    };
+    auto right = start_work(threads, [&] { return shrunk(pair.right); });
+    Image left = shrunk(pair.left);
     return {std::move(left), right.get()};
 }
 

@@ -150,11 +150,11 @@ TEST(ConfigDocument, YamlRoundTrips) {
     Config config;
     for (const Field& field : config_fields()) {
         if (field.type == FieldType::boolean) field.set(config, true);
-        if (field.type == FieldType::optional_integer)
+        if (field.type == FieldType::integer && field.is_optional)
             field.set(config, static_cast<long long>(field.range.max));
-        if (field.type == FieldType::optional_real) field.set(config, std::max(field.range.min, 0.1));
-        if (field.type == FieldType::real)
-            field.set(config, field.range.min + (field.range.max - field.range.min) / 3);
+        if (field.type != FieldType::real) continue;
+        field.set(config, field.is_optional ? std::max(field.range.min, 0.1)
+                                            : field.range.min + (field.range.max - field.range.min) / 3);
     }
     config.input.calibration.file = "/a folder/with: \"odd\" #name \\ \xc3\xa9.txt";
     config.input.calibration.fov_x_deg = kNotGiven;

@@ -6,8 +6,9 @@
 #include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/job/pairs/align_pair.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/surfaces.h"
 
 namespace hexrelief::job {
 namespace {

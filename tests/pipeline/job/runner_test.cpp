@@ -8,7 +8,7 @@
 
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/steps.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/job/tested_backends.h"

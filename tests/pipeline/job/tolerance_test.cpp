@@ -1,6 +1,4 @@
 // The surface as compressed files hold it, against the files themselves.
-#include "pipeline/job/tolerance.h"
-
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
@@ -13,6 +11,7 @@
 #include "exporters/compression/draco_codec.h"
 #include "exporters/exporter.h"
 #include "exporters/viewer/html_exporter.h"
+#include "pipeline/job/outputs.h"
 #include "tests/exporters/draco_decode.h"
 #include "tests/pipeline/process.h"
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/readers/float_colors.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {

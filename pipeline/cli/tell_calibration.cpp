@@ -1,11 +1,10 @@
-#include "pipeline/cli/info/tell_calibration.h"
+#include "pipeline/cli/tell_calibration.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
-#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 
@@ -88,12 +87,6 @@ std::string told(const Text& text, bool json) {
 
 Json size_json(int width, int height) {
     return {{"width", width}, {"height", height}};
-}
-
-std::string number(double value) {
-    char digits[32];
-    std::snprintf(digits, sizeof digits, "%.6g", value);
-    return digits;
 }
 
 void tell_calibration_of(const std::filesystem::path& path, Text& text) {

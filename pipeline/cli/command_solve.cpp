@@ -11,8 +11,8 @@
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/config_options.h"
-#include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/tiles/command_tiles.h"
+#include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/config/shell_words.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
@@ -36,16 +36,14 @@ struct SolveOptions {
 std::vector<tiles::TileNumber> wanted_tiles(const tiles::TilePlan& plan, const SolveOptions& options) {
     const std::vector<tiles::TileNumber> all = tiles::tiles_of_level(plan, plan.finest_level());
     if (!options.tile.empty()) {
-        tiles::TileNumber tile{plan.finest_level(), 0, 0};
-        int end = 0;
-        // NOLINTNEXTLINE(cert-err34-c): eight digits are no overflow
-        if (std::sscanf(options.tile.c_str(), "%8d,%8d%n", &tile.j, &tile.i, &end) != 2 ||
-            static_cast<std::size_t>(end) != options.tile.size() ||
-            std::find(all.begin(), all.end(), tile) == all.end())
+        const auto tile = std::ranges::find_if(all, [&](const tiles::TileNumber& one) {
+            return std::to_string(one.j) + "," + std::to_string(one.i) == options.tile;
+        });
+        if (tile == all.end())
             throw Error(ErrorKind::usage, "--tile: must be ROW,COLUMN from 0,0 to " +
                                               std::to_string(all.back().j) + "," +
                                               std::to_string(all.back().i) + ", not '" + options.tile + "'");
-        return {tile};
+        return {*tile};
     }
     const Shard shard = parse_shard(options.shard);
     std::vector<tiles::TileNumber> tiles;

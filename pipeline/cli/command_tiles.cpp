@@ -1,13 +1,14 @@
-#include "pipeline/cli/tiles/command_tiles.h"
-
-#include <unistd.h>
 
 #include <cstdio>
+#include <functional>
 #include <memory>
 
 #include "pipeline/cli/arguments/config_options.h"
-#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
+#include "pipeline/cli/run_options.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/backend.h"
@@ -20,43 +21,52 @@
 namespace hexrelief::cli {
 namespace {
 
-// Prints to stderr: if verbose, a line per stage with its time, else the progress on a terminal; and
-// warnings. Prints no progress and no warnings if quiet.
-class StageTeller {
-  public:
-    StageTeller(bool quiet, bool verbose) : progress_(!quiet && !verbose && isatty(STDERR_FILENO)) {
-        log_.stage_begins = [this](const std::string& stage) { progress_.begin(stage); };
-        log_.stage_progresses = [this](double share) { progress_.update(share); };
-        log_.stage_ends = [this, verbose](const std::string& stage, double seconds) {
-            progress_.end();
-            if (verbose) std::fprintf(stderr, "%-14s %8.3f s\n", stage.c_str(), seconds);
-        };
-        if (verbose)
-            log_.decides = [](const std::string& decision) {
-                std::fprintf(stderr, "%s\n", printable(decision).c_str());
-            };
-        if (!quiet)
-            log_.warns = [this](const std::string& warning) {
-                progress_.break_line();
-                print_warning(warning);
-            };
-    }
-    StageTeller(const StageTeller&) = delete;
-    StageTeller& operator=(const StageTeller&) = delete;
-
-    job::RunLog& log() { return log_; }
-
-  private:
-    ProgressLine progress_;
-    job::RunLog log_;
+struct Loudness {
+    bool quiet = false, verbose = false;
 };
+
+void add_loudness(Command& command, Loudness& loudness, const std::string& verbose_help) {
+    command.add_flag("--quiet", loudness.quiet, "nothing but errors");
+    command.add_flag("--verbose", loudness.verbose, verbose_help);
+}
+
+// Does work whose progress the terminal shows, and prints the line that it returns, with the seconds.
+int tell(const Loudness& loudness, const std::function<std::string(job::RunLog& log)>& work) {
+    files::install_interrupt_handling();
+    ProgressLine progress;
+    job::RunLog log;
+    library::tell_caller(told_on_terminal({},
+                                          loudness.quiet     ? Verbosity::quiet
+                                          : loudness.verbose ? Verbosity::verbose
+                                                             : Verbosity::summary,
+                                          progress),
+                         log);
+    const std::string line = work(log);
+    if (!loudness.quiet) std::printf("%s; %s s\n", printable(line).c_str(), fixed(log.seconds(), 1).c_str());
+    end_telling();
+    return 0;
+}
+
+// Does work by the backend that a configuration names, and gives the device back.
+template <typename Work>
+auto with_backend(const config::ExecutionConfig& config, const Work& work) {
+    const int threads = job::effective_threads(config.threads);
+    const job::BackendPointer backend = job::Backends::for_one_run().get(config.backend, threads);
+    auto result = work(*backend);
+    backend->give_back();
+    return result;
+}
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + " x " + std::to_string(height);
+}
 
 struct PlanOptions {
     std::filesystem::path map, color, folder;
     Options config;
     std::string raw;
     int tile_vertices = 512;
-    bool quiet = false, verbose = false;
+    Loudness loudness;
 };
 
 int plan_tiles(const PlanOptions& options) {
@@ -69,28 +79,20 @@ int plan_tiles(const PlanOptions& options) {
     read.insert(read.end(), {options.map, options.color, request.config.input.calibration.file});
     files::check_overwrites({tiles::plan_file(options.folder), tiles::plan_config_file(options.folder)},
                             read);
-    const int threads = job::effective_threads(request.config.run.threads);
-    const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
-    files::install_interrupt_handling();
-
-    StageTeller teller(options.quiet, options.verbose);
-    job::RunLog& log = teller.log();
-    const tiles::TilePlan plan = tiles::make_plan(request, *backend, log);
-    backend->give_back();
-    if (options.quiet) return 0;
-    const mesh_tiles::LatticeTiling tiling = plan.tiling();
-    std::printf("%s: %d x %d tiles, a lattice of %d x %d vertices; %.1f s\n",
-                printable(options.folder.string()).c_str(), tiling.across(), tiling.down(), plan.columns,
-                plan.rows, log.seconds());
-    end_telling();
-    return 0;
+    return tell(options.loudness, [&](job::RunLog& log) {
+        const tiles::TilePlan plan = with_backend(request.config.run, [&](job::Backend& backend) {
+            return tiles::make_plan(request, backend, log);
+        });
+        return options.folder.string() + ": " + size_text(plan.tiling().across(), plan.tiling().down()) +
+               " tiles, a lattice of " + size_text(plan.columns, plan.rows) + " vertices";
+    });
 }
 
 struct MatchOptions {
     std::filesystem::path left, right, output;
     Options config;
     int tile_px = tiles::MatchRequest().tile_px;
-    bool quiet = false, verbose = false;
+    Loudness loudness;
 };
 
 int match_tiles(const MatchOptions& options) {
@@ -100,42 +102,34 @@ int match_tiles(const MatchOptions& options) {
                                 .tile_px = options.tile_px,
                                 .config = library::config_of(options.config, {}, {"--left", "--right"})};
     files::check_writable_file(options.output);
-    const int threads = job::effective_threads(request.config.run.threads);
-    const job::BackendPointer backend = job::Backends::for_one_run().get(request.config.run.backend, threads);
-    files::install_interrupt_handling();
-
-    StageTeller teller(options.quiet, options.verbose);
-    job::RunLog& log = teller.log();
-    const tiles::TiledMatch match = tiles::match_in_tiles(request, *backend, log);
-    backend->give_back();
-    if (!options.quiet)
-        std::printf("%s: %dx%d px in %d tiles, %.1f %% matched, %.1f %% known; %.1f s\n",
-                    printable(options.output.string()).c_str(), match.width, match.height, match.tiles,
-                    100 * match.matched_share, 100 * match.known_share, log.seconds());
-    end_telling();
-    return 0;
+    return tell(options.loudness, [&](job::RunLog& log) {
+        const tiles::TiledMatch match = with_backend(request.config.run, [&](job::Backend& backend) {
+            return tiles::match_in_tiles(request, backend, log);
+        });
+        return options.output.string() + ": " + std::to_string(match.width) + "x" +
+               std::to_string(match.height) + " px in " + std::to_string(match.tiles) + " tiles, " +
+               fixed(100 * match.matched_share, 1) + " % matched, " + fixed(100 * match.known_share, 1) +
+               " % known";
+    });
 }
 
 struct MergeOptions {
     std::filesystem::path folder, output;
     int threads = 0;
-    bool quiet = false, verbose = false;
+    Loudness loudness;
 };
 
 int merge(const MergeOptions& options) {
     const tiles::TilePlan plan = tiles::read_plan(options.folder);
     files::check_writable_file(options.output);
-    const int threads = job::effective_threads(options.threads);
-    files::install_interrupt_handling();
-    StageTeller teller(options.quiet, options.verbose);
-    job::RunLog& log = teller.log();
-    const tiles::MergedTiles merged = tiles::merge_tiles(plan, options.output, threads, log);
-    if (!options.quiet)
-        std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",
-                    printable(options.output.string()).c_str(), merged.tiles, merged.empty, merged.levels,
-                    merged.vertices, merged.triangles, log.seconds());
-    end_telling();
-    return 0;
+    return tell(options.loudness, [&](job::RunLog& log) {
+        const tiles::MergedTiles merged =
+            tiles::merge_tiles(plan, options.output, job::effective_threads(options.threads), log);
+        return options.output.string() + ": " + std::to_string(merged.tiles) + " tiles, " +
+               std::to_string(merged.empty) + " of them empty, in " + std::to_string(merged.levels) +
+               " levels; " + std::to_string(merged.vertices) + " vertices, " +
+               std::to_string(merged.triangles) + " triangles";
+    });
 }
 
 void add_plan_command(Command& group) {
@@ -159,8 +153,7 @@ void add_plan_command(Command& group) {
         command, options->config,
         {"--disparity-scale", "--disparity-offset", "--unknown", "--calib", "--backend", "--threads"},
         "Options");
-    command.add_flag("--quiet", options->quiet, "nothing but errors");
-    command.add_flag("--verbose", options->verbose, "the stages' times");
+    add_loudness(command, options->loudness, "the stages' times");
     command.set_footer(
         R"(The lattice of the whole map is solved at half of its size, and what lies beside the borders of the
 tiles on the map itself. Each tile is then solved by itself, by 'hexrelief tiles solve DIR', and all
@@ -195,8 +188,7 @@ void add_match_command(Command& group) {
                        {.value = "PX", .shows_default = true, .range = {{64, 16384}}});
     add_config_options(command, options->config, "Options");
     add_key_options(command, options->config, {"--calib", "--backend", "--threads"}, "Options");
-    command.add_flag("--quiet", options->quiet, "nothing but errors");
-    command.add_flag("--verbose", options->verbose, "the range searched, and the stages' times");
+    add_loudness(command, options->loudness, "the range searched, and the stages' times");
     command.set_footer(kMatchFooter);
     command.set_action([options] { return match_tiles(*options); });
 }
@@ -219,8 +211,7 @@ void add_merge_command(Command& group) {
                        {.value = "FILE", .required = true});
     command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
                        {.shows_default = true, .range = {{0, 1024}}});
-    command.add_flag("--quiet", options->quiet, "nothing but errors");
-    command.add_flag("--verbose", options->verbose, "the stages' times");
+    add_loudness(command, options->loudness, "the stages' times");
     command.set_footer(kMergeFooter);
     command.set_action([options] { return merge(*options); });
 }

@@ -1,4 +1,4 @@
-#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/printable.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -101,20 +101,18 @@ ProgressLine::~ProgressLine() {
     break_line();
 }
 
-void ProgressLine::begin(const std::string& stage) {
+void ProgressLine::show(const std::string& stage, double share) {
+    const bool is_new = stage != stage_;
+    share_ = is_new ? -1 : share;
+    if (is_new) begun_ = now_seconds();
     stage_ = stage;
-    share_ = -1;
-    begun_ = now_seconds();
-    if (enabled_) draw(false);
+    if (is_new || now_seconds() - drawn_ >= 0.1) draw(false);
 }
 
-void ProgressLine::update(double share) {
-    share_ = share;
-    if (enabled_ && now_seconds() - drawn_ >= 0.1) draw(false);
-}
-
-void ProgressLine::end() {
-    if (enabled_) draw(true);
+void ProgressLine::end(const std::string& stage) {
+    stage_ = stage;
+    draw(true);
+    stage_.clear();
 }
 
 void ProgressLine::break_line() {

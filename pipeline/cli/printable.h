@@ -18,25 +18,24 @@ void print_warning(const std::string& warning);
 // or closed, that is warned of, and is no error.
 void end_telling();
 
-// One line per stage on stderr, rewritten in place: "mesh        42 %   1.3 s". Silent unless enabled.
+// One line per stage on stderr, rewritten in place: "mesh        42 %   1.3 s".
 class ProgressLine {
   public:
-    explicit ProgressLine(bool enabled) : enabled_(enabled) {}
+    ProgressLine() = default;
     ~ProgressLine();
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
-    void begin(const std::string& stage);
-    void update(double share);  // 0..1; redraws at most ten times a second
-    void end();
+    // Shows a stage, first with the share 0, then at most ten times a second.
+    void show(const std::string& stage, double share);
+    void end(const std::string& stage);
     // Clears an unfinished line, so that other text can take its place.
     void break_line();
 
   private:
     void draw(bool final);
-    bool enabled_;
     bool open_ = false;
-    std::string stage_;
+    std::string stage_;  // empty = none is shown
     double share_ = -1;  // < 0: the stage reports no progress
     double begun_ = 0, drawn_ = 0;
 };

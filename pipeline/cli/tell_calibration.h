@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/data/number_text.h"
+
 namespace hexrelief::cli::info {
 
 using Json = nlohmann::ordered_json;
@@ -31,7 +33,9 @@ std::string told(const Text& text, bool json);
 // Returns {"width", "height"}.
 Json size_json(int width, int height);
 // Returns up to six digits.
-std::string number(double value);
+inline std::string number(double value) {
+    return number_text(value, 6);
+}
 
 // Adds the calibration in a file, of one camera or of a pair to rectify. Throws Error(input).
 void tell_calibration_of(const std::filesystem::path& path, Text& text);
