@@ -43,8 +43,10 @@ struct Continued {
     RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
     RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
     std::vector<std::uint32_t> pixels;    // that have something
+    const DisparityMap& shown;            // by the view alone: at distance 0 this only gets colours
 
-    explicit Continued(std::size_t count) : disparities(count), distances(count), colours_of(count) {}
+    Continued(std::size_t count, const DisparityMap& missing)
+        : disparities(count), distances(count), colours_of(count), shown(missing) {}
 
     // The nearest silhouette decides; of two, the farther surface.
     void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
@@ -74,9 +76,8 @@ int reach_of(const Disparities& front, const Line& line, int end, int reach, int
 }
 
 double slope_at(const Disparities& front, const Line& line, int end, int span) {
-    return span < 2
-               ? 0
-               : std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
+    if (span < 2) return 0;
+    return std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
 }
 
 // Returns the number of pixels at the end of a surface, at most `most`, that are mixed or look rather like
@@ -127,6 +128,10 @@ void continue_from(const Disparities& front, const Image& picture, const Line& l
         is_mixed ? mixed_at(picture, line, end, nearest + kMixed, reach, side.mixed_px) : kMixed;
     // Lines beside it continue what shows no colours of its own here.
     if (is_mixed && reach <= mixed) return;
+    // Mixed pixels that this view alone shows have clean colours as well.
+    for (int k = 0; is_mixed && k < mixed; ++k)
+        if (const std::size_t pixel = line(end - k); DisparityMap::known(result.shown.values[pixel]))
+            result.offer(pixel, front[pixel], 0, line(end - folded(2 * mixed - k, mixed, reach - 1)));
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
@@ -154,7 +159,7 @@ void continue_along(const Disparities& front, const Image& picture, const Line& 
 Continued continued_in(const Disparities& front, const OtherView& view, const Beyond& beyond,
                        ThreadPool& pool) {
     const int width = view.place.width, height = view.place.height;
-    Continued result(front.size());
+    Continued result(front.size(), view.missing);
     pool.parallel_for_chunks(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
@@ -179,7 +184,7 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
     });
     for (std::size_t i = 0; i < front.size(); ++i) {
         if (result.disparities[i] == kNotCovered) continue;
-        if (DisparityMap::known(view.missing.values[i]))
+        if (DisparityMap::known(view.missing.values[i]) && result.distances[i] > 0)
             result.disparities[i] = kNotCovered;
         else
             result.pixels.push_back(static_cast<std::uint32_t>(i));
@@ -372,13 +377,15 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i];
+            if (continued.distances[pixel] == 0) continue;
             const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
             view.missing.values[pixel] = view.map.values[pixel] =
                 behind({x + 0.5, y + 0.5, continued.disparities[pixel]}, place, visible);
         }
     });
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
-        if (continued.disparities[i] != kNotCovered) view.missing.values[i] = kUnknownDisparity;
+        if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
+            view.missing.values[i] = kUnknownDisparity;
     spread_colours(continued, view, front);
     paint(view.picture.empty() ? view.color : view.picture, place, continued, front, beyond.mixed_px > kMixed,
           pool);
