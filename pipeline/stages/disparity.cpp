@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"
+#include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/sgbm.h"
 
 namespace hexrelief::stages {
@@ -147,7 +149,8 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
         matching_config(config), threads);
 }
 
-DisparityMap to_pixels(matching::MatchedMap matched, const DisparityConfig& config, int threads) {
+DisparityMap to_pixels(matching::MatchedMap matched, const Image& left, const DisparityConfig& config,
+                       int threads) {
     matching::continue_beyond_frame(matched, config.min_disparity_px);
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
@@ -156,13 +159,19 @@ DisparityMap to_pixels(matching::MatchedMap matched, const DisparityConfig& conf
         for (std::size_t i = first; i < last; ++i) {
             const bool is_matched = matched.is_matched[i] != 0;
             if (matched.disparities[i] == matching::kUnknown16) continue;
-            if (!is_matched && config.fill == DisparityFill::none) continue;
             int d = matched.disparities[i] + config.min_disparity_px * matching::kOnePixel;
             if (d == 0) d = 1;
             map.values[i] = static_cast<float>(d) / matching::kOnePixel;
             map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
         }
     });
+    map = without_mixed_pixels(std::move(map), left, Scraps::stay);
+    if (config.fill == DisparityFill::none)
+        for (std::size_t i = 0; i < count; ++i) {
+            if (map.origins[i] != PixelOrigin::filled) continue;
+            map.values[i] = kUnknownDisparity;
+            map.origins[i] = PixelOrigin::unknown;
+        }
     return map;
 }
 
@@ -224,9 +233,9 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
     switch (config.method) {
         case DisparityMethod::sgm:
-            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), config, threads);
+            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair.left, config, threads);
         case DisparityMethod::sgbm:
-            return to_pixels(refine_sgbm(pair, ranged, threads), config, threads);
+            return to_pixels(refine_sgbm(pair, ranged, threads), pair.left, config, threads);
         case DisparityMethod::command:
         case DisparityMethod::onnx:
             break;
@@ -254,7 +263,7 @@ DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const Di
                                             {above_least(views.left, ranged.min_disparity_px),
                                              above_least(views.right, ranged.min_disparity_px)},
                                             matching_config(ranged), threads),
-                     ranged, threads);
+                     pair.left, ranged, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,

@@ -139,7 +139,8 @@ FoundRange find_range(const StereoPair& pair, const Calibration& calibration, co
 // Returns the pair with the right image in the left image's light and with less noise in both, for matching.
 StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
 
-// Returns disparities of the left view in px (multiples of 1/16 px) and their origins. A range from 0 or
+// Returns disparities of the left view in px (multiples of 1/16 px) and their origins. What lies between two
+// surfaces at a silhouette is given to these (without_mixed_pixels(); scraps stay). A range from 0 or
 // above gives no disparity of 0, which would be a point without a depth. config: FoundRange::config; if
 // farthest_px is NaN, no match counts as far. The same bytes for any number of threads. Throws Error(input)
 // if the images differ in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for

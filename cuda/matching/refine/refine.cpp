@@ -92,7 +92,7 @@ void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input)
     work.side.begin_after(stream);
     find_known(work.side.get(), reading(checked), arrays.known);
     work.side.mark();
-    find_slopes(stream, {reading(checked), left, {}, {}, RecordsOf::beside_unknown, {}},
+    find_slopes(stream, {reading(checked), left, {}, {}, RecordsOf::beside_unknown, step::kFarSlopes_px, {}},
                 {arrays.slopes.fitted, {}}, arrays.records);
     work.side.let_wait_for_mark(stream);
     clock.ended("trusted, slopes, known");
@@ -122,8 +122,10 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
                       reading(colors.right), config.min_px, colors.in_color};
     weigh_voters(stream, voters, matched, arrays.sides, arrays.trusted.holes, arrays.voter_weights);
     const matching::RasterView<const std::uint8_t> weights = reading(arrays.voter_weights);
-    find_slopes(stream, {reading(arrays.left), left, weights, input.hole_colors, RecordsOf::all, {}},
-                arrays.slopes, arrays.records);
+    find_slopes(
+        stream,
+        {reading(arrays.left), left, weights, input.hole_colors, RecordsOf::all, step::kFarSlopes_px, {}},
+        arrays.slopes, arrays.records);
     take_votes(stream,
                {reading(arrays.left), records, discontinuous, nearest_seen, weights, arrays.trusted.holes,
                 config.min_px},
@@ -131,10 +133,15 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     clock.ended("slopes, votes, first round");
     matching::RasterView<std::int16_t> map = arrays.a, changed = arrays.b;
     for (int round = 1; round < step::kVoteRounds; ++round) {
-        find_slopes(
-            stream,
-            {reading(map), left, {}, {}, RecordsOf::all, reading(arrays.votes[round - 1].changed_blocks)},
-            arrays.slopes, arrays.records);
+        find_slopes(stream,
+                    {reading(map),
+                     left,
+                     {},
+                     {},
+                     RecordsOf::all,
+                     step::kNearSlopes_px,
+                     reading(arrays.votes[round - 1].changed_blocks)},
+                    arrays.slopes, arrays.records);
         voters.map = reading(map);
         weigh_later_voters(stream, voters, arrays.sides, arrays.records);
         take_votes(stream, {reading(map), records, discontinuous, nearest_seen, {}, {}, config.min_px},
@@ -150,8 +157,8 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     clock.ended("sides");
 
     filter_median(stream, {reading(map), changed});
-    find_slopes(stream, {reading(changed), left, {}, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
-                arrays.planes[0]);
+    find_slopes(stream, {reading(changed), left, {}, {}, RecordsOf::all, step::kNearSlopes_px, {}},
+                {arrays.slopes.fitted, {}}, arrays.planes[0]);
     clock.ended("median, slopes");
     smooth(stream, arrays.planes[0], arrays.planes[1], arrays.result);
     clock.ended("smoothing");

@@ -59,7 +59,7 @@ static_assert(15 * 2 * step::kSteepest < 1 << kSlopeBits);
 // True if one of the block's pixels, or of those within a block's height around it, may have changed. All
 // lanes of a warp call it.
 __device__ bool may_change(const matching::RasterView<const std::uint8_t>& changed_blocks) {
-    static_assert(step::kSamples + step::kSlopeRadius <= 8);
+    static_assert(step::kSamples + step::kSlopeRadius * step::kNearSlopes_px <= 8);
     if (!changed_blocks.origin) return true;
     const int lane = static_cast<int>(threadIdx.x), x = static_cast<int>(blockIdx.x) + lane % 3 - 1,
               y = static_cast<int>(blockIdx.y) + lane / 3 - 1;
@@ -130,11 +130,13 @@ __global__ void average_slopes(RecordInput in, matching::RasterView<const Fitted
     std::uint32_t sums = 0;
 #pragma unroll
     for (int j = -step::kSlopeRadius; j <= step::kSlopeRadius; ++j) {
-        const FittedPixel* const row = fitted.row(at.y + j) + at.x;
+        const FittedPixel* const row = fitted.row(at.y + j * in.slope_stride_px) + at.x;
 #pragma unroll
-        for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i)  // an unknown pixel adds nothing
-            if (step::is_dark(i, j) && step::is_same_surface<int>(row[i].disparity, own))
-                sums += row[i].slopes;
+        for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i) {  // an unknown pixel adds nothing
+            if (!step::is_dark(i, j)) continue;
+            const FittedPixel& other = row[i * in.slope_stride_px];
+            if (step::is_same_surface<int>(other.disparity, own)) sums += other.slopes;
+        }
     }
     const int count = static_cast<int>(sums >> (2 * kSlopeBits)), more = count * step::kSteepest;
     const int sum_x = static_cast<int>(sums & kSlopeMask) - more,

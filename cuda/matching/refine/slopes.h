@@ -28,6 +28,7 @@ struct RecordInput {
         voter_weights;         // set in the first round; else its origin is null
     PackedColors hole_colors;  // read only in the first round
     RecordsOf which;
+    int slope_stride_px;  // see slope_step.h; kNearSlopes_px if changed_blocks is set
     // One byte per block of pixel_blocks(): nonzero if it may differ from the map for which arrays and
     // records were made; origin null: all may differ.
     matching::RasterView<const std::uint8_t> changed_blocks;

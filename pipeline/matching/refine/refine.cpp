@@ -8,6 +8,7 @@
 #include "pipeline/matching/refine/frame_segment_step.h"
 #include "pipeline/matching/refine/match_colors.h"
 #include "pipeline/matching/refine/side_step.h"
+#include "pipeline/matching/refine/slope_step.h"
 #include "pipeline/matching/refine/slopes.h"
 #include "pipeline/matching/refine/vote_step.h"
 #include "pipeline/matching/refine/voter_step.h"
@@ -52,13 +53,15 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     TrustedMatches matches = find_trusted_matches(input.views, config, pool);
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
     if (input.half_size) add_half_size_matches(*input.half_size, config.min_px, matches, pool);
-    Disparities16 map = fill_unknown({matches, find_slopes(matches.left, pool), colors, config.min_px}, pool);
+    Disparities16 map = fill_unknown(
+        {matches, find_slopes(matches.left, step::kFarSlopes_px, pool), colors, config.min_px}, pool);
     raise_frame_segments(input.frame_segments, std::as_const(matches.left).view(), map.view());
     const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
     for (int round = 0; round < step::kVoteRounds; ++round) {
         const bool first_round = round == 0;
-        const Slopes slopes = find_slopes(map, pool);
+        const Slopes slopes =
+            find_slopes(map, first_round ? step::kFarSlopes_px : step::kNearSlopes_px, pool);
         const VoterInput voters{map, colors, matches.nearest_seen, config.min_px};
         const Raster<std::uint8_t> weights =
             first_round ? first_round_weights(voters, matched, pool) : later_weights(voters, pool);

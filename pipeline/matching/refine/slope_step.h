@@ -11,7 +11,10 @@ namespace hexrelief::step {
 inline constexpr int kSlopeOne = 256;                  // 1 px of disparity per pixel
 inline constexpr int kSteepest = 512;                  // slopes are limited to this
 inline constexpr int kSamples = 4, kLeastSamples = 4;  // a line's samples: most per side, least in total
-inline constexpr int kSlopeRadius = 2;                 // radius of the window over which slopes are averaged
+// The radius of the window over which slopes are averaged, in strides; and the strides in px. Filling and the
+// votes on holes follow planes for 16 px and more, and an error of the slope grows with the distance, so
+// lines are averaged there that reach as far around the pixel.
+inline constexpr int kSlopeRadius = 2, kNearSlopes_px = 1, kFarSlopes_px = 6;
 inline constexpr int kLineStep = 20;  // 1/16 px: a larger change from pixel to pixel ends a line
 // 1/16 px: neighbours whose disparities differ by more belong to another surface.
 inline constexpr int kSlopeSurface = 24;

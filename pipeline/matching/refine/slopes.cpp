@@ -57,16 +57,17 @@ struct SlopeViews {
     DisparityView x, y;
 };
 
-HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes, int x0, int y, int count,
-                                     Slopes& means) {
+HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes, int stride_px, int x0,
+                                     int y, int count, Slopes& means) {
     std::int16_t n[kBlock] = {}, sum_x[kBlock] = {}, sum_y[kBlock] = {};
     const std::int16_t* own = map.row(y) + x0;
     for (int j = -step::kSlopeRadius; j <= step::kSlopeRadius; ++j)
         for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i) {
             if (!step::is_dark(i, j)) continue;
-            const std::int16_t* other = map.row(y + j) + x0 + i;
-            const std::int16_t *slope_x = slopes.x.row(y + j) + x0 + i,
-                               *slope_y = slopes.y.row(y + j) + x0 + i;
+            const int dx = i * stride_px, dy = j * stride_px;
+            const std::int16_t* other = map.row(y + dy) + x0 + dx;
+            const std::int16_t *slope_x = slopes.x.row(y + dy) + x0 + dx,
+                               *slope_y = slopes.y.row(y + dy) + x0 + dx;
             for (int x = 0; x < count; ++x) {
                 const std::int16_t on =
                     step::mask_of((other[x] >= 0) & step::is_same_surface(other[x], own[x]));
@@ -83,9 +84,10 @@ HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes
         mean_y[x] = static_cast<std::int16_t>(step::rounded_slope(sum_y[x], step::share_of(n[x])));
 }
 
-HEXRELIEF_SMALL_VECTORS void average_row(DisparityView map, const SlopeViews& slopes, int y, Slopes& means) {
+HEXRELIEF_SMALL_VECTORS void average_row(DisparityView map, const SlopeViews& slopes, int stride_px, int y,
+                                         Slopes& means) {
     for (int x = 0; x < map.width; x += kBlock)
-        average_block(map, slopes, x, y, std::min(kBlock, map.width - x), means);
+        average_block(map, slopes, stride_px, x, y, std::min(kBlock, map.width - x), means);
 }
 
 Slopes empty_slopes(const Disparities16& map) {
@@ -145,17 +147,17 @@ HEXRELIEF_SMALL_VECTORS void smooth_row(const SmoothViews& in, int stride, int y
 
 }  // namespace
 
-Slopes find_slopes(const Disparities16& map, ThreadPool& pool) {
+Slopes find_slopes(const Disparities16& map, int stride_px, ThreadPool& pool) {
     Slopes fitted = empty_slopes(map), means = empty_slopes(map);
     for_each_row(pool, map.height(), [&](int y) { fit_row(map.view(), y, fitted); });
     const Slopes& lines = fitted;
     const SlopeViews views{lines.x.view(), lines.y.view()};
-    for_each_row(pool, map.height(), [&](int y) { average_row(map.view(), views, y, means); });
+    for_each_row(pool, map.height(), [&](int y) { average_row(map.view(), views, stride_px, y, means); });
     return means;
 }
 
 Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool) {
-    const Slopes slopes = find_slopes(map, pool);
+    const Slopes slopes = find_slopes(map, step::kNearSlopes_px, pool);
     Disparities16 result = map;
     for (int level = 0; level < step::kSmoothLevels; ++level) {
         const Disparities16 before = result;

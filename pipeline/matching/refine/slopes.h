@@ -12,8 +12,8 @@ struct Slopes {
 };
 
 // Returns the slopes of lines fitted to both sides of each pixel, as far as its surface extends, averaged
-// over the pixels around it.
-Slopes find_slopes(const Disparities16& map, ThreadPool& pool);
+// over the pixels around it, stride_px apart (step::kNearSlopes_px or kFarSlopes_px).
+Slopes find_slopes(const Disparities16& map, int stride_px, ThreadPool& pool);
 
 // Returns the smoothed map. Unknown pixels stay unknown. Discontinuities of 2 px and more are preserved.
 Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool);

@@ -26,68 +26,89 @@ bool is_filled(const DisparityMap& map, std::size_t i) {
     return !map.origins.empty() && map.origins[i] == PixelOrigin::filled;
 }
 
-// Marks the pixels of small regions between nearer and farther ones, and of larger ones in front of farther
-// ones if less than half of their pixels was matched.
-void mark_regions(const DisparityMap& map, std::vector<std::uint8_t>& is_open) {
-    const std::size_t count = map.values.size(), most = std::max(kLeastSurface, count / kScrapShare);
+// Marks the pixels of small regions between nearer and farther ones, and of scraps.
+void mark_regions(const DisparityMap& map, Scraps scraps, std::vector<std::uint8_t>& is_open) {
+    const std::size_t count = map.values.size(), most = scraps == Scraps::go
+                                                            ? std::max(kLeastSurface, count / kScrapShare)
+                                                            : kLeastSurface;
     std::vector<std::uint8_t> is_seen(count);
     std::vector<std::size_t> region;
-    for (std::size_t seed = 0; seed < count; ++seed) {
-        if (is_seen[seed] || !DisparityMap::known(map.values[seed])) continue;
-        is_seen[seed] = 1;
+    // Regions that are not followed to their end are too large, and so is what meets a part of them.
+    constexpr std::uint8_t kComplete = 1, kLarge = 2;
+    const auto open = [&](std::size_t seed) {
+        if (is_seen[seed] || !DisparityMap::known(map.values[seed])) return;
+        is_seen[seed] = kComplete;
         region.assign(1, seed);
-        bool has_nearer = false, has_farther = false;
+        bool has_nearer = false, is_large = false;
         std::size_t filled = 0;
-        for (std::size_t next = 0; next < region.size(); ++next) {
+        for (std::size_t next = 0; next < region.size() && region.size() < most && !is_large; ++next) {
             const float own = map.values[region[next]];
             filled += is_filled(map, region[next]);
             for_four_neighbours(region[next], map.width, map.height, [&](std::size_t i) {
                 if (!DisparityMap::known(map.values[i])) return;
                 const float step = map.values[i] - own;
                 has_nearer |= step > kLargestStep_px;
-                has_farther |= step < -kLargestStep_px;
-                if (is_seen[i] || std::abs(step) > kLargestStep_px) return;
-                is_seen[i] = 1;
+                if (std::abs(step) > kLargestStep_px) return;
+                is_large |= is_seen[i] == kLarge;
+                if (is_seen[i]) return;
+                is_seen[i] = kComplete;
                 region.push_back(i);
             });
         }
-        const bool is_small = has_nearer && region.size() < kLeastSurface;
-        const bool is_scrap = 2 * filled > region.size() && region.size() < most;
-        if (has_farther && (is_small || is_scrap))
-            for (const std::size_t i : region) is_open[i] = 1;
-    }
+        is_large |= region.size() >= most;
+        const bool is_small = has_nearer && region.size() < kLeastSurface,
+                   is_scrap = scraps == Scraps::go && 2 * filled > region.size();
+        for (const std::size_t i : region)
+            if (is_large)
+                is_seen[i] = kLarge;
+            else if (is_small || is_scrap)
+                is_open[i] = 1;
+    };
+    const auto width = static_cast<std::size_t>(map.width);
+    for (std::size_t i = 0; i < count; ++i)
+        for (const std::size_t step : {std::size_t{1}, width}) {
+            const std::size_t other = i + step;
+            if (other >= count || (step == 1 && other % width == 0)) continue;
+            if (map.values[i] - map.values[other] > kLargestStep_px) open(i);
+            if (map.values[other] - map.values[i] > kLargestStep_px) open(other);
+        }
 }
 
 // Marks the filled pixels of narrow runs along a row or a column that lie in front of both their ends.
-void mark_strips(const DisparityMap& map, std::size_t first, std::size_t step, int count,
-                 std::vector<std::uint8_t>& is_open) {
+void mark_strips(const DisparityMap& map, std::vector<std::uint8_t>& is_open) {
     const int widest = std::max(map.width, map.height) / kStripShare;
-    const auto at = [&](int i) { return first + static_cast<std::size_t>(i) * step; };
-    const auto fall = [&](int from, int to) { return map.values[at(from)] - map.values[at(to)]; };
-    for (int begin = 0, end = 1; end < count; begin = end++) {
-        while (end < count && std::abs(fall(end - 1, end)) <= kLargestStep_px) ++end;
-        if (begin == 0 || end == count || end - begin > widest ||
-            !DisparityMap::known(map.values[at(begin)]) ||
-            !(fall(begin, begin - 1) > kLargestStep_px && fall(end - 1, end) > kLargestStep_px))
-            continue;
-        for (int i = begin; i < end; ++i)
-            if (is_filled(map, at(i))) is_open[at(i)] = 1;
-    }
+    const auto width = static_cast<std::size_t>(map.width);
+    // From the pixel before the run; after: the pixels behind that one.
+    const auto mark_run = [&](std::size_t before, std::size_t step, int after) {
+        const auto fall = [&](std::size_t i) { return map.values[i] - map.values[i + step]; };
+        if (!(fall(before) < -kLargestStep_px) || !DisparityMap::known(map.values[before + step])) return;
+        const std::size_t begin = before + step;
+        std::size_t last = begin;
+        int length = 1;
+        for (; length < after && length <= widest && std::abs(fall(last)) <= kLargestStep_px; ++length)
+            last += step;
+        if (length == after || length > widest || !(fall(last) > kLargestStep_px)) return;
+        for (std::size_t i = begin; i <= last; i += step)
+            if (is_filled(map, i)) is_open[i] = 1;
+    };
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const std::size_t i = y * width + x;
+            if (x + 1 < map.width) mark_run(i, 1, map.width - 1 - x);
+            if (y + 1 < map.height) mark_run(i, width, map.height - 1 - y);
+        }
 }
 
 }  // namespace
 
-DisparityMap without_mixed_pixels(DisparityMap map, const Image& left) {
+DisparityMap without_mixed_pixels(DisparityMap map, const Image& left, Scraps scraps) {
     struct Open {
         std::size_t pixel;
         float value;
     };
-    const auto width = static_cast<std::size_t>(map.width);
     std::vector<std::uint8_t> is_open(map.values.size());
-    mark_regions(map, is_open);
-    for (int y = 0; y < map.height; ++y) mark_strips(map, y * width, 1, map.width, is_open);
-    for (int x = 0; x < map.width; ++x)
-        mark_strips(map, static_cast<std::size_t>(x), width, map.height, is_open);
+    mark_regions(map, scraps, is_open);
+    mark_strips(map, is_open);
     std::vector<Open> open;
     for (std::size_t i = 0; i < is_open.size(); ++i)
         if (is_open[i]) open.push_back({i, map.values[i]});

@@ -11,11 +11,12 @@ namespace hexrelief::stages {
 // and farther neighbours is given to the surfaces around it: a pixel follows the neighbour whose colour is
 // most like its own.
 //
-// So is what was filled from a nearer thing and stands in front of something: regions of up to 1/1700 of the
-// picture of which less than half was matched, and the filled pixels of strips along a row or a column, up to
-// 1/200 of the longer side wide, with what is farther on both sides.
-// left: the picture of the map's view and size. Origins and unknown pixels stay.
-DisparityMap without_mixed_pixels(DisparityMap map, const Image& left);
+// So are the filled pixels of strips along a row or a column, up to 1/200 of the longer side wide, with what
+// is farther on both sides; and if scraps go, regions of up to 1/1700 of the picture in front of something,
+// of which less than half was matched: both were filled from a nearer thing. left: the picture of the map's
+// view and size. Origins and unknown pixels stay.
+enum class Scraps { stay, go };
+DisparityMap without_mixed_pixels(DisparityMap map, const Image& left, Scraps scraps);
 
 // Widens nearer surfaces over what is farther beside them by 1/450 of the longer side, at least a pixel. The
 // mixed pixels at a silhouette, and the error of its place, would draw the nearer thing's contour on what is

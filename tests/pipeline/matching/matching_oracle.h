@@ -58,7 +58,8 @@
 //       an unknown pixel, and before a change of more than 20 from one pixel to the next. The line's slope
 //       is rounded and clamped to -512 .. 512; it is 0 if there are fewer than 4 pixels.
 //     - The pixel's slope is the rounded mean of the lines' slopes at those known pixels of the 5x5 around
-//       it that differ from it by at most 24 and are an even number of steps along the axes away.
+//       it, 1 or 6 px apart (near or far), that differ from it by at most 24 and are an even number of steps
+//       along the axes away.
 //  8. Filling of unknown pixels. Candidates are the planes of the nearest known pixels in eight directions,
 //     continued to the pixel, but by no more than 16 px along each axis; the change is floored, and the
 //     result is at least 0. A pixel without candidates stays unknown. The first rule that applies is used:
@@ -108,14 +109,14 @@
 //     - The pixel takes the surface with the smaller difference of colours (of equal ones, the farther) if
 //       the difference is more than 20 below that of its own disparity.
 // 13. The whole refinement, in this order:
-//     - Trusted matches (6), additions from half size (14), slopes (7), filling (8), segments (15). A pixel
-//       is matched if it is known after step 6; all others are filled.
-//     - Votes (10) with the windows `near` (9), but with `hole` at filled pixels and those that are not
-//       certain (17). All others have the weight 6. Pixels with `hole` have 3 if they are beyond the frame
-//       (step 8); otherwise 4 if the pictures have colours, the match is inside and neither in front nor
-//       hidden, and the difference of colours of step 8 is at most 135; otherwise 1.
-//     - Twice votes with the windows `near` of the result, in which a certain pixel (17) has the weight 6,
-//       an undecided one 2, and a wrong one 1.
+//     - Trusted matches (6), additions from half size (14), far slopes (7), filling (8), segments (15). A
+//       pixel is matched if it is known after step 6; all others are filled.
+//     - Votes (10) on far slopes (7) with the windows `near` (9), but with `hole` at filled pixels and those
+//       that are not certain (17). All others have the weight 6. Pixels with `hole` have 3 if they are
+//       beyond the frame (step 8); otherwise 4 if the pictures have colours, the match is inside and neither
+//       in front nor hidden, and the difference of colours of step 8 is at most 135; otherwise 1.
+//     - Twice votes on near slopes with the windows `near` of the result, in which a certain pixel (17) has
+//       the weight 6, an undecided one 2, and a wrong one 1.
 //     - Sides (12), twice. Medians (5). Smoothing (11).
 // 14. Matches at half size. Pictures have (width + 1) / 2 x (height + 1) / 2 pixels, truncated, each
 //     the rounded mean of 2x2 pixels, clamped. The range contains the integers in px from half of the
@@ -255,7 +256,7 @@ Volume path_sums(const Picture& left, const Volume& costs, int first_row, const 
 Views winners(const Volume& sums, const Settings& settings);                                          // 4
 Grid medians(const Grid& map);                                                                        // 5
 Trusted trusted_matches(const Views& winners, const Settings& settings);                              // 6
-Planes slopes(const Grid& map);                                                                       // 7
+Planes slopes(const Grid& map, int stride = 1);                                                       // 7
 Grid fill(const Trusted& matches, const Planes& slopes, const Pictures& pictures, int min_px);        // 8
 Grid near_windows(const Grid& map);                                                                   // 9
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10

@@ -67,14 +67,14 @@ int line_slope(const Grid& map, int x, int y, int dx, int dy) {
     return std::clamp(rounded(16 * (n * tv - t * v), n * tt - t * t), -512, 512);
 }
 
-int window_mean(const Grid& map, const Grid& lines, int x, int y) {
+int window_mean(const Grid& map, const Grid& lines, int stride, int x, int y) {
     int sum = 0, n = 0;
     for (int j = -2; j <= 2; ++j)
         for (int i = -2; i <= 2; ++i) {
-            const int other = map.at_or(x + i, y + j, kUnknown);
+            const int other = map.at_or(x + i * stride, y + j * stride, kUnknown);
             if ((std::abs(i) + std::abs(j)) % 2) continue;
             if (other == kUnknown || std::abs(other - map.at(x, y)) > 24) continue;
-            sum += lines.at(x + i, y + j);
+            sum += lines.at(x + i * stride, y + j * stride);
             ++n;
         }
     return rounded(sum, n);
@@ -241,7 +241,7 @@ Trusted trusted_matches(const Views& winners, const Settings& settings) {
     return result;
 }
 
-Planes slopes(const Grid& map) {
+Planes slopes(const Grid& map, int stride) {
     Planes lines{map, map}, means{Grid(map.width, map.height, 0), Grid(map.width, map.height, 0)};
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
@@ -251,8 +251,8 @@ Planes slopes(const Grid& map) {
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
             if (map.at(x, y) == kUnknown) continue;
-            means.x.at(x, y) = window_mean(map, lines.x, x, y);
-            means.y.at(x, y) = window_mean(map, lines.y, x, y);
+            means.x.at(x, y) = window_mean(map, lines.x, stride, x, y);
+            means.y.at(x, y) = window_mean(map, lines.y, stride, x, y);
         }
     return means;
 }
@@ -277,8 +277,9 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     const Picture& left = pictures.left;
     Trusted matches = trusted_matches(winners, settings);
     const Grid matched = matches.left;
+    constexpr int kFar = 6;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
-    Grid map = fill(matches, slopes(matches.left), pictures, settings.min_px);
+    Grid map = fill(matches, slopes(matches.left, kFar), pictures, settings.min_px);
     raise_segments(matches.left, read_picture(pair.left, false), settings, map);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     const auto certainty_in = [&](const Grid& of) {
@@ -292,7 +293,7 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
         weights.values[i] = voter_weight(matches, pictures, map.values[i], x, y, settings.min_px);
         windows.values[i] = Window::hole;
     }
-    map = votes({map, weights, matches.nearest, slopes(map), settings.min_px}, left, windows);
+    map = votes({map, weights, matches.nearest, slopes(map, kFar), settings.min_px}, left, windows);
     for (int again = 0; again < 2; ++again) {
         weights = certainty_in(map);
         for (int& weight : weights.values) weight = weight == certain ? 6 : weight == undecided ? 2 : 1;

@@ -78,10 +78,12 @@ TEST(RefineOracle, Slopes) {
     for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const Grid& map = input.views.left;
-        const Planes expected = slopes(map);
-        const hexrelief::matching::Slopes found = find_slopes(map_of(map), pool);
-        EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
-        EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
+        for (const int stride : {1, 6}) {
+            const Planes expected = slopes(map, stride);
+            const hexrelief::matching::Slopes found = find_slopes(map_of(map), stride, pool);
+            EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
+            EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
+        }
     }
 }
 

@@ -24,7 +24,7 @@ Image picture_of(const DisparityMap& map) {
 
 TEST(MixedPixels, FollowTheSurfaceOfTheirColour) {
     const DisparityMap map = two_surfaces();
-    const DisparityMap result = without_mixed_pixels(map, picture_of(map));
+    const DisparityMap result = without_mixed_pixels(map, picture_of(map), Scraps::stay);
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x)
             EXPECT_EQ(result.at(x, y), x < 7 ? 20.0f : 5.0f) << x << ", " << y;
@@ -34,7 +34,7 @@ TEST(MixedPixels, ThinThingsInFrontAndUnknownPixelsStay) {
     DisparityMap map{14, 10, std::vector<float>(140, 5.0f)};
     for (int y = 0; y < map.height; ++y) map.at(6, y) = 12.0f;
     map.at(2, 2) = kUnknownDisparity;
-    EXPECT_EQ(without_mixed_pixels(map, picture_of(map)).values, map.values);
+    EXPECT_EQ(without_mixed_pixels(map, picture_of(map), Scraps::stay).values, map.values);
 }
 
 // A thing at 12 px in front of a wall at 5 px, in the columns and rows from first to last.
@@ -50,14 +50,15 @@ DisparityMap with_thing(int first_x, int last_x, int first_y, int last_y, PixelO
     return map;
 }
 
-float value_after(const DisparityMap& map, int x, int y) {
+float value_after(const DisparityMap& map, int x, int y, Scraps scraps = Scraps::stay) {
     const Image left{map.width, map.height, 1, std::vector<std::uint8_t>(map.values.size(), 90)};
-    return without_mixed_pixels(map, left).at(x, y);
+    return without_mixed_pixels(map, left, scraps).at(x, y);
 }
 
 TEST(MixedPixels, ScrapsInFrontGoIfTheyWereNotMatched) {
-    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::filled), 33, 4), 5.0f);
-    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::matched), 33, 4), 12.0f);
+    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::filled), 33, 4, Scraps::go), 5.0f);
+    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::filled), 33, 4, Scraps::stay), 12.0f);
+    EXPECT_EQ(value_after(with_thing(30, 36, 2, 7, PixelOrigin::matched), 33, 4, Scraps::go), 12.0f);
 }
 
 TEST(MixedPixels, StripsThatWereNotMatchedGoEvenIfTheyHangOnAThing) {
