@@ -30,12 +30,12 @@ struct FilledPair {
 TEST(PairSteps, APairThatHardlySupportsItsMapIsToldAndStrictlyRefused) {
     FilledPair pair;
     RunLog log;
-    judge_support(pair.disparity, pair.left, {}, false, log);
+    judge_support(pair.disparity, pair.left, {}, false, 2, log);
     ASSERT_EQ(log.warnings().size(), 1u);
     EXPECT_NE(log.warnings()[0].find("hardly supports"), std::string::npos);
-    EXPECT_THROW(judge_support(pair.disparity, pair.left, {}, true, log), Error);
+    EXPECT_THROW(judge_support(pair.disparity, pair.left, {}, true, 2, log), Error);
     pair.disparity.map.origins.assign(64 * 64, PixelOrigin::matched);
-    judge_support(pair.disparity, pair.left, {}, true, log);
+    judge_support(pair.disparity, pair.left, {}, true, 2, log);
     EXPECT_EQ(pair.disparity.support, 1);
     EXPECT_EQ(log.warnings().size(), 1u);
 }
