@@ -18,6 +18,7 @@
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/dequantize/noise.h"
+#include "pipeline/stages/dequantize/right_strip.h"
 #include "pipeline/stages/sgbm.h"
 
 namespace hexrelief::job {
@@ -301,6 +302,8 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
     const bool is_of_points = pair && pair->alignment && has_camera_of_points(*pair->alignment);
     if (pair && pair->alignment) {
         press_near(disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
+        if (is_of_points)
+            disparity.map = stages::continued_at_right_end(std::move(disparity.map), pair->right_mask.kept);
         if (is_of_points)
             disparity.map = stages::with_bare_patches_behind(std::move(disparity.map), pair->views.left);
         if (is_smoothed) refine_noisy(disparity, *pair, threads, log);

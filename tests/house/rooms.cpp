@@ -78,7 +78,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/stages",
          {data, "pipeline/matching/matcher.h", "pipeline/stages/dequantize/mixed_pixels.h", base}},
         {"pipeline/stages/other_views", {data, base, "pipeline/stages/surface_raster.h"}},
-        {"pipeline/checks", {data, "pipeline/stages/disparity_range.h"}},
+        {"pipeline/checks", {data, base, "pipeline/stages/disparity_range.h"}},
         {"pipeline/evaluation", {data}},
         {"pipeline/alignment/rectify", {data}},
         {"pipeline/alignment", {data, base}},
@@ -172,7 +172,7 @@ const std::vector<Room>& rooms() {
 
         {"exporters", {data}},
         {"exporters/core", {data}},
-        {"exporters/images", {data, "exporters/core"}},
+        {"exporters/images", {data, base, "exporters/core"}},
         {"exporters/compression", {data, "exporters/core", "exporters/images"}},
         {"exporters/formats",
          {data, "exporters/core", "exporters/images", "exporters/compression",
