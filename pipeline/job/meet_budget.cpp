@@ -21,7 +21,9 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
     exporters::Scene scene = scene_of(view, result, coarser);
     exporters::PageContent page;
     if (has_page(outputs)) {
-        page = page_content(view, result, measure_written(view, result, outputs, threads, log), threads);
+        const stages::SurfaceQuality quality = quality_as_written(view, result, outputs, threads);
+        tell_quality(quality, log);
+        page = page_content(view, result, quality, threads);
         scene.page = &page;
     }
     std::uint64_t most = 0;

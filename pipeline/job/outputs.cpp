@@ -115,15 +115,12 @@ stages::SurfaceQuality quality_as_written(const LeftView& view, const SurfaceRes
     return against(supplied);
 }
 
-stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,
-                                       const std::vector<fs::path>& outputs, int threads, const RunLog& log) {
-    const stages::SurfaceQuality quality = quality_as_written(view, result, outputs, threads);
+void tell_quality(const stages::SurfaceQuality& quality, const RunLog& log) {
     log.decide("root mean square error against the disparity map: left view " +
                fixed(quality.rmse_near_px, 3) + " px, both views " + fixed(quality.duo_rmse_near_px, 3) +
                " px, away from discontinuities " + fixed(quality.flat_rmse_px, 3) +
                " px; rubber sheets over " + fixed(100 * quality.sheet_share, 2) +
                " % of what only the right camera sees, coverage " + fixed(100 * quality.coverage, 2) + " %");
-    return quality;
 }
 
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,

@@ -35,12 +35,10 @@ SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportCon
                        const std::vector<std::filesystem::path>& outputs);
 
 // Measures the left view's part of the surface, as the compressed files among `outputs` hold it, against the
-// map. Takes as long as a good part of the stage surface. measure_written() tells the log as well.
+// map. Takes as long as a good part of the stage surface.
 stages::SurfaceQuality quality_as_written(const LeftView& view, const SurfaceResult& result,
                                           const std::vector<std::filesystem::path>& outputs, int threads);
-stages::SurfaceQuality measure_written(const LeftView& view, const SurfaceResult& result,
-                                       const std::vector<std::filesystem::path>& outputs, int threads,
-                                       const RunLog& log);
+void tell_quality(const stages::SurfaceQuality& quality, const RunLog& log);
 
 // Writes each of `paths` with its companion files; makes missing folders. Throws Error(output).
 std::vector<OutputFile> export_all(const exporters::Scene& scene, const exporters::ExportConfig& config,

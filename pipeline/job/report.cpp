@@ -238,12 +238,12 @@ PictureShares shares_of(const Relief& relief) {
     return shares;
 }
 
-void take_measures(const std::vector<std::filesystem::path>& outputs, const RunLog& log, RunReport& report) {
+void take_measures(const std::vector<std::filesystem::path>& outputs, RunReport& report) {
     const SurfaceResult& surface = report.relief->surface;
     const LeftView view = report.relief->view();
     const int threads = report.relief->backend->threads();
     auto topology = start_work(threads, [&] { return stages::count_topology(surface.mesh); });
-    report.quality = measure_written(view, surface, outputs, threads, log);
+    report.quality = quality_as_written(view, surface, outputs, threads);
     report.holes = stages::measure_holes(surface.mesh, view.disparity,
                                          view.pair_camera.doffs_px - view.calibration.doffs_px, threads);
     report.topology = topology.get();

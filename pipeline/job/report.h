@@ -53,8 +53,8 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map);
 // pixels count as unknown.
 PictureShares shares_of(const Relief& relief);
 
-// Sets the topology of the surface, its holes, and its quality by measure_written().
-void take_measures(const std::vector<std::filesystem::path>& outputs, const RunLog& log, RunReport& report);
+// Sets the topology of the surface, its holes, and its quality as the outputs hold it.
+void take_measures(const std::vector<std::filesystem::path>& outputs, RunReport& report);
 
 // Copies the times, memory and warnings so far into the report.
 void take_figures(const RunLog& log, RunReport& report);

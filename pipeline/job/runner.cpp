@@ -237,8 +237,15 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
     const int threads = relief.backend->threads();
     RunReport report{std::move(made), request.stamp};
     const bool with_page = has_page(request.outputs);
-    if (!request.report.empty() || with_page)
-        log.stage("measures", [&] { take_measures(request.outputs, log, report); });
+    // Measured while files are written, unless one is a page that tells the figures.
+    std::future<void> measures;
+    const bool is_measured = with_page || !request.report.empty();
+    if (is_measured) measures = start_work(threads, [&] { take_measures(request.outputs, report); });
+    const auto finish_measures = [&] {
+        log.stage("measures", [&] { measures.get(); });
+        tell_quality(report.quality, log);
+    };
+    if (with_page) finish_measures();
     if (surface.config.exporting.lod > 1)
         report.coarser =
             log.stage("levels", [&] { return coarser_levels(view, surface, *relief.backend, log); });
@@ -253,6 +260,7 @@ RunReport write_relief(std::shared_ptr<const Relief> made, const RunRequest& req
     auto shares = start_work(threads, [&] { return shares_of(relief); });
     report.outputs = log.stage(
         "export", [&] { return export_all(scene, surface.config.exporting, request.outputs, files, log); });
+    if (is_measured && !with_page) finish_measures();
     if (!request.stages_folder.empty())
         log.stage("pictures", [&] {
             save_stages(view, surface, request.stages_folder, files, threads, log);

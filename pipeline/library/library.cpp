@@ -117,7 +117,7 @@ std::string Mesh::report() const {
     std::erase_if(
         paths, [](const auto& path) { return !exporters::find_mesh_format(path); });  // textures and the like
     job::RunReport report{state_->relief};
-    job::take_measures(paths, state_->log, report);
+    job::take_measures(paths, report);
     report.shares = job::shares_of(relief);
     report.outputs = state_->written;
     job::take_figures(state_->log, report);

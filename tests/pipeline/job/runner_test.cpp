@@ -163,8 +163,8 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     const RunReport report = run_job(request, backends, log);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
     EXPECT_EQ(begun, (std::vector<std::string>{"input", "checks", "device", "disparity", "density", "mesh",
-                                               "surface", "quality", "tolerance", "measures", "levels",
-                                               "export", "pictures"}));
+                                               "surface", "quality", "tolerance", "levels", "export",
+                                               "measures", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);
 }
