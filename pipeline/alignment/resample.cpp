@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "pipeline/alignment/rectify/opencv_threads.h"
 #include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::alignment {
@@ -114,6 +115,7 @@ Resampled resampled(const Image& image, const Positions& positions, const Canvas
     const cv::Mat from = matrix_of(image), to = matrix_of(out.image);
     const float most_x = static_cast<float>(image.width - 1), most_y = static_cast<float>(image.height - 1);
     const int bands = (canvas.height + kBand - 1) / kBand;
+    const OpenCvThreads one(1);  // the pool's threads share the work
     pool.parallel_for(static_cast<std::size_t>(bands), [&](std::size_t first_band, std::size_t last_band) {
         cv::Mat x(kBand, canvas.width, CV_32FC1), y(kBand, canvas.width, CV_32FC1);
         for (int band = static_cast<int>(first_band); band < static_cast<int>(last_band); ++band) {

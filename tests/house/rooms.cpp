@@ -81,7 +81,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/checks", {data, base, "pipeline/stages/disparity_range.h"}},
         {"pipeline/evaluation", {data}},
         {"pipeline/alignment/rectify", {data}},
-        {"pipeline/alignment", {data, base}},
+        {"pipeline/alignment", {data, base, "pipeline/alignment/rectify/opencv_threads.h"}},
         {"pipeline/files", {data, "exporters/core"}},
         {"pipeline/config", {data, "pipeline/readers", "pipeline/stages", "exporters/core", "mesher/common"}},
         {"pipeline/job/budget", {data, "pipeline/config"}},

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "pipeline/alignment/rectify/opencv_threads.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::alignment {
@@ -15,20 +16,6 @@ namespace {
 [[noreturn]] void refuse(const std::string& what) {
     throw Error(ErrorKind::input, "cannot rectify the pair: " + what);
 }
-
-class OpenCvThreads {
-  public:
-    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
-        // OpenCV's thread library prints a warning if there are more threads than the machine has CPUs.
-        cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
-    }
-    ~OpenCvThreads() { cv::setNumThreads(before_); }
-    OpenCvThreads(const OpenCvThreads&) = delete;
-    OpenCvThreads& operator=(const OpenCvThreads&) = delete;
-
-  private:
-    const int before_;
-};
 
 template <std::size_t Count>
 cv::Mat matrix_of(const std::array<double, Count>& values, int columns) {
