@@ -12,7 +12,7 @@ constexpr int kSide_px = 320, kReachShare = 10;
 constexpr int kOverlap_px = 2;            // that the backing reaches beyond a silhouette
 constexpr int kRim_px = 4;                // what is narrower at the border is not met
 constexpr double kBehindFarthest_px = 1;  // of the left view
-constexpr double kFarSide_px = 2;         // from the farthest surface; what is no farther has its colours
+constexpr double kOutside = 0.01;  // weight of colours beyond half the radius: of use if there are no others
 
 struct Grid {
     int width, height;
@@ -162,10 +162,18 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
     }
     if (picture.empty()) return view;
 
+    // Its colours are of what lies in the farther half of its surroundings' depth.
+    const Values nearest = largest(small.nearest, grid, radius);
     Values is_far(count);
     for (std::size_t i = 0; i < count; ++i)
-        is_far[i] = small.nearest[i] != kNotCovered && small.nearest[i] <= farthest[i] + kFarSide_px;
-    const Values far_count = sums(is_far, grid, radius);
+        is_far[i] = small.nearest[i] != kNotCovered && 2 * small.nearest[i] <= farthest[i] + nearest[i];
+    const auto around = [&](const Values& values) {
+        Values near = sums(values, grid, radius / 2);
+        const Values all = sums(values, grid, radius);
+        for (std::size_t i = 0; i < count; ++i) near[i] += kOutside * all[i];
+        return near;
+    };
+    const Values far_count = around(is_far);
     const int channels = picture.channels;
     view.color = {grid.width, grid.height, channels, std::vector<std::uint8_t>(count * channels)};
     for (int c = 0; c < channels; ++c) {
@@ -178,7 +186,7 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
                 levels[grid.at(x, y)] = sum / (by * by);
                 far_levels[grid.at(x, y)] = is_far[grid.at(x, y)] * levels[grid.at(x, y)];
             }
-        const Values total = sums(far_levels, grid, radius);
+        const Values total = around(far_levels);
         for (std::size_t i = 0; i < count; ++i)
             view.color.pixels[i * channels + c] =
                 static_cast<std::uint8_t>(far_count[i] > 0 ? total[i] / far_count[i] : levels[i]);
