@@ -230,8 +230,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
         if (!view.texture.empty())
-            used.push_back(stages::used_part(other.texture(), sheet, visible.seen[other.place.right > 0],
-                                             has_levels, threads));
+            used.push_back(stages::used_part(other.texture(), sheet, has_levels, threads));
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
         others.views.push_back(std::move(other));
     };

@@ -12,7 +12,9 @@ constexpr int kSide_px = 320, kReachShare = 10;
 constexpr int kOverlap_px = 2;            // that the backing reaches beyond a silhouette
 constexpr int kRim_px = 4;                // what is narrower at the border is not met
 constexpr double kBehindFarthest_px = 1;  // of the left view
-constexpr double kOutside = 0.01;  // weight of colours beyond half the radius: of use if there are no others
+constexpr double kFarShare =
+    0.3;  // of the depth around, from the farthest on: what has the backing's colours
+constexpr double kOutside = 1e-4;  // weight of colours beyond half the radius: of use if there are no others
 
 struct Grid {
     int width, height;
@@ -162,11 +164,12 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
     }
     if (picture.empty()) return view;
 
-    // Its colours are of what lies in the farther half of its surroundings' depth.
+    // Its colours are of what lies in the farther part of its surroundings' depth.
     const Values nearest = largest(small.nearest, grid, radius);
     Values is_far(count);
     for (std::size_t i = 0; i < count; ++i)
-        is_far[i] = small.nearest[i] != kNotCovered && 2 * small.nearest[i] <= farthest[i] + nearest[i];
+        is_far[i] = small.nearest[i] != kNotCovered &&
+                    small.nearest[i] - farthest[i] <= kFarShare * (nearest[i] - farthest[i]);
     const auto around = [&](const Values& values) {
         Values near = sums(values, grid, radius / 2);
         const Values all = sums(values, grid, radius);
@@ -188,8 +191,8 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
             }
         const Values total = around(far_levels);
         for (std::size_t i = 0; i < count; ++i)
-            view.color.pixels[i * channels + c] =
-                static_cast<std::uint8_t>(far_count[i] > 0 ? total[i] / far_count[i] : levels[i]);
+            view.color.pixels[i * channels + c] = static_cast<std::uint8_t>(
+                std::lround(far_count[i] > 0 ? total[i] / far_count[i] : levels[i]));
     }
     return view;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -187,8 +186,7 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
 
 }  // namespace
 
-UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, const SeenSurface& here, bool stays_whole,
-                   int threads) {
+UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, bool stays_whole, int threads) {
     const int width = picture.width, height = picture.height;
     View view{{}, &sheet.triangles, width, height};
     for (const Vec2f& t : sheet.texcoords)
@@ -220,22 +218,6 @@ UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, const SeenSur
             part.charts[i] = 0;
         else if (part.charts[i] != kNoChart)
             part.charts[i] = sets.find(i);
-
-    const ViewPlace& place = here.place;
-    const SeenSurface shown = see(sheet, place, threads);
-    const auto pixel_at = [](int at, int size, int other_size) {
-        return static_cast<std::size_t>((2 * static_cast<std::int64_t>(at) + 1) * other_size / (2 * size));
-    };
-    for_row_bands(height, threads, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < width; ++x) {
-                const std::size_t there =
-                    pixel_at(y, height, place.height) * place.width + pixel_at(x, width, place.width);
-                if (here.disparities[there] != kNotCovered &&
-                    std::abs(here.disparities[there] - shown.disparities[there]) <= kOneSurface_px)
-                    part.pixels[static_cast<std::size_t>(y) * width + x] = 0;
-            }
-    });
     return part;
 }
 

@@ -16,7 +16,7 @@ namespace hexrelief::stages {
 
 // What a sheet shows of a picture by its texture coordinates.
 struct UsedPart {
-    std::vector<char> pixels;  // row-major; 1 = shown, and not where the sheet overlaps with another surface
+    std::vector<char> pixels;  // 1 or 0, row-major
     // Of the picture's blocks of kAtlasBlock_px, row-major: equal numbers for blocks that stay beside each
     // other in an atlas, because triangles span them; kNoChart = nothing there is used.
     std::vector<std::uint32_t> charts;
@@ -24,10 +24,9 @@ struct UsedPart {
 inline constexpr int kAtlasBlock_px = 16;  // whole blocks of a JPEG file, and of a WebP file's halved colours
 inline constexpr std::uint32_t kNoChart = ~std::uint32_t{0};
 
-// here: the surface that the sheet is added to, as the view shows it. stays_whole: all blocks make one chart,
+// stays_whole: all blocks make one chart,
 // for coarser sheets that will show other parts as well.
-UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, const SeenSurface& here, bool stays_whole,
-                   int threads);
+UsedPart used_part(const Image& picture, const SurfaceMesh& sheet, bool stays_whole, int threads);
 
 // A view's picture at any size, and what is used of it.
 struct PictureInUse {

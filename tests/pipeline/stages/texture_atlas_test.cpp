@@ -5,8 +5,6 @@
 
 #include <algorithm>
 
-#include "pipeline/stages/surface_raster.h"
-
 namespace hexrelief::stages {
 namespace {
 
@@ -17,15 +15,8 @@ TEST(TextureAtlas, EachViewFindsItsPixels) {
     SurfaceMesh sheet;
     sheet.texcoords = {{80.f / 96, 30.f / 40}, {84.f / 96, 30.f / 40}, {80.f / 96, 34.f / 40}};
     sheet.triangles = {{0, 1, 2}};
-    for (const Vec2f& t : sheet.texcoords) sheet.image_points.push_back({48 * t.x, 20 * t.y});
-    sheet.disparities = {5, 5, 5};
-    SeenSurface here{{.width = 48, .height = 20}, Disparities(48 * 20, kNotCovered)};
-    const UsedPart used = used_part(right, sheet, here, false, 1);
+    const UsedPart used = used_part(right, sheet, false, 1);
     EXPECT_EQ(std::ranges::count(used.pixels, 1), 4 + 3 + 2 + 1);
-    here.disparities[15 * 48 + 40] = 5.5;  // the same surface at four of the picture's pixels
-    here.disparities[15 * 48 + 41] = 9;    // another one
-    EXPECT_EQ(std::ranges::count(used.pixels, 1) - 4,
-              std::ranges::count(used_part(right, sheet, here, false, 1).pixels, 1));
     const TextureAtlas atlas = make_atlas(left, {{right, used}}, 2);
     std::vector<Vec2f> texcoords = {{0.5f, 0.5f}, {81.5f / 96, 31.5f / 40}};
     atlas.move_in(std::span(texcoords).first(1), 0);
@@ -56,11 +47,8 @@ TEST(TextureAtlas, PartsLieBesideEachOtherWhole) {
     for (const Vec2f& p : {Vec2f{2, 2}, {8, 2}, {2, 8}, {4, 50}, {60, 50}, {4, 60}})
         sheet.texcoords.push_back({p.x / 64, p.y / 64});
     sheet.triangles = {{0, 1, 2}, {3, 4, 5}};
-    for (const Vec2f& t : sheet.texcoords) sheet.image_points.push_back({64 * t.x, 64 * t.y});
-    sheet.disparities.assign(6, 5);
-    const SeenSurface nothing{{.width = 64, .height = 64}, Disparities(64 * 64, kNotCovered)};
     for (const bool stays_whole : {false, true}) {
-        const UsedPart used = used_part(right, sheet, nothing, stays_whole, 1);
+        const UsedPart used = used_part(right, sheet, stays_whole, 1);
         const TextureAtlas atlas = make_atlas(left, {{right, used}}, 2);
         EXPECT_EQ(atlas.picture.height, stays_whole ? 64 + 64 : 64 + 16 + 16);
         for (const Vec2f& p : {Vec2f{3.5f, 3.5f}, {5.5f, 51.5f}, {50.5f, 50.5f}}) {
