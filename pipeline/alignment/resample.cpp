@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "pipeline/alignment/rectify/opencv_threads.h"
+#include "pipeline/base/opencv_threads.h"
 #include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::alignment {

@@ -303,9 +303,9 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
     if (pair && pair->alignment) {
         press_near(disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
         if (is_of_points)
-            disparity.map = stages::continued_at_right_end(std::move(disparity.map), pair->right_mask.kept);
-        if (is_of_points)
-            disparity.map = stages::with_bare_patches_behind(std::move(disparity.map), pair->views.left);
+            disparity.map = stages::with_bare_patches_behind(
+                stages::continued_at_right_end(std::move(disparity.map), pair->right_mask.kept),
+                pair->views.left);
         if (is_smoothed) refine_noisy(disparity, *pair, threads, log);
         if (is_smoothed && is_of_points)
             disparity.map = stages::with_wider_near(std::move(disparity.map), threads);

@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "pipeline/base/opencv_threads.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::stages {
@@ -19,21 +19,6 @@ constexpr int kStep = 16;  // StereoSGBM needs multiples of this
 struct Range {
     int min_px = 0;
     int count_px = 0;
-};
-
-// Sets OpenCV's number of threads, which is global, and restores it afterwards. More threads than there are
-// CPUs would only make TBB print a warning. Results do not depend on it: SGBM always has four stripes.
-class OpenCvThreads {
-  public:
-    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
-        cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
-    }
-    ~OpenCvThreads() { cv::setNumThreads(before_); }
-    OpenCvThreads(const OpenCvThreads&) = delete;
-    OpenCvThreads& operator=(const OpenCvThreads&) = delete;
-
-  private:
-    int before_;
 };
 
 cv::Mat wrap(const Image& image) {  // OpenCV wants non-const data; nothing here writes to it

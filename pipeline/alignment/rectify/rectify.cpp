@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "pipeline/alignment/rectify/opencv_threads.h"
+#include "pipeline/base/opencv_threads.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::alignment {

@@ -12,8 +12,7 @@ constexpr int kSide_px = 320, kReachShare = 10;
 constexpr int kOverlap_px = 2;            // that the backing reaches beyond a silhouette
 constexpr int kRim_px = 4;                // what is narrower at the border is not met
 constexpr double kBehindFarthest_px = 1;  // of the left view
-constexpr double kFarShare =
-    0.3;  // of the depth around, from the farthest on: what has the backing's colours
+constexpr double kFarShare = 0.3;         // of the depth around, from the farthest on: its colours are taken
 constexpr double kOutside = 1e-4;  // weight of colours beyond half the radius: of use if there are no others
 
 struct Grid {

@@ -1,10 +1,10 @@
-// OpenCV's number of threads.
+// OpenCV's number of threads. For rooms that link OpenCV.
 #pragma once
 
 #include <algorithm>
 #include <opencv2/core/utility.hpp>
 
-namespace hexrelief::alignment {
+namespace hexrelief {
 
 // Sets OpenCV's number of threads, which is global, and restores it afterwards. Results do not depend on it.
 class OpenCvThreads {
@@ -21,4 +21,4 @@ class OpenCvThreads {
     const int before_;
 };
 
-}  // namespace hexrelief::alignment
+}  // namespace hexrelief
