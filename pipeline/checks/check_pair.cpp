@@ -103,20 +103,21 @@ Findings check_range(const stages::SmallMatch& coarse, const matching::Disparity
 
 // Examines a pair by points anywhere, if its views agree on little, or on much at
 // the least disparity searched.
-Findings look_closely(const stages::SmallMatch& coarse, double agreed, const matching::DisparityRange& range,
-                      int threads) {
+Findings look_closely(const stages::SmallMatch& coarse, double seen_share,
+                      const matching::DisparityRange& range, int threads) {
+    const double agreed = agreed_share(coarse, seen_share);
     const CoarsePoints points = match_coarse_points(coarse, threads);
     const double scale = coarse.small.scale;
     if (is_sure(points.rows)) {
         const LowEnd low = measure_low_end(points.matches, scale, range.min_px);
         if (range.min_px >= 0 && low.negative_share >= kSwappedBelow)
-            if (const double other = swapped_share(coarse, threads); other >= kSwappedAgreement)
+            if (const double other = swapped_share(coarse, seen_share, threads); other >= kSwappedAgreement)
                 return {swapped(agreed, other)};
         if (points.rows.largest_px > kLargestRow_px + kLargestCoarseRow * scale)
             return {rows_differ(points.rows)};
         const int least = static_cast<int>(std::floor(low.least_px / scale)) - 2;
         if (low.below_share > kMostBelow &&
-            agreed_share(stages::match_coarsely(coarse.small.pair, least, threads)) >=
+            agreed_share(stages::match_coarsely(coarse.small.pair, least, threads), seen_share) >=
                 std::max(agreed, kLeastAgreement))
             return {begins_high(low, range.min_px)};
     }
@@ -127,7 +128,8 @@ Findings look_closely(const stages::SmallMatch& coarse, double agreed, const mat
 }  // namespace
 
 Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
-                    const matching::DisparityRange& range, stages::RangeOrigin origin, int threads) {
+                    const matching::DisparityRange& range, stages::RangeOrigin origin, double seen_share,
+                    int threads) {
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses such a pair
     if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
         return {views_equal("the same picture")};
@@ -139,10 +141,9 @@ Findings check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
         if (const double share = difference_over_slope(pair); share <= kMostDifference)
             return {views_equal("nearly the same picture (they differ by " + percent(share) +
                                 " of what one column to the side would make)")};
-    const double agreed = agreed_share(coarse);
     Findings findings;
-    if (agreed < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)
-        findings = look_closely(coarse, agreed, range, threads);
+    if (agreed_share(coarse, seen_share) < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)
+        findings = look_closely(coarse, seen_share, range, threads);
     if (findings.empty()) {
         const RowFit rows = measure_rows(pair, coarse, threads);
         if (is_sure(rows) && rows.largest_px > kLargestRow_px) findings.push_back(rows_differ(rows));

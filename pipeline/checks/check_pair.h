@@ -11,9 +11,10 @@ namespace hexrelief::checks {
 
 // Returns the likely mistakes in a pair; if one mistake explains several findings, only that one. Empty for a
 // right pair. coarse: from match_coarsely(pair, ...), starting at range.min_px or below. A range that the
-// program chose is not judged. The result is the same for any number of threads.
+// program chose is not judged. seen_share: of the right view, as agreed_share() takes it. The result is the
+// same for any number of threads.
 std::vector<Finding> check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
                                 const matching::DisparityRange& range, stages::RangeOrigin origin,
-                                int threads);
+                                double seen_share, int threads);
 
 }  // namespace hexrelief::checks

@@ -107,14 +107,15 @@ std::vector<std::uint8_t> textured_blocks(const Image& picture, int threads) {
 
 }  // namespace
 
-double agreed_share(const stages::SmallMatch& match) {
+double agreed_share(const stages::SmallMatch& match, double seen_share) {
     const auto& is_matched = match.map.is_matched;
-    return static_cast<double>(std::count(is_matched.begin(), is_matched.end(), 1)) /
-           static_cast<double>(std::max<std::size_t>(1, is_matched.size()));
+    const auto agreed = static_cast<double>(std::count(is_matched.begin(), is_matched.end(), 1));
+    return std::min(1.0, agreed / std::max(1.0, seen_share * static_cast<double>(is_matched.size())));
 }
 
-double swapped_share(const stages::SmallMatch& match, int threads) {
-    return agreed_share(stages::match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads));
+double swapped_share(const stages::SmallMatch& match, double seen_share, int threads) {
+    return agreed_share(stages::match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads),
+                        seen_share);
 }
 
 double median_disparity_px(const stages::SmallMatch& match) {
@@ -223,14 +224,19 @@ HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px) {
 }
 
 double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept,
-                       int threads) {
+                       const std::vector<std::uint8_t>& is_seen, int threads) {
     const std::vector<std::uint8_t> blocks = textured_blocks(left, threads);
     const int columns = left.width / kBlock_px;
     long long textured = 0, agreed = 0;
     const auto count = [&](int x, int y) {
-        const std::size_t i = static_cast<std::size_t>(y) * map.width + x;
+        const std::size_t row = static_cast<std::size_t>(y) * map.width, i = row + x;
         if (!is_kept.empty() && !is_kept[i]) return;
-        if (DisparityMap::known(map.values[i]) && map.values[i] > static_cast<float>(x)) return;
+        if (const float right_x = static_cast<float>(x) - map.values[i]; DisparityMap::known(map.values[i])) {
+            if (right_x < 0) return;
+            const auto column = static_cast<std::size_t>(std::lround(right_x));
+            if (!is_seen.empty() && (column >= static_cast<std::size_t>(map.width) || !is_seen[row + column]))
+                return;
+        }
         ++textured;
         agreed += map.origins[i] == PixelOrigin::matched;
     };

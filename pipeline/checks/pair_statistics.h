@@ -10,11 +10,13 @@
 
 namespace hexrelief::checks {
 
-// Returns the share of the reduced pair's pixels whose disparity both views agree on.
-double agreed_share(const stages::SmallMatch& match);
+// Returns the share of the reduced pair's pixels whose disparity both views agree on, of those that they
+// could agree on: seen_share, the share of the right view that shows its picture (a corrected view has empty
+// corners), in (0, 1].
+double agreed_share(const stages::SmallMatch& match, double seen_share = 1);
 
 // Returns the same share for the pair with its views swapped.
-double swapped_share(const stages::SmallMatch& match, int threads);
+double swapped_share(const stages::SmallMatch& match, double seen_share, int threads);
 
 // Returns the median of the disparities that both views agree on, in px of the full pair; NaN if
 // they agree on none.
@@ -66,11 +68,11 @@ struct HighEnd {
 HighEnd measure_high_end(const stages::SmallMatch& coarse, int end_px);
 
 // Returns the share of the left picture's textured pixels on which both views agree, 0..1: 0 without texture.
-// Texture: blocks of 8 x 8 px that show more than noise. Left out are pixels that `is_kept` (of the map's
-// size, or empty) sets to 0, and those whose disparity places them left of the right picture. `map` was
-// matched.
+// Texture: blocks of 8 x 8 px that show more than noise. Left out are pixels that `is_kept` sets to 0, and
+// those whose disparity places them left of the right picture or where `is_seen` is 0 in it. Both masks have
+// the map's size or are empty. `map` was matched.
 double measure_support(const Image& left, const DisparityMap& map, const std::vector<std::uint8_t>& is_kept,
-                       int threads);
+                       const std::vector<std::uint8_t>& is_seen, int threads);
 
 // A pair's support in words: "good", "partly" or "hardly".
 const char* support_word(double support);

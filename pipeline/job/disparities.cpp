@@ -213,9 +213,10 @@ void sharpen_maps(stages::ViewMaps& maps, const StereoPair& pair, int threads, c
     maps.right = stages::sharpen_steps(std::move(maps.right), pair.right, threads).map;
 }
 
-void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,
-                   int threads, RunLog& log) {
-    disparity.support = checks::measure_support(left, disparity.map, mask.kept, threads);
+void judge_support(DisparityResult& disparity, const InputPair& pair, const readers::PixelMask& mask,
+                   bool strict, int threads, RunLog& log) {
+    disparity.support =
+        checks::measure_support(pair.views.left, disparity.map, mask.kept, pair.right_mask.kept, threads);
     const std::string agreed = checks::percent(disparity.support);
     log.decide("disparity: both views agree on " + agreed + " of what has texture: support is " +
                checks::support_word(disparity.support));

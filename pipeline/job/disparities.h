@@ -33,8 +33,8 @@ DisparityResult disparities_of_program(const StereoPair& pair, const stages::Vie
 void sharpen_maps(stages::ViewMaps& maps, const StereoPair& pair, int threads, const RunLog& log);
 
 // Tells how well the pair supports its map, and warns if hardly; then throws Error(input) if `strict`.
-void judge_support(DisparityResult& disparity, const Image& left, const readers::PixelMask& mask, bool strict,
-                   int threads, RunLog& log);
+void judge_support(DisparityResult& disparity, const InputPair& pair, const readers::PixelMask& mask,
+                   bool strict, int threads, RunLog& log);
 
 // Return the disparities of a supplied map, and its right view's: filled, sharpened, checked and smoothed as
 // configured.

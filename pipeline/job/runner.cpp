@@ -42,6 +42,13 @@ bool leaves_disparities(const checks::Finding& finding) {
            finding.mistake == checks::Mistake::color_unrelated;
 }
 
+// Returns the share of the pixels that a mask keeps; 1 for an empty one.
+double kept_share(const readers::PixelMask& mask) {
+    if (mask.empty()) return 1;
+    return static_cast<double>(std::count(mask.kept.begin(), mask.kept.end(), 1)) /
+           static_cast<double>(mask.kept.size());
+}
+
 // Warns of likely mistakes in a pair or a map, its picture or its camera. range: the range found for a pair.
 // Throws Error(input) with the same text if run.strict is set.
 void check_input(const RunInput& input, const stages::FoundRange& range, const config::Config& config,
@@ -56,7 +63,7 @@ void check_input(const RunInput& input, const stages::FoundRange& range, const c
         const stages::DisparityConfig& searched = range.config;
         findings = checks::check_pair(pair->views, range.coarse,
                                       {searched.min_disparity_px, searched.num_disparities_px}, range.origin,
-                                      threads);
+                                      kept_share(pair->right_mask), threads);
     } else {
         const readers::DisparityFileConfig& file = config.input.disparity;
         findings = checks::check_map(map->disparities, map->color,
@@ -195,7 +202,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
                 by_program ? disparities_of_program(pair->views, *by_program, range.config, threads)
                            : disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
             hide(matched.map, input.mask);
-            judge_support(matched, pair->views.left, input.mask, config.run.strict, threads, log);
+            judge_support(matched, *pair, input.mask, config.run.strict, threads, log);
             return matched;
         });
         // Without filled pixels what only the right camera sees is unknown, as it has no match.

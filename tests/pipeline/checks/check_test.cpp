@@ -36,7 +36,7 @@ std::vector<Mistake> mistakes_in(const std::vector<Finding>& findings) {
 
 std::vector<Finding> judge(const StereoPair& pair, const matching::DisparityRange& range = {},
                            stages::RangeOrigin origin = stages::RangeOrigin::chosen) {
-    return check_pair(pair, stages::match_coarsely(pair, range.min_px, 1), range, origin, 1);
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, 1), range, origin, 1, 1);
 }
 
 std::vector<Mistake> found(const StereoPair& pair, const matching::DisparityRange& range = {},

@@ -26,7 +26,7 @@ constexpr int kThreads = 1;
 
 Findings judge(const StereoPair& pair, const matching::DisparityRange& range = {},
                stages::RangeOrigin origin = stages::RangeOrigin::chosen) {
-    return check_pair(pair, stages::match_coarsely(pair, range.min_px, kThreads), range, origin, kThreads);
+    return check_pair(pair, stages::match_coarsely(pair, range.min_px, kThreads), range, origin, 1, kThreads);
 }
 
 // Checks a map whose samples were read with the scene's own scale.
@@ -118,7 +118,7 @@ void wrong_pairs(const TestScene& scene, Table& table) {
         const CoarsePoints points = match_coarse_points(coarse, kThreads);
         const LowEnd low = measure_low_end(points.matches, coarse.small.scale, 0);
         table.figure("swapped: points below 0", false, low.negative_share, false, checks::kSwappedBelow);
-        table.figure("swapped: agreed the other way round", false, swapped_share(coarse, kThreads), false,
+        table.figure("swapped: agreed the other way round", false, swapped_share(coarse, 1, kThreads), false,
                      checks::kSwappedAgreement);
     }
     wrong_rows(scene, table);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <string>
 
@@ -28,17 +29,21 @@ struct Scene {
 
 TEST(PairSupport, IsTheAgreedShareOfWhatHasTexture) {
     Scene scene;
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, {}, 2), 1);
     scene.fill(80, 160, 0, 80);
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, {}, 2), 1);
     scene.fill(0, 80, 0, 40);
-    EXPECT_NEAR(measure_support(scene.left, scene.map, {}, 2), 0.5, 1e-9);
+    EXPECT_NEAR(measure_support(scene.left, scene.map, {}, {}, 2), 0.5, 1e-9);
 }
 
 TEST(PairSupport, LeavesOutWhatTheRightPictureCannotShow) {
     Scene scene;
     scene.fill(0, 4, 0, 80);  // left of the right picture's frame
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, {}, 2), 1);
+    scene.fill(4, 80, 0, 40);  // outside of what a corrected right view shows
+    std::vector<std::uint8_t> seen(std::size_t{160} * 80, 1);
+    std::fill_n(seen.begin(), std::size_t{160} * 40, 0);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, seen, 2), 1);
 }
 
 TEST(PairSupport, LeavesOutWhatIsMasked) {
@@ -46,13 +51,13 @@ TEST(PairSupport, LeavesOutWhatIsMasked) {
     scene.fill(0, 160, 0, 40);
     std::vector<std::uint8_t> kept(std::size_t{160} * 80, 1);
     for (std::size_t i = 0; i < std::size_t{160} * 40; ++i) kept[i] = 0;
-    EXPECT_EQ(measure_support(scene.left, scene.map, kept, 2), 1);
+    EXPECT_EQ(measure_support(scene.left, scene.map, kept, {}, 2), 1);
 }
 
 TEST(PairSupport, WithoutTextureThereIsNone) {
     Scene scene;
     scene.left.pixels.assign(scene.left.pixels.size(), 7);
-    EXPECT_EQ(measure_support(scene.left, scene.map, {}, 2), 0);
+    EXPECT_EQ(measure_support(scene.left, scene.map, {}, {}, 2), 0);
 }
 
 TEST(PairSupport, HasThreeWords) {

@@ -16,11 +16,11 @@ namespace {
 // A textured picture, and a map of it that only has filled pixels, at a disparity of 4 px, or at 1 px in its
 // first rows.
 struct FilledPair {
-    Image left{64, 64, 1, {}};
+    InputPair pictures{{Image{64, 64, 1, {}}, {}}};
     DisparityResult disparity{DisparityMap{64, 64, {}, {}}, stages::DisparityConfig{}};
     FilledPair() {
         for (unsigned i = 0; i < 64 * 64; ++i) {
-            left.pixels.push_back(static_cast<std::uint8_t>(i * 2654435761u >> 24));
+            pictures.views.left.pixels.push_back(static_cast<std::uint8_t>(i * 2654435761u >> 24));
             disparity.map.values.push_back(i < 1024 ? 1.0f : 4.0f);
             disparity.map.origins.push_back(PixelOrigin::filled);
         }
@@ -30,12 +30,12 @@ struct FilledPair {
 TEST(PairSteps, APairThatHardlySupportsItsMapIsToldAndStrictlyRefused) {
     FilledPair pair;
     RunLog log;
-    judge_support(pair.disparity, pair.left, {}, false, 2, log);
+    judge_support(pair.disparity, pair.pictures, {}, false, 2, log);
     ASSERT_EQ(log.warnings().size(), 1u);
     EXPECT_NE(log.warnings()[0].find("hardly supports"), std::string::npos);
-    EXPECT_THROW(judge_support(pair.disparity, pair.left, {}, true, 2, log), Error);
+    EXPECT_THROW(judge_support(pair.disparity, pair.pictures, {}, true, 2, log), Error);
     pair.disparity.map.origins.assign(64 * 64, PixelOrigin::matched);
-    judge_support(pair.disparity, pair.left, {}, true, 2, log);
+    judge_support(pair.disparity, pair.pictures, {}, true, 2, log);
     EXPECT_EQ(pair.disparity.support, 1);
     EXPECT_EQ(log.warnings().size(), 1u);
 }
