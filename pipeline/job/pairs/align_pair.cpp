@@ -41,9 +41,9 @@ void tell_aligned(PairAlignment& pair) {
         pair.warnings.push_back(std::to_string(movers.points) + " of " + std::to_string(pair.found.matches) +
                                 " points, around (" + fixed(movers.middle.x, 0) + ", " +
                                 fixed(movers.middle.y, 0) +
-                                ") px of the first picture, shift together as no movement of the camera "
-                                "explains: something moved "
-                                "there, or a pattern repeats, and the mesh is wrong there");
+                                ") px of the first picture, shift together as no movement of the camera to "
+                                "the side explains: something moved there, a pattern repeats, or the camera "
+                                "went forward, and the mesh is wrong there");
     tell_infinity(pair);
 }
 
