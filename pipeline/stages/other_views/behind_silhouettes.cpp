@@ -10,6 +10,7 @@
 #include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/other_views/continued.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
@@ -23,10 +24,9 @@ constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface who
 constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
 // What continues is no longer than this share of a view's side; in photographs, with colours from the last.
 constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 16, kMirroredShareOfPhotographs = 40;
-constexpr int kSmoothings = 8;        // of what continues, across the lines along which it does
-constexpr double kNeighbours_px = 2;  // of two lines that continue one surface
-constexpr int kSpread = 3;            // pixels beside what is shown that an atlas keeps as well
+constexpr int kApart = 2;  // times its width: a baseline on, an outline stands apart from its thing
 constexpr int kBorder_px = 2;
+constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
 
@@ -37,27 +37,8 @@ struct Line {
     std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
 };
 
-// What continues behind a silhouette at each pixel.
-struct Continued {
-    Disparities disparities;              // kNotCovered = nothing
-    RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
-    RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
-    std::vector<std::uint32_t> pixels;    // that have something
-    const DisparityMap& shown;            // by the view alone: at distance 0 this only gets colours
-
-    Continued(std::size_t count, const DisparityMap& missing)
-        : disparities(count), distances(count), colours_of(count), shown(missing) {}
-
-    // The nearest silhouette decides; of two, the farther surface.
-    void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
-        if (disparities[pixel] != kNotCovered &&
-            (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])))
-            return;
-        disparities[pixel] = d;
-        distances[pixel] = distance;
-        colours_of[pixel] = static_cast<std::uint32_t>(colour_of);
-    }
-};
+// What the colours of a pixel are of.
+enum class Purity : std::uint8_t { clean, mixed, of_nearer };
 
 // A side of a view: how far beyond it the outermost camera stands, and Beyond::mixed_px.
 struct Side {
@@ -108,79 +89,115 @@ int folded(int place, int first, int last) {
     return first + std::min(along, 2 * length - along);
 }
 
+// Marks the pixels at the end of the surface at line(end) whose colours are mixed.
+void mark_mixed(const Disparities& front, const Image& picture, const Line& line, int end, int most,
+                std::vector<Purity>& colours) {
+    const int near = nearest_after(front, line, end, most) + kMixed,
+              reach = reach_of(front, line, end, 1, most + kMixed + 1),
+              mixed = std::min(reach, mixed_at(picture, line, end, near, reach, most));
+    const auto difference = [&](int i, int j) { return color_difference(picture, line(i), line(j)); };
+    const bool is_compared = !picture.empty() && near < line.count && mixed < reach;
+    for (int i = end; i > end - mixed; --i) {
+        const bool is_of_nearer = is_compared && difference(i, near) < difference(i, end - reach + 1);
+        colours[line(i)] = std::max(colours[line(i)], is_of_nearer ? Purity::of_nearer : Purity::mixed);
+    }
+}
+
 // Continues the surface that ends at line(end) before a nearer one.
-void continue_from(const Disparities& front, const Image& picture, const Line& line, int end, Side side,
-                   Continued& result) {
-    const bool is_mixed = side.is_photograph();
-    const int longest = line.count / (is_mixed ? kLongestShareOfPhotographs : kLongestShare);
-    const int mirrored = is_mixed ? line.count / kMirroredShareOfPhotographs : longest;
+void continue_from(const Disparities& front, const std::vector<Purity>& colours, const Line& line, int end,
+                   Side side, Continued& result) {
+    const bool is_photograph = side.is_photograph();
+    const int longest = line.count / (is_photograph ? kLongestShareOfPhotographs : kLongestShare);
+    const int mirrored = is_photograph ? line.count / kMirroredShareOfPhotographs : longest;
     const double far = front[line(end)];
     const int nearest = nearest_after(front, line, end, side.mixed_px);
     const double near = front[line(nearest)];
     int reach = reach_of(front, line, end, 1, std::max(kSlope_px, side.mixed_px + kMixed) + 1);
     // A narrow surface in front of a farther one is mixed of that and the nearer one.
-    if (is_mixed && reach <= side.mixed_px && end >= reach && far - front[line(end - reach)] > kOneSurface_px)
+    if (is_photograph && reach <= side.mixed_px && end >= reach &&
+        far - front[line(end - reach)] > kOneSurface_px)
         return;
     // A slope goes on for as far as it was seen.
     const int span = std::min(reach - 1, kSlope_px);
     const double slope = slope_at(front, line, end, span);
-    const int mixed =
-        is_mixed ? mixed_at(picture, line, end, nearest + kMixed, reach, side.mixed_px) : kMixed;
-    // Lines beside it continue what shows no colours of its own here.
-    if (is_mixed && reach <= mixed) return;
-    // Mixed pixels that this view alone shows have clean colours as well.
-    for (int k = 0; is_mixed && k < mixed; ++k)
-        if (const std::size_t pixel = line(end - k); DisparityMap::known(result.shown.values[pixel]))
+    int mixed = is_photograph ? 0 : kMixed;
+    while (is_photograph && mixed < reach && colours[line(end - mixed)] != Purity::clean) {
+        ++mixed;
+        reach = reach_of(front, line, end, reach, std::min(mirrored, mixed) + kMixed);
+    }
+    const bool has_colours = !is_photograph || mixed < reach;
+    // Pixels of the nearer surface's colours that this view alone shows have clean ones as well.
+    for (int k = 0; is_photograph && has_colours && near - far > kApart * mixed && k < mixed; ++k)
+        if (const std::size_t pixel = line(end - k);
+            colours[pixel] == Purity::of_nearer && DisparityMap::known(result.shown.values[pixel]))
             result.offer(pixel, front[pixel], 0, line(end - folded(2 * mixed - k, mixed, reach - 1)));
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
         if (k > side.baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+        if (!has_colours) {
+            result.offer(pixel, d, k, Continued::kNoColour);
+            continue;
+        }
         reach = reach_of(front, line, end, reach, std::min(k, mirrored) + mixed);
         const int last = reach - 1, place = k - 1 + mixed;
         result.offer(pixel, d, k,
-                     line(end - (is_mixed ? folded(place, mixed, last) : std::min(place, last))));
+                     line(end - (is_photograph ? folded(place, mixed, last) : std::min(place, last))));
     }
 }
 
-// Does this for each silhouette of some lines beside each other. They are walked together, because a column's
-// pixels are far apart in memory.
-void continue_along(const Disparities& front, const Image& picture, const Line& first, std::ptrdiff_t beside,
-                    std::size_t lines, Side side, Continued& result) {
+// Calls take(line, end) for each surface that ends at line(end) before a nearer one, in some lines beside
+// each other. They are walked together, because a column's pixels are far apart in memory.
+template <class Take>
+void for_silhouettes(const Disparities& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
+                     const Take& take) {
     for (int end = 0; end + 1 < first.count; ++end)
         for (std::size_t k = 0; k < lines; ++k) {
             const Line line{first.first + static_cast<std::ptrdiff_t>(k) * beside, first.step, first.count};
             const double far = front[line(end)];
-            if (far != kNotCovered && front[line(end + 1)] - far > kOneSurface_px)
-                continue_from(front, picture, line, end, side, result);
+            if (far != kNotCovered && front[line(end + 1)] - far > kOneSurface_px) take(line, end);
         }
+}
+
+// Calls take(line, end, baselines) for all silhouettes of a view, from the sides beyond which cameras stand.
+template <class Take>
+void for_silhouettes(const Disparities& front, int width, int height, const Beyond& beyond, ThreadPool& pool,
+                     const Take& take) {
+    const auto walk = [&](double baselines, const Line& first, std::ptrdiff_t beside, std::size_t lines) {
+        if (baselines > 0)
+            for_silhouettes(front, first, beside, lines,
+                            [&](const Line& line, int end) { take(line, end, baselines); });
+    };
+    pool.parallel_for_chunks(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
+            walk(beyond.left, {row, 1, width}, 0, 1);
+            walk(beyond.right, {row + width - 1, -1, width}, 0, 1);
+        }
+    });
+    pool.parallel_for_chunks(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
+        const auto top = static_cast<std::ptrdiff_t>(begin);
+        walk(beyond.up, {top, width, height}, 1, end - begin);
+        walk(beyond.down, {top + static_cast<std::ptrdiff_t>(height - 1) * width, -width, height}, 1,
+             end - begin);
+    });
 }
 
 Continued continued_in(const Disparities& front, const OtherView& view, const Beyond& beyond,
                        ThreadPool& pool) {
     const int width = view.place.width, height = view.place.height;
+    std::vector<Purity> colours(front.size(), Purity::clean);
+    if (beyond.mixed_px > kMixed)
+        for_silhouettes(front, width, height, {1, 1, 1, 1}, pool, [&](const Line& line, int end, double) {
+            mark_mixed(front, view.color, line, end, beyond.mixed_px, colours);
+        });
     Continued result(front.size(), view.missing);
-    pool.parallel_for_chunks(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
-            std::fill_n(result.disparities.begin() + row, width, kNotCovered);
-            if (beyond.left > 0)
-                continue_along(front, view.color, {row, 1, width}, 0, 1, {beyond.left, beyond.mixed_px},
-                               result);
-            if (beyond.right > 0)
-                continue_along(front, view.color, {row + width - 1, -1, width}, 0, 1,
-                               {beyond.right, beyond.mixed_px}, result);
-        }
+    pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
+        std::fill(result.disparities.begin() + static_cast<std::ptrdiff_t>(begin),
+                  result.disparities.begin() + static_cast<std::ptrdiff_t>(end), kNotCovered);
     });
-    pool.parallel_for_chunks(static_cast<std::size_t>(width), [&](std::size_t begin, std::size_t end) {
-        const auto top = static_cast<std::ptrdiff_t>(begin);
-        const std::ptrdiff_t bottom = top + static_cast<std::ptrdiff_t>(height - 1) * width;
-        if (beyond.up > 0)
-            continue_along(front, view.color, {top, width, height}, 1, end - begin,
-                           {beyond.up, beyond.mixed_px}, result);
-        if (beyond.down > 0)
-            continue_along(front, view.color, {bottom, -width, height}, 1, end - begin,
-                           {beyond.down, beyond.mixed_px}, result);
+    for_silhouettes(front, width, height, beyond, pool, [&](const Line& line, int end, double baselines) {
+        continue_from(front, colours, line, end, {baselines, beyond.mixed_px}, result);
     });
     for (std::size_t i = 0; i < front.size(); ++i) {
         if (result.disparities[i] == kNotCovered) continue;
@@ -190,55 +207,6 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
             result.pixels.push_back(static_cast<std::uint32_t>(i));
     }
     return result;
-}
-
-// Makes lines that continue one surface agree.
-void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool) {
-    const std::vector<std::uint32_t>& pixels = continued.pixels;
-    Disparities& disparities = continued.disparities;
-    std::vector<double> smoothed(pixels.size());
-    const auto smooth_at = [&](std::uint32_t pixel) {
-        const double own = disparities[pixel];
-        double sum = own;
-        int count = 1;
-        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t other) {
-            const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
-            if (std::abs(d - own) > kNeighbours_px) return;
-            sum += d;
-            ++count;
-        });
-        return sum / count;
-    };
-    pool.run([&](int thread) {
-        const std::size_t begin = pool.share(pixels.size(), thread),
-                          end = pool.share(pixels.size(), thread + 1);
-        for (int round = 0; round < kSmoothings; ++round) {
-            for (std::size_t i = begin; i < end; ++i) smoothed[i] = smooth_at(pixels[i]);
-            pool.barrier();
-            for (std::size_t i = begin; i < end; ++i) disparities[pixels[i]] = smoothed[i];
-            pool.barrier();
-        }
-    });
-}
-
-// Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
-void spread_colours(Continued& continued, const OtherView& view, const Disparities& front) {
-    std::size_t begin = 0;
-    for (int round = 0; round < kSpread; ++round) {
-        const std::size_t end = continued.pixels.size();
-        for (; begin < end; ++begin) {
-            const std::uint32_t from = continued.pixels[begin];
-            for_four_neighbours(from, view.place.width, view.place.height, [&](std::size_t i) {
-                if (continued.disparities[i] != kNotCovered || DisparityMap::known(view.missing.values[i]) ||
-                    front[i] - continued.disparities[from] <= kOneSurface_px)
-                    return;
-                continued.disparities[i] = continued.disparities[from];
-                continued.colours_of[i] = continued.colours_of[from];
-                continued.distances[i] = continued.distances[from];
-                continued.pixels.push_back(static_cast<std::uint32_t>(i));
-            });
-        }
-    }
 }
 
 // Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
@@ -287,6 +255,14 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         }
         return levels_of(sums);
     };
+    const auto is_repeated = [&](std::uint32_t pixel) {
+        bool result = false;
+        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t i) {
+            result |= continued.disparities[i] != kNotCovered &&
+                      continued.colours_of[i] == continued.colours_of[pixel];
+        });
+        return result;
+    };
     // The colours are taken before any pixel is painted.
     RawVector<std::uint64_t> colours(continued.disparities.size());
     std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
@@ -294,7 +270,7 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
             colours[pixel] = colour_of(from);
-            if (!has_detail) continue;
+            if (!has_detail || is_repeated(pixel)) continue;
             const Levels mean = mean_around(from, radius_of(pixel), stride_of(pixel), front, colour_of);
             details[i] = levels_of(colours[pixel]);
             for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
@@ -366,13 +342,20 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     const ViewPlace& place = view.place;
     ThreadPool pool(threads);
     DisparityMap seen = view.missing;
-    if (beyond.mixed_px > kMixed) merge_specks(seen);
+    if (beyond.mixed_px > kMixed) {
+        for (const std::uint32_t i : cracks_of(view.missing, here.disparities))
+            view.missing.values[i] = kUnknownDisparity;
+        merge_specks(seen);
+    }
     Disparities front(here.disparities.size());
     pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
             front[i] = DisparityMap::known(seen.values[i]) ? seen.values[i] : here.disparities[i];
     });
     Continued continued = continued_in(front, view, beyond, pool);
+    if (beyond.mixed_px > kMixed)
+        give_scraps_away(continued, front, place,
+                         std::max(place.width, place.height) / kLongestShareOfPhotographs);
     smooth(continued, front, place, pool);
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -386,7 +369,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
-    spread_colours(continued, view, front);
+    spread_colours(continued, view.missing, front);
     paint(view.picture.empty() ? view.color : view.picture, place, continued, front, beyond.mixed_px > kMixed,
           pool);
 }

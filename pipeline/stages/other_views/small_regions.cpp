@@ -68,4 +68,17 @@ void merge_specks(DisparityMap& map) {
         map.values[i] = kUnknownDisparity;
 }
 
+std::vector<std::uint32_t> cracks_of(const DisparityMap& map, const Disparities& surface) {
+    std::vector<std::uint32_t> specks = specks_of(map, kLeastSurface, kOneSurface_px);
+    std::erase_if(specks, [&](std::uint32_t pixel) {
+        bool goes_on = false;
+        for_neighbours(map, pixel, [&](std::uint32_t i) {
+            goes_on |=
+                surface[i] != kNotCovered && std::abs(surface[i] - map.values[pixel]) <= kOneSurface_px;
+        });
+        return !goes_on;
+    });
+    return specks;
+}
+
 }  // namespace hexrelief::stages

@@ -1,0 +1,135 @@
+#include "pipeline/stages/other_views/continued.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pipeline/data/four_neighbours.h"
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kSmoothings = 8;     // across the lines along which surfaces continue
+constexpr int kSpread = 3;         // pixels beside what is shown that an atlas keeps as well
+constexpr int kBlocksAround = 16;  // along a radius within which a median is taken
+
+// Returns for each square of `side` px the median of what continues within some squares of it.
+std::vector<double> medians_of(const Continued& continued, const ViewPlace& place, int side, int around) {
+    const int columns = (place.width + side - 1) / side, rows = (place.height + side - 1) / side;
+    std::vector<double> sums(static_cast<std::size_t>(columns) * rows), medians(sums.size(), kNotCovered);
+    std::vector<int> counts(sums.size());
+    for (const std::uint32_t pixel : continued.pixels) {
+        if (continued.distances[pixel] == 0) continue;
+        const int column = static_cast<int>(pixel % place.width) / side,
+                  row = static_cast<int>(pixel / place.width) / side;
+        const std::size_t i = static_cast<std::size_t>(row) * columns + column;
+        sums[i] += continued.disparities[pixel];
+        ++counts[i];
+    }
+    std::vector<double> values;
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column) {
+            const std::size_t here = static_cast<std::size_t>(row) * columns + column;
+            if (counts[here] == 0) continue;
+            values.clear();
+            for (int v = std::max(0, row - around); v <= std::min(rows - 1, row + around); ++v)
+                for (int u = std::max(0, column - around); u <= std::min(columns - 1, column + around); ++u)
+                    if (const std::size_t i = static_cast<std::size_t>(v) * columns + u; counts[i] > 0)
+                        values.push_back(sums[i] / counts[i]);
+            const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+            std::nth_element(values.begin(), middle, values.end());
+            medians[here] = *middle;
+        }
+    return medians;
+}
+
+}  // namespace
+
+void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px) {
+    const int side = std::max(1, radius_px / kBlocksAround), columns = (place.width + side - 1) / side;
+    const std::vector<double> medians = medians_of(continued, place, side, radius_px / side);
+    Disparities& disparities = continued.disparities;
+    std::vector<std::uint32_t> open;
+    for (const std::uint32_t pixel : continued.pixels) {
+        const std::size_t square = pixel / place.width / side * columns + pixel % place.width / side;
+        if (continued.colours_of[pixel] == Continued::kNoColour ||
+            (continued.distances[pixel] > 0 && 2 * disparities[pixel] > front[pixel] + medians[square]))
+            open.push_back(pixel);
+    }
+    for (const std::uint32_t pixel : open) disparities[pixel] = kNotCovered;
+    // What is beside them grows by a pixel a round.
+    for (std::size_t given = 1; given > 0;) {
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> now;  // a pixel and the one that it follows
+        std::vector<std::uint32_t> still;
+        for (const std::uint32_t pixel : open) {
+            std::uint32_t from = pixel;
+            for_four_neighbours(pixel, place.width, place.height, [&](std::size_t i) {
+                if (disparities[i] == kNotCovered || continued.distances[i] == 0 ||
+                    front[pixel] - disparities[i] <= kOneSurface_px)
+                    return;
+                if (from == pixel || disparities[i] < disparities[from]) from = static_cast<std::uint32_t>(i);
+            });
+            if (from == pixel)
+                still.push_back(pixel);
+            else
+                now.emplace_back(pixel, from);
+        }
+        for (const auto& [pixel, from] : now) {
+            disparities[pixel] = disparities[from];
+            continued.distances[pixel] = continued.distances[from] + 1;
+            continued.colours_of[pixel] = continued.colours_of[from];
+        }
+        given = now.size();
+        open = std::move(still);
+    }
+    std::erase_if(continued.pixels, [&](std::uint32_t pixel) { return disparities[pixel] == kNotCovered; });
+}
+
+void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool) {
+    const std::vector<std::uint32_t>& pixels = continued.pixels;
+    Disparities& disparities = continued.disparities;
+    std::vector<double> smoothed(pixels.size());
+    const auto smooth_at = [&](std::uint32_t pixel) {
+        const double own = disparities[pixel];
+        double sum = own;
+        int count = 1;
+        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t other) {
+            const double d = disparities[other] == kNotCovered ? front[other] : disparities[other];
+            if (std::abs(d - own) > kNeighbours_px) return;
+            sum += d;
+            ++count;
+        });
+        return sum / count;
+    };
+    pool.run([&](int thread) {
+        const std::size_t begin = pool.share(pixels.size(), thread),
+                          end = pool.share(pixels.size(), thread + 1);
+        for (int round = 0; round < kSmoothings; ++round) {
+            for (std::size_t i = begin; i < end; ++i) smoothed[i] = smooth_at(pixels[i]);
+            pool.barrier();
+            for (std::size_t i = begin; i < end; ++i) disparities[pixels[i]] = smoothed[i];
+            pool.barrier();
+        }
+    });
+}
+
+void spread_colours(Continued& continued, const DisparityMap& missing, const Disparities& front) {
+    std::size_t begin = 0;
+    for (int round = 0; round < kSpread; ++round) {
+        const std::size_t end = continued.pixels.size();
+        for (; begin < end; ++begin) {
+            const std::uint32_t from = continued.pixels[begin];
+            for_four_neighbours(from, missing.width, missing.height, [&](std::size_t i) {
+                if (continued.disparities[i] != kNotCovered || DisparityMap::known(missing.values[i]) ||
+                    front[i] - continued.disparities[from] <= kOneSurface_px)
+                    return;
+                continued.disparities[i] = continued.disparities[from];
+                continued.colours_of[i] = continued.colours_of[from];
+                continued.distances[i] = continued.distances[from];
+                continued.pixels.push_back(static_cast<std::uint32_t>(i));
+            });
+        }
+    }
+}
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,55 @@
+// What continues behind silhouettes, pixel by pixel.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/base/uninitialized_vector.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/stages/other_views/view_place.h"
+
+namespace hexrelief::stages {
+
+// What continues behind a silhouette at each pixel.
+struct Continued {
+    static constexpr std::uint32_t kNoColour = std::numeric_limits<std::uint32_t>::max();
+
+    Disparities disparities;              // kNotCovered = nothing
+    RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
+    RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
+    std::vector<std::uint32_t> pixels;    // that have something
+    const DisparityMap& shown;            // by the view alone: this only gets colours, at distance 0
+
+    Continued(std::size_t count, const DisparityMap& missing)
+        : disparities(count), distances(count), colours_of(count), shown(missing) {}
+
+    // The nearest silhouette decides; of two, the farther surface.
+    void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
+        if (disparities[pixel] != kNotCovered &&
+            (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])))
+            return;
+        disparities[pixel] = d;
+        distances[pixel] = distance;
+        colours_of[pixel] = static_cast<std::uint32_t>(colour_of);
+    }
+};
+
+// Lines may differ by this much and continue one surface.
+inline constexpr double kNeighbours_px = 2;
+
+// A step within the near thing, such as at its rim, is no silhouette: what continues there is part of the
+// thing. It is nearer to what hides it, `front`, than to the median of what continues within radius_px, and
+// gets what continues beside it; nothing where that would not be hidden. So does what has no colour.
+void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px);
+
+// Makes lines that continue one surface agree. The same for any number of threads.
+void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool);
+
+// Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
+// missing: in the view, with what continues.
+void spread_colours(Continued& continued, const DisparityMap& missing, const Disparities& front);
+
+}  // namespace hexrelief::stages
