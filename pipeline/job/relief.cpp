@@ -63,7 +63,8 @@ LeftView Relief::view() const {
             input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright,
             input.pair() && input.pair()->alignment && has_camera_of_points(*input.pair()->alignment),
             disparity.has_filled_holes,
-            disparity.quantum_px};
+            disparity.quantum_px,
+            disparity.matched.has_value()};
 }
 
 double Relief::depth_of_backdrop() const {

@@ -89,7 +89,9 @@ DisparityMesh cut_lattice(const HexMesh2D& lattice, const LeftView& view, const 
         log.decide("device: cut and fit " + fixed(device.surface_s * 1e3, 3) + " ms on its own clock, " +
                    memory_text(device));
     stages::adjust_silhouettes(cut, view.disparity, background_px, config.silhouette_rounds);
-    stages::join_crumbs(cut, static_cast<double>(view.meshed.values.size()) / lattice.positions.size());
+    const double cell_px = static_cast<double>(view.meshed.values.size()) / lattice.positions.size();
+    // Half of what is smaller than a cell is wrong in matched maps.
+    stages::join_crumbs(cut, cell_px, view.is_matched ? cell_px : 0);
     // Planes are fitted beyond their pixels.
     for (float& d : cut.disparities) d = std::max(d, view.least_px);
     return cut;

@@ -4,6 +4,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "pipeline/data/union_find.h"
@@ -81,17 +82,21 @@ std::vector<Seam> find_seams(const DisparityMesh& mesh, const std::vector<std::u
     return seams;
 }
 
+double area_of(const DisparityMesh& mesh, const Triangle& t) {
+    const Vec2f &p = mesh.points[t[0]], &q = mesh.points[t[1]], &r = mesh.points[t[2]];
+    return ((double(q.x) - p.x) * (double(r.y) - p.y) - (double(q.y) - p.y) * (double(r.x) - p.x)) / 2;
+}
+
 // Returns the integral over a triangle of the square of what its corners change by.
 double cost_of(const DisparityMesh& mesh, const Triangle& t, const double (&by)[3]) {
-    const Vec2f &p = mesh.points[t[0]], &q = mesh.points[t[1]], &r = mesh.points[t[2]];
-    const double area =
-        ((double(q.x) - p.x) * (double(r.y) - p.y) - (double(q.y) - p.y) * (double(r.x) - p.x)) / 2;
-    return area / 6 * (by[0] * (by[0] + by[1]) + by[1] * (by[1] + by[2]) + by[2] * (by[2] + by[0]));
+    return area_of(mesh, t) / 6 *
+           (by[0] * (by[0] + by[1]) + by[1] * (by[1] + by[2]) + by[2] * (by[2] + by[0]));
 }
 
 // Joins crumbs to larger components; those beside the ones that were joined may be next. Returns whether any
 // was.
-bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, double most_px2) {
+bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, double most_px2,
+               double least_px) {
     const Components components(mesh);
     const std::vector<Seam> seams = find_seams(mesh, places, components);
     if (seams.empty()) return false;
@@ -104,26 +109,37 @@ bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, do
     for (auto first = seams.begin(); first != seams.end();) {
         const std::uint32_t crumb = first->crumb;
         auto best = seams.end(), best_end = seams.end();
-        double least = most_px2;
+        double area = 0;
+        for (const Triangle& t : crumbs[crumb]) area += area_of(mesh, t);
+        const bool is_tiny = area < least_px;
+        double least = is_tiny ? std::numeric_limits<double>::infinity() : most_px2, best_level = 0;
         while (first != seams.end() && first->crumb == crumb) {
             const auto end = std::find_if(first, seams.end(), [&](const Seam& s) {
                 return s.crumb != crumb || s.larger != first->larger;
             });
-            double cost = 0;
+            double cost = 0, level = 0;
+            for (auto s = first; s != end; ++s) level += mesh.disparities[s->becomes];
+            level /= static_cast<double>(end - first);
             for (const Triangle& t : crumbs[crumb]) {
                 double by[3] = {};
                 for (std::size_t k = 0; k < 3; ++k) {
                     const auto seam =
                         std::find_if(first, end, [&](const Seam& s) { return s.corner == t[k]; });
-                    if (seam != end) by[k] = double(mesh.disparities[seam->becomes]) - mesh.disparities[t[k]];
+                    const double own = mesh.disparities[t[k]];
+                    by[k] = (seam != end ? mesh.disparities[seam->becomes] : is_tiny ? level : own) - own;
                 }
                 cost += cost_of(mesh, t, by);
             }
-            if (cost <= least) least = cost, best = first, best_end = end;
+            if (cost <= least) least = cost, best = first, best_end = end, best_level = level;
             first = end;
         }
+        if (best == seams.end()) continue;
+        if (is_tiny)  // flat: no needle reaches to where it was
+            for (const Triangle& t : crumbs[crumb])
+                for (const std::uint32_t corner : t)
+                    mesh.disparities[corner] = static_cast<float>(best_level);
         for (auto s = best_end; s != best;) --s, becomes[s->corner] = s->becomes;
-        any |= best != seams.end();
+        any = true;
     }
     if (any)
         for (Triangle& t : mesh.triangles)
@@ -133,9 +149,9 @@ bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, do
 
 }  // namespace
 
-void join_crumbs(DisparityMesh& mesh, double cell_px) {
+void join_crumbs(DisparityMesh& mesh, double cell_px, double least_px) {
     const std::vector<std::uint32_t> places = places_of(mesh.points);
-    while (join_once(mesh, places, kMost_px2 * cell_px)) mesh.has_one_fan_per_vertex = false;
+    while (join_once(mesh, places, kMost_px2 * cell_px, least_px)) mesh.has_one_fan_per_vertex = false;
 }
 
 }  // namespace hexrelief::stages

@@ -83,6 +83,17 @@ TEST(JoinCrumbs, JoinsWhatIsBesideAJoinedOne) {
     EXPECT_EQ(disparities_at(mesh, 0, 0), (std::set<float>{11, 12})) << "touches nothing else";
 }
 
+TEST(JoinCrumbs, JoinsTinyOnesWhateverItCosts) {
+    const auto cut = mesh_of([](int x, int y) {
+        return y == 2 && x >= 2 && x < 4 ? 90.0f : (y == 8 && x == 8) || x + y == 0 ? 50.0f : 10.0f;
+    });
+    DisparityMesh mesh = cut;
+    join_crumbs(mesh, 1, 8);  // a square has 4 px, two have 8
+    EXPECT_EQ(disparities_at(mesh, 2, 2), std::set<float>{90});
+    EXPECT_EQ(disparities_at(mesh, 8, 8), std::set<float>{10});
+    EXPECT_EQ(disparities_at(mesh, 0, 0), std::set<float>{10}) << "in the mesh's corner";
+}
+
 TEST(JoinCrumbs, LargeComponentsStay) {
     const auto halves = mesh_of([](int x, int) { return x < 6 ? 10.0f : 10.1f; });
     DisparityMesh mesh = halves;
