@@ -256,14 +256,17 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(missing));
     }
     if (behind > 0) {
-        OtherView left = copy_of_left(view, threads);
         const stages::SeenSurface& here = visible.seen[0];
+        auto backing = start_work(threads, [&] {
+            return view.is_by_points ? stages::backing_of(here, view.color, behind) : OtherView();
+        });
+        OtherView left = copy_of_left(view, threads);
         show(left, here);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
                                 visible, threads);
         stages::join_to_surface(left, here, threads);
         add(std::move(left));
-        if (view.is_by_points) add(stages::backing_of(here, view.color, behind));
+        if (view.is_by_points) add(backing.get());
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
