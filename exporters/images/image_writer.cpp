@@ -1,8 +1,5 @@
 #include "exporters/images/image_writer.h"
 
-#include <jpeglib.h>
-// After jpeglib.h.
-#include <jerror.h>
 #include <png.h>
 #include <webp/encode.h>
 
@@ -20,7 +17,7 @@
 #include <utility>
 
 #include "exporters/core/file_transaction.h"
-#include "exporters/images/jpeg_memory.h"
+#include "exporters/images/jpeg_encoder.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
@@ -74,32 +71,10 @@ void set_quality(jpeg_compress_struct& jpeg, int quality) {
         steps.fill(kSteps[table]);
         jpeg_add_quant_table(&jpeg, table, steps.data(), jpeg_quality_scaling(quality), TRUE);
     }
-}
-
-// Separate from its caller, as run_png().
-bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, JpegSink& sink, const Image& image,
-              int quality) {
-    if (setjmp(errors.jump)) return false;
-    jpeg_create_compress(&jpeg);
-    jpeg.dest = &sink.manager;
-    jpeg.image_width = static_cast<JDIMENSION>(image.width);
-    jpeg.image_height = static_cast<JDIMENSION>(image.height);
-    jpeg.input_components = image.channels;
-    jpeg.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-    jpeg_set_defaults(&jpeg);
-    set_quality(jpeg, quality);
-    jpeg.optimize_coding = TRUE;  // 5 percent smaller for a few milliseconds per megapixel, still baseline
     for (int i = 0; i < jpeg.num_components; ++i) {  // 4:4:4, no chroma subsampling
         jpeg.comp_info[i].h_samp_factor = 1;
         jpeg.comp_info[i].v_samp_factor = 1;
     }
-    jpeg_start_compress(&jpeg, TRUE);
-    while (jpeg.next_scanline < jpeg.image_height) {
-        JSAMPROW row = const_cast<JSAMPROW>(image.at(0, static_cast<int>(jpeg.next_scanline)));
-        jpeg_write_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_compress(&jpeg);
-    return true;
 }
 
 // Returns the number of values in a row of a float map.
@@ -131,20 +106,14 @@ std::vector<std::uint8_t> encode_png(const Image& image) {
     return bytes;
 }
 
-std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
+std::vector<std::uint8_t> encode_jpeg(const Image& image, const PixelRect& part, int quality, int threads) {
     check(image);
-    jpeg_compress_struct jpeg = {};
-    JpegErrors errors = {};
-    jpeg.err = catch_errors(errors);
-    JpegSink sink;
-    const bool done = run_jpeg(jpeg, errors, sink, image, quality);
-    jpeg_destroy_compress(&jpeg);
-    if (!done) {
-        if (errors.manager.msg_code == JERR_OUT_OF_MEMORY) throw std::bad_alloc();
-        throw Error(ErrorKind::output, std::string("cannot encode the image as JPEG: ") + errors.message +
-                                           "; choose PNG textures or a smaller export.texture_max_px");
-    }
-    return std::move(sink.bytes);
+    return encode_baseline_jpeg(image, part,
+                                {[&](jpeg_compress_struct& jpeg) { set_quality(jpeg, quality); }}, threads);
+}
+
+std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
+    return encode_jpeg(image, {0, 0, image.width, image.height}, quality, 1);
 }
 
 std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {

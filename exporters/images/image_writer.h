@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "pipeline/data/crop.h"
 #include "pipeline/data/image.h"
 
 namespace hexrelief::exporters {
@@ -13,6 +14,8 @@ namespace hexrelief::exporters {
 // WebP ends at 16383 px a side, JPEG at 65500, PNG at 2^31 - 1.
 std::vector<std::uint8_t> encode_png(const Image& image);
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);  // 1..100; 4:4:4, baseline, sRGB
+// Encodes a part of the image; the bytes do not depend on the number of threads.
+std::vector<std::uint8_t> encode_jpeg(const Image& image, const PixelRect& part, int quality, int threads);
 std::vector<std::uint8_t> encode_webp(const Image& image, int quality);  // 1..100; lossy, always in colour
 // Encodes a PFM of one channel: float32 little endian, bottom row first. `values` is
 // row-major, top row first.

@@ -2,34 +2,28 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
-#include "exporters/images/jpeg_memory.h"
+#include "exporters/images/jpeg_encoder.h"
 
 namespace hexrelief::exporters {
 namespace {
 
-// The objects of libjpeg for one picture. Each is destroyed by the destructor, whether a step failed or not.
-struct Transcoder {
-    Transcoder() {
-        for (jpeg_decompress_struct* object : {&pixels, &source, &own}) object->err = catch_errors(errors);
-        for (jpeg_compress_struct* object : {&encoder, &writer}) object->err = catch_errors(errors);
+// The source's objects. Each is destroyed by the destructor, whether a step failed or not.
+struct SourceFile {
+    SourceFile() {
+        for (jpeg_decompress_struct* object : {&pixels, &blocks}) object->err = catch_errors(errors);
     }
-    Transcoder(const Transcoder&) = delete;
-    Transcoder& operator=(const Transcoder&) = delete;
-    ~Transcoder() {
-        for (jpeg_decompress_struct* object : {&pixels, &source, &own}) jpeg_destroy_decompress(object);
-        for (jpeg_compress_struct* object : {&encoder, &writer}) jpeg_destroy_compress(object);
+    SourceFile(const SourceFile&) = delete;
+    SourceFile& operator=(const SourceFile&) = delete;
+    ~SourceFile() {
+        for (jpeg_decompress_struct* object : {&pixels, &blocks}) jpeg_destroy_decompress(object);
     }
 
     JpegErrors errors = {};
-    jpeg_decompress_struct pixels = {};  // the source's pixels
-    jpeg_decompress_struct source = {};  // its coefficients
-    jpeg_compress_struct encoder = {};   // the part, encoded as the source is
-    jpeg_decompress_struct own = {};     // its coefficients, of which some become the source's
-    jpeg_compress_struct writer = {};
-    jvirt_barray_ptr* coefficients = nullptr;  // the source's
-    std::vector<std::uint8_t> row;
-    JpegSink encoded, written;
+    jpeg_decompress_struct pixels = {}, blocks = {};
+    std::vector<std::uint8_t> line;
+    std::vector<std::vector<JBLOCKROW>> rows;  // of blocks, of each component
     bool keeps_blocks = false;
 };
 
@@ -39,10 +33,10 @@ void open(jpeg_decompress_struct& object, const std::vector<std::uint8_t>& bytes
     jpeg_read_header(&object, TRUE);
 }
 
-bool header_step(Transcoder& coder, const std::vector<std::uint8_t>& bytes) {
-    if (setjmp(coder.errors.jump)) return false;
-    open(coder.pixels, bytes);
-    open(coder.source, bytes);
+bool header_step(SourceFile& source, const std::vector<std::uint8_t>& bytes) {
+    if (setjmp(source.errors.jump)) return false;
+    open(source.pixels, bytes);
+    open(source.blocks, bytes);
     return true;
 }
 
@@ -60,48 +54,44 @@ bool is_usable(const jpeg_decompress_struct& source, const Image& picture) {
 }
 
 // Sets keeps_blocks if the picture is the source's where the source reaches.
-bool compare_step(Transcoder& coder, const Image& picture, const PixelRect& part) {
-    if (setjmp(coder.errors.jump)) return false;
-    jpeg_decompress_struct& source = coder.pixels;
-    source.out_color_space = picture.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-    jpeg_start_decompress(&source);
-    const int rows = std::min(part.y + part.height, static_cast<int>(source.output_height));
+bool compare_step(SourceFile& source, const Image& picture, const PixelRect& part) {
+    if (setjmp(source.errors.jump)) return false;
+    jpeg_decompress_struct& pixels = source.pixels;
+    pixels.out_color_space = picture.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+    jpeg_start_decompress(&pixels);
+    const int rows = std::min(part.y + part.height, static_cast<int>(pixels.output_height));
     const std::size_t from = static_cast<std::size_t>(part.x) * picture.channels;
     const std::size_t count = static_cast<std::size_t>(part.width) * picture.channels;
-    JSAMPROW row = coder.row.data();
+    JSAMPROW line = source.line.data();
     bool is_same = true;
     for (int y = 0; y < rows && is_same; ++y) {
-        jpeg_read_scanlines(&source, &row, 1);
-        is_same = y < part.y || std::memcmp(row + from, picture.at(part.x, y), count) == 0;
+        jpeg_read_scanlines(&pixels, &line, 1);
+        is_same = y < part.y || std::memcmp(line + from, picture.at(part.x, y), count) == 0;
     }
-    jpeg_abort_decompress(&source);
-    coder.keeps_blocks = is_same && rows > part.y;
+    jpeg_abort_decompress(&pixels);
+    source.keeps_blocks = is_same && rows > part.y;
     return true;
 }
 
-bool coefficients_step(Transcoder& coder) {
-    if (setjmp(coder.errors.jump)) return false;
-    coder.coefficients = jpeg_read_coefficients(&coder.source);
-    return coder.errors.manager.num_warnings == 0;  // damaged data are grey
+bool blocks_step(SourceFile& source) {
+    if (setjmp(source.errors.jump)) return false;
+    jpeg_decompress_struct& file = source.blocks;
+    jvirt_barray_ptr* arrays = jpeg_read_coefficients(&file);
+    if (source.errors.manager.num_warnings > 0) return false;  // damaged data are grey
+    for (int c = 0; c < file.num_components; ++c)
+        for (JDIMENSION row = 0; row < source.rows[c].size(); ++row)
+            source.rows[c][row] = file.mem->access_virt_barray(reinterpret_cast<j_common_ptr>(&file),
+                                                               arrays[c], row, 1, FALSE)[0];
+    return true;
 }
 
-// Chooses the codes of the file that is returned.
-void finish_as(jpeg_compress_struct& writer, const jpeg_decompress_struct& source) {
-    writer.optimize_coding = TRUE;
-    if (source.progressive_mode) jpeg_simple_progression(&writer);
+bool read_blocks(SourceFile& source) {
+    for (int c = 0; c < source.blocks.num_components; ++c)
+        source.rows.emplace_back(source.blocks.comp_info[c].height_in_blocks);
+    return blocks_step(source);
 }
 
-bool encode_step(Transcoder& coder, const Image& picture, const PixelRect& part) {
-    if (setjmp(coder.errors.jump)) return false;
-    jpeg_compress_struct& encoder = coder.encoder;
-    const jpeg_decompress_struct& source = coder.source;
-    jpeg_create_compress(&encoder);
-    encoder.dest = &coder.encoded.manager;
-    encoder.image_width = static_cast<JDIMENSION>(part.width);
-    encoder.image_height = static_cast<JDIMENSION>(part.height);
-    encoder.input_components = picture.channels;
-    encoder.in_color_space = picture.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-    jpeg_set_defaults(&encoder);
+void use_tables(const jpeg_decompress_struct& source, jpeg_compress_struct& encoder) {
     for (int i = 0; i < NUM_QUANT_TBLS; ++i) {
         if (!source.quant_tbl_ptrs[i]) continue;
         if (!encoder.quant_tbl_ptrs[i])
@@ -113,69 +103,78 @@ bool encode_step(Transcoder& coder, const Image& picture, const PixelRect& part)
         encoder.comp_info[c].h_samp_factor = source.comp_info[c].h_samp_factor;
         encoder.comp_info[c].v_samp_factor = source.comp_info[c].v_samp_factor;
     }
-    if (!coder.keeps_blocks) finish_as(encoder, source);
-    jpeg_start_compress(&encoder, TRUE);
-    while (encoder.next_scanline < encoder.image_height) {
-        const int y = part.y + static_cast<int>(encoder.next_scanline);
-        JSAMPROW row = const_cast<JSAMPROW>(picture.at(part.x, y));
-        jpeg_write_scanlines(&encoder, &row, 1);
-    }
-    jpeg_finish_compress(&encoder);
-    return true;
 }
 
-// Replaces the blocks of one colour component by the source's, as far as the source reaches.
-void take_blocks(Transcoder& coder, jvirt_barray_ptr* own, int component, const PixelRect& part) {
-    const jpeg_component_info& to = coder.own.comp_info[component];
-    const jpeg_component_info& from = coder.source.comp_info[component];
-    const bool is_grey = coder.own.num_components == 1;
-    const int across = DCTSIZE * (is_grey ? 1 : coder.source.max_h_samp_factor);
-    const int down = DCTSIZE * (is_grey ? 1 : coder.source.max_v_samp_factor);
-    const JDIMENSION x = static_cast<JDIMENSION>(part.x / across * (is_grey ? 1 : from.h_samp_factor));
-    const JDIMENSION y = static_cast<JDIMENSION>(part.y / down * (is_grey ? 1 : from.v_samp_factor));
-    const JDIMENSION columns = std::min(to.width_in_blocks, from.width_in_blocks - x);
-    const JDIMENSION rows = std::min(to.height_in_blocks, from.height_in_blocks - y);
-    const auto access = [](jpeg_decompress_struct& object, jvirt_barray_ptr blocks, JDIMENSION row,
-                           boolean writable) {
-        return object.mem->access_virt_barray(reinterpret_cast<j_common_ptr>(&object), blocks, row, 1,
-                                              writable)[0];
+// Replaces a row of blocks of the part by the source's, as far as the source reaches.
+void take_blocks(const SourceFile& source, const PixelRect& part, int component, JDIMENSION row,
+                 JBLOCKROW blocks, JDIMENSION columns) {
+    const jpeg_component_info& from = source.blocks.comp_info[component];
+    const auto block_at = [](int px, int factor, int largest) {
+        return static_cast<JDIMENSION>(px / (DCTSIZE * largest) * factor);
     };
-    for (JDIMENSION row = 0; row < rows; ++row)
-        std::memcpy(access(coder.own, own[component], row, TRUE),
-                    access(coder.source, coder.coefficients[component], y + row, FALSE) + x,
-                    columns * sizeof(JBLOCK));
+    const JDIMENSION x = block_at(part.x, from.h_samp_factor, source.blocks.max_h_samp_factor),
+                     y = block_at(part.y, from.v_samp_factor, source.blocks.max_v_samp_factor) + row;
+    if (y < from.height_in_blocks)
+        std::memcpy(blocks, source.rows[component][y] + x,
+                    std::min(columns, from.width_in_blocks - x) * sizeof(JBLOCK));
 }
 
-bool write_step(Transcoder& coder, const PixelRect& part) {
-    if (setjmp(coder.errors.jump)) return false;
-    open(coder.own, coder.encoded.bytes);
-    jvirt_barray_ptr* own = jpeg_read_coefficients(&coder.own);
-    for (int c = 0; c < coder.own.num_components; ++c) take_blocks(coder, own, c, part);
-    jpeg_create_compress(&coder.writer);
-    coder.writer.dest = &coder.written.manager;
-    jpeg_copy_critical_parameters(&coder.own, &coder.writer);
-    finish_as(coder.writer, coder.source);
-    jpeg_write_coefficients(&coder.writer, own);
-    jpeg_finish_compress(&coder.writer);
+// A file's blocks written again, in scans.
+struct Rewriter {
+    Rewriter() {
+        from.err = catch_errors(errors);
+        to.err = catch_errors(errors);
+    }
+    Rewriter(const Rewriter&) = delete;
+    Rewriter& operator=(const Rewriter&) = delete;
+    ~Rewriter() {
+        jpeg_destroy_decompress(&from);
+        jpeg_destroy_compress(&to);
+    }
+
+    JpegErrors errors = {};
+    jpeg_decompress_struct from = {};
+    jpeg_compress_struct to = {};
+    JpegSink sink;
+};
+
+bool rewrite_step(Rewriter& rewriter, const std::vector<std::uint8_t>& bytes) {
+    if (setjmp(rewriter.errors.jump)) return false;
+    open(rewriter.from, bytes);
+    jvirt_barray_ptr* blocks = jpeg_read_coefficients(&rewriter.from);
+    jpeg_create_compress(&rewriter.to);
+    rewriter.to.dest = &rewriter.sink.manager;
+    jpeg_copy_critical_parameters(&rewriter.from, &rewriter.to);
+    jpeg_simple_progression(&rewriter.to);
+    jpeg_write_coefficients(&rewriter.to, blocks);
+    jpeg_finish_compress(&rewriter.to);
     return true;
 }
 
 }  // namespace
 
-JpegOfBlocks encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
-                            const PixelRect& part) {
-    Transcoder coder;
-    if (!header_step(coder, source) || !is_usable(coder.source, picture)) return {};
-    const bool reaches = part.x + part.width <= static_cast<int>(coder.source.image_width);
+JpegOfBlocks encode_jpeg_as(const std::vector<std::uint8_t>& bytes, const Image& picture,
+                            const PixelRect& part, int threads) {
+    SourceFile source;
+    if (!header_step(source, bytes) || !is_usable(source.blocks, picture)) return {};
+    const bool reaches = part.x + part.width <= static_cast<int>(source.blocks.image_width);
     if (reaches && part.x % kJpegBlock_px == 0 && part.y % kJpegBlock_px == 0) {
-        coder.row.resize(static_cast<std::size_t>(coder.source.image_width) * picture.channels);
-        if (!compare_step(coder, picture, part)) return {};
+        source.line.resize(static_cast<std::size_t>(source.blocks.image_width) * picture.channels);
+        if (!compare_step(source, picture, part)) return {};
     }
-    if (coder.keeps_blocks && !coefficients_step(coder)) return {};
-    if (!encode_step(coder, picture, part)) return {};
-    if (!coder.keeps_blocks) return {std::move(coder.encoded.bytes)};
-    if (!write_step(coder, part)) return {};
-    return {std::move(coder.written.bytes), true};
+    if (source.keeps_blocks && !read_blocks(source)) return {};
+    JpegSettings settings{[&](jpeg_compress_struct& jpeg) { use_tables(source.blocks, jpeg); }};
+    if (source.keeps_blocks)
+        settings.replace = [&](int component, JDIMENSION row, JBLOCKROW blocks, JDIMENSION columns) {
+            take_blocks(source, part, component, row, blocks, columns);
+        };
+    std::vector<std::uint8_t> file = encode_baseline_jpeg(picture, part, settings, threads);
+    if (source.blocks.progressive_mode) {
+        Rewriter rewriter;
+        if (!rewrite_step(rewriter, file)) return {};
+        file = std::move(rewriter.sink.bytes);
+    }
+    return {std::move(file), source.keeps_blocks};
 }
 
 }  // namespace hexrelief::exporters

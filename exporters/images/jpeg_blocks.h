@@ -24,6 +24,6 @@ struct JpegOfBlocks {
 // no JPEG of 8 bits in grey or YCbCr, as the picture is, or its blocks are damaged. `part` lies within the
 // picture.
 JpegOfBlocks encode_jpeg_as(const std::vector<std::uint8_t>& source, const Image& picture,
-                            const PixelRect& part);
+                            const PixelRect& part, int threads = 1);
 
 }  // namespace hexrelief::exporters

@@ -48,19 +48,16 @@ int capped(int side, const PixelRect& part, int max_px) {
 // the bytes of one encoded anew.
 constexpr double kWorthOfBlocks = 4. / 3;
 
-// Encodes a texture at a quality, or as the file was that it comes from if that is smaller, or worth it: what
-// the file has lost comes back at no quality.
-std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& texture,
-                                            const TexturedMesh& mesh, int quality) {
-    if (!scene.texture_file) return encode_jpeg(texture, quality);
-    const bool is_scaled = texture.width != mesh.part.width || texture.height != mesh.part.height;
-    const PixelRect whole{0, 0, texture.width, texture.height};
+// Encodes a part of a picture at a quality, or as the file was that it comes from if that is smaller, or
+// worth it: what the file has lost comes back at no quality.
+std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& picture, const PixelRect& part,
+                                            int quality) {
+    JpegOfBlocks as_file;
     auto keeping = start_work(scene.threads, [&] {
-        return encode_jpeg_as(*scene.texture_file, is_scaled ? texture : *scene.texture,
-                              is_scaled ? whole : mesh.part);
+        if (scene.texture_file) as_file = encode_jpeg_as(*scene.texture_file, picture, part, scene.threads);
     });
-    std::vector<std::uint8_t> anew = encode_jpeg(texture, quality);
-    JpegOfBlocks as_file = keeping.get();
+    std::vector<std::uint8_t> anew = encode_jpeg(picture, part, quality, scene.threads);
+    keeping.get();
     const double most = (as_file.keeps_blocks ? kWorthOfBlocks : 1) * static_cast<double>(anew.size());
     return as_file.bytes.empty() || static_cast<double>(as_file.bytes.size()) > most ? anew : as_file.bytes;
 }
@@ -148,8 +145,11 @@ Image texture_of(const Image& picture, const TexturedMesh& mesh) {
 
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config) {
     const Image& picture = *scene.texture;
-    const bool is_whole = mesh.part.width == picture.width && mesh.part.height == picture.height &&
-                          mesh.width_px == picture.width && mesh.height_px == picture.height;
+    const bool is_scaled = mesh.width_px != mesh.part.width || mesh.height_px != mesh.part.height;
+    const bool is_whole =
+        !is_scaled && mesh.part.width == picture.width && mesh.part.height == picture.height;
+    if (config.texture == TextureFormat::jpeg && !is_scaled)
+        return {encode_small_jpeg(scene, picture, mesh.part, config.texture_quality), "image/jpeg"};
     const Image part = is_whole ? Image{} : texture_of(picture, mesh);
     const Image& texture = is_whole ? picture : part;
     switch (config.texture) {
@@ -158,7 +158,9 @@ EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, cons
         case TextureFormat::webp:
             return {encode_webp(texture, config.texture_quality), "image/webp"};
         default:
-            return {encode_small_jpeg(scene, texture, mesh, config.texture_quality), "image/jpeg"};
+            return {encode_small_jpeg(scene, texture, {0, 0, texture.width, texture.height},
+                                      config.texture_quality),
+                    "image/jpeg"};
     }
 }
 

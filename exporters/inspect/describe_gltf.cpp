@@ -4,6 +4,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include "exporters/inspect/describe_formats.h"
@@ -252,10 +253,13 @@ void add_primitive(const Source& source, const Json& primitive, std::size_t leve
         for (std::size_t k = 0; extras.is_object() && k < out.provenance.size(); ++k)
             out.provenance[k] += integer(source, extras, kProvenanceNames[k], 0);
     }
+    std::set<Json> views;  // attributes may share one
     for (const auto& [name, index] : attributes->items()) {
         if (!index.is_number_integer() || index.get<double>() < 0)
             fail_reading(source.path, "an attribute is no index");
-        add_bytes(source, name, accessor_at(source, index.get<long long>()), out);
+        const Json& accessor = accessor_at(source, index.get<long long>());
+        if (!accessor.contains("bufferView") || views.insert(accessor["bufferView"]).second)
+            add_bytes(source, name, accessor, out);
     }
     if (primitive.contains("indices"))
         add_bytes(source, "indices", accessor_at(source, integer(source, primitive, "indices")), out);

@@ -8,6 +8,7 @@
 
 #include "pipeline/base/opencv_threads.h"
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/data/start_work.h"
 
 namespace hexrelief::alignment {
 namespace {
@@ -104,14 +105,20 @@ cv::Mat matrix_of(const Image& image) {
 }
 
 // has_image: false leaves the image empty.
-Resampled resampled(const Image& image, const Positions& positions, const Canvas& canvas, int interpolation,
-                    ThreadPool& pool, bool has_image = true) {
+Resampled room_on(const Canvas& canvas, int channels, bool has_image = true) {
     const std::size_t area = static_cast<std::size_t>(canvas.width) * canvas.height;
-    Resampled out{{canvas.width, canvas.height, image.channels, {}}, std::vector<std::uint8_t>(area)};
+    Resampled out{{canvas.width, canvas.height, channels, {}}, std::vector<std::uint8_t>(area)};
     if (has_image)
-        out.image.pixels.resize(area * image.channels);
+        out.image.pixels.resize(area * channels);
     else
         out.image.width = out.image.height = 0;
+    return out;
+}
+
+// out: from room_on().
+Resampled resampled(const Image& image, const Positions& positions, const Canvas& canvas, int interpolation,
+                    ThreadPool& pool, Resampled out) {
+    const bool has_image = !out.image.empty();
     const cv::Mat from = matrix_of(image), to = matrix_of(out.image);
     const float most_x = static_cast<float>(image.width - 1), most_y = static_cast<float>(image.height - 1);
     const int bands = (canvas.height + kBand - 1) / kBand;
@@ -226,11 +233,14 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
     const Image& second = estimate.is_exchanged ? pair.left : pair.right;
     const Positions in_left(views.left, alignment, canvas.left_x, scale),
         in_right(views.right, alignment, canvas.right_x, scale);
-    Resampled left = resampled(first, in_left, canvas, cv::INTER_CUBIC, pool);
-    Resampled right = resampled(second, in_right, canvas, cv::INTER_CUBIC, pool, has_right);
+    auto right_room = start_work(threads, [&] { return room_on(canvas, second.channels, has_right); });
+    Resampled left =
+        resampled(first, in_left, canvas, cv::INTER_CUBIC, pool, room_on(canvas, first.channels));
+    Resampled right = resampled(second, in_right, canvas, cv::INTER_CUBIC, pool, right_room.get());
     if (!first.alpha.empty()) {
         const Image alpha{first.width, first.height, 1, first.alpha};
-        left.image.alpha = resampled(alpha, in_left, canvas, cv::INTER_NEAREST, pool).image.pixels;
+        left.image.alpha =
+            resampled(alpha, in_left, canvas, cv::INTER_NEAREST, pool, room_on(canvas, 1)).image.pixels;
     }
     fill_unknown(right, pool);
     drop_unseen(left.known, right.known, canvas.width,

@@ -306,7 +306,7 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
         if (is_of_points)
             disparity.map = stages::with_bare_patches_behind(
                 stages::continued_at_right_end(std::move(disparity.map), pair->right_mask.kept),
-                pair->views.left);
+                pair->views.left, threads);
         if (is_smoothed) refine_noisy(disparity, *pair, threads, log);
         if (is_smoothed && is_of_points)
             disparity.map = stages::with_wider_near(std::move(disparity.map), threads);

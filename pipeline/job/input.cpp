@@ -78,7 +78,8 @@ class InputReader {
         RunInput input{InputPair{std::move(source.views)}};
         find_camera(input, size, {});
         hide_strips(input);
-        input.mask = read_masks(input, size, {}, {});
+        read_mask(input, size, {});
+        tell_mask(input.mask);
         tell_camera(input);
         return input;
     }
@@ -199,7 +200,8 @@ class InputReader {
         // The line that tells the alignment names the focal length's source and the units.
         if (!input.is_aligned()) warn_of_focal(camera);
         hide_strips(input);
-        input.mask = read_masks(input, size_of(input.color()), {mask}, {});
+        read_mask(input, size_of(input.color()), {mask});
+        tell_mask(input.mask);
         tell_camera(input);
         if (!input.is_aligned()) warn_of_scale(camera);
         return input;
@@ -236,7 +238,12 @@ class InputReader {
     void hide_strips(RunInput& input);
     void align(RunInput& input, const ResolvedCalibration& camera, const PairToAlign& given);
     ResolvedCalibration find_camera(RunInput& input, ViewSize view, const fs::path& photograph);
+    void read_mask(RunInput& input, ViewSize view, MaskSource mask);
+    // Returns the input's mask, read here, where the confidence suffices.
     readers::PixelMask read_masks(RunInput& input, ViewSize view, MaskSource mask, MaskSource confidence);
+    void tell_mask(const readers::PixelMask& kept) {
+        if (!kept.empty()) log_.decide("mask: keeps " + percent_text(kept, 1) + " % of the picture");
+    }
     void take_depths_of(readers::DepthFile depth, const ResolvedCalibration& resolved, RunInput& input);
     void tell_camera(const RunInput& input) { log_.decide("calibration: " + input.camera_text()); }
     void warn_of_focal(const ResolvedCalibration& camera) {
@@ -319,8 +326,7 @@ ResolvedCalibration InputReader::find_camera(RunInput& input, ViewSize view, con
 // Restricts the input's mask, which may hold what a rectified view shows, by the given mask and the picture's
 // transparency. Returns it restricted further to pixels of sufficient confidence; empty = all. The two differ
 // because a sparse map is filled across pixels of low confidence, but not at pixels that the mask hides.
-readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskSource mask,
-                                           MaskSource confidence) {
+void InputReader::read_mask(RunInput& input, ViewSize view, MaskSource mask) {
     if (config_.mask.alpha) {
         // take_picture() has checked that the aspects agree.
         if (const readers::PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
@@ -334,6 +340,11 @@ readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskS
         input.mask =
             both(std::move(input.mask), fitted(mask.array, view, input.texture(), mask.name("mask")));
     if (!mask.file.empty()) input.files.push_back(hashed("mask", mask.file));
+}
+
+readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskSource mask,
+                                           MaskSource confidence) {
+    read_mask(input, view, std::move(mask));
     readers::PixelMask kept = input.mask;
     if (!confidence.file.empty())
         confidence.array = readers::read_confidence(confidence.file, config_.confidence, limits_);
@@ -341,7 +352,7 @@ readers::PixelMask InputReader::read_masks(RunInput& input, ViewSize view, MaskS
         kept = both(std::move(kept),
                     fitted(confidence.array, view, input.texture(), confidence.name("confidence")));
     if (!confidence.file.empty()) input.files.push_back(hashed("confidence", confidence.file));
-    if (!kept.empty()) log_.decide("mask: keeps " + percent_text(kept, 1) + " % of the picture");
+    tell_mask(kept);
     return kept;
 }
 

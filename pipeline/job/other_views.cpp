@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/surfaces.h"
 #include "pipeline/stages/densify/densify.h"
@@ -122,13 +124,13 @@ OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::Found
 
 // Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
 // used: of each of these, as PictureInUse.
-void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart> used, const Image& left,
+void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart> used, Image left,
                  SurfaceMesh& mesh, int threads) {
     if (left.empty()) return;
     std::vector<stages::PictureInUse> pictures;
     for (std::size_t i = 0; i < used.size(); ++i)
         pictures.push_back({others.views[i].texture(), std::move(used[i])});
-    others.atlas = stages::make_atlas(left, pictures, threads);
+    others.atlas = stages::make_atlas(std::move(left), pictures, threads);
     std::size_t first = 0;
     for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
         others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
@@ -223,6 +225,10 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     SurfaceResult::OtherViews others;
     std::vector<stages::UsedPart> used;
     const bool has_levels = config.exporting.lod > 1;
+    // Pictures are large, and copied meanwhile: both views' get more colours than they have.
+    auto copying_right = start_work(
+        threads, [&] { return right ? std::pair(right->color, right->picture) : std::pair<Image, Image>(); });
+    auto copying_left = start_work(threads, [&] { return stages::with_room_below(view.texture); });
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const stages::Frame frame = stages::frame_of(visible.seen[0]);
     const auto add = [&](OtherView other) {
@@ -235,12 +241,13 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         others.views.push_back(std::move(other));
     };
     if (right) {
-        OtherView missing = *right;
+        OtherView missing{right->place, right->map, {}, {}, {}, right->kept};
         if (missing.map.values.empty()) {
-            missing.map = map_by_surface(missing, visible.seen[1], view, threads);
+            missing.map = map_by_surface(*right, visible.seen[1], view, threads);
             drop_background(missing, view.density.background_px);
         }
         stages::find_missing(missing, visible.seen[1], visible.seen[0], view.is_by_points, threads);
+        std::tie(missing.color, missing.picture) = copying_right.get();
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
@@ -249,18 +256,21 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(missing));
     }
     if (behind > 0) {
-        OtherView left = copy_of_left(view, threads);
         const stages::SeenSurface& here = visible.seen[0];
+        auto backing = start_work(threads, [&] {
+            return view.is_by_points ? stages::backing_of(here, view.color, behind) : OtherView();
+        });
+        OtherView left = copy_of_left(view, threads);
         show(left, here);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
                                 visible, threads);
         stages::join_to_surface(left, here, threads);
         add(std::move(left));
-        if (view.is_by_points) add(stages::backing_of(here, view.color, behind));
+        if (view.is_by_points) add(backing.get());
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
-    add_texture(others, std::move(used), view.texture, mesh, threads);
+    add_texture(others, std::move(used), copying_left.get(), mesh, threads);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");

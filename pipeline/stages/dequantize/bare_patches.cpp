@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/dequantize/evidence.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -26,15 +28,18 @@ constexpr float kNearer_px = 1;
 class Sums {
   public:
     template <class Value>
-    Sums(int width, int height, const Value& value)
+    Sums(int width, int height, ThreadPool& pool, const Value& value)
         : width_(width), height_(height), sums_((width + std::size_t{1}) * (height + std::size_t{1})) {
-        for (int y = 0; y < height; ++y) {
+        for_rows(pool, height, [&](int y) {
             double row = 0;
-            for (int x = 0; x < width; ++x) {
-                row += value(static_cast<std::size_t>(y) * width + x);
-                sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
-            }
-        }
+            for (int x = 0; x < width; ++x)
+                sums_[index(x + 1, y + 1)] = row += value(static_cast<std::size_t>(y) * width + x);
+        });
+        pool.parallel_for(static_cast<std::size_t>(width), [&](std::size_t first, std::size_t end) {
+            for (int y = 1; y < height; ++y)
+                for (int x = static_cast<int>(first); x < static_cast<int>(end); ++x)
+                    sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + sums_[index(x + 1, y + 1)];
+        });
     }
     // Returns the sum over the square around a pixel, as far as it lies in the picture, and its pixels.
     double around(std::size_t pixel, int radius, double& pixels) const {
@@ -52,17 +57,18 @@ class Sums {
     std::vector<double> sums_;
 };
 
-std::vector<std::uint8_t> sure_pixels(const DisparityMap& map) {
+std::vector<std::uint8_t> sure_pixels(const DisparityMap& map, ThreadPool& pool) {
     const auto is_matched = [&](std::size_t i) {
         return DisparityMap::known(map.values[i]) && map.origins[i] == PixelOrigin::matched;
     };
-    const Sums matched(map.width, map.height, is_matched);
+    const Sums matched(map.width, map.height, pool, is_matched);
     const int radius = std::max(map.width, map.height) / kSureShare;
     std::vector<std::uint8_t> sure(map.values.size());
-    for (std::size_t i = 0; i < sure.size(); ++i) {
+    pool.parallel_for(sure.size(), [&](std::size_t begin, std::size_t end) {
         double pixels = 0;
-        sure[i] = is_matched(i) && 4 * matched.around(i, radius, pixels) >= 3 * pixels;
-    }
+        for (std::size_t i = begin; i < end; ++i)
+            sure[i] = is_matched(i) && 4 * matched.around(i, radius, pixels) >= 3 * pixels;
+    });
     return sure;
 }
 
@@ -80,12 +86,12 @@ constexpr std::uint32_t kNoSource = ~std::uint32_t{0};
 
 // Returns the sure pixel that leads to each one over the least difference of colours; kNoSource if none does
 // within a bare patch.
-std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
+std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left, ThreadPool& pool) {
     const cv::Mat colours = colour_sums(left);
     const auto colour = [&](std::size_t pixel) {
         return colours.ptr<std::int16_t>() + pixel * static_cast<std::size_t>(left.channels);
     };
-    const std::vector<std::uint8_t> sure = sure_pixels(map);
+    const std::vector<std::uint8_t> sure = sure_pixels(map, pool);
     std::vector<std::uint32_t> source(sure.size(), kNoSource);
     std::vector<std::int16_t> levels(sure.size(), kBare + 1);
     std::vector<std::vector<std::uint32_t>> waiting(kBare + 1);
@@ -100,6 +106,7 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
             const std::uint32_t from = waiting[level][next];
             if (levels[from] < level) continue;
             for_four_neighbours(from, map.width, map.height, [&](std::size_t i) {
+                if (level >= levels[i]) return;  // as nearly all of them
                 int step = 0;
                 for (int c = 0; c < left.channels; ++c) step += std::abs(colour(i)[c] - colour(from)[c]);
                 const int reached = std::max(level, step * 3 / left.channels);
@@ -114,15 +121,18 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left) {
 
 }  // namespace
 
-DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
+DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int threads) {
     if (map.origins.empty() || left.empty()) return map;
-    const std::vector<std::uint32_t> source = flood(map, left);
-    std::vector<float> known;
-    for (const float d : map.values)
-        if (DisparityMap::known(d)) known.push_back(d);
-    if (known.empty()) return map;
-    const auto [least, most] = std::minmax_element(known.begin(), known.end());
-    const double fall = (*most - *least) / kRangeShare;
+    ThreadPool pool(threads);
+    const std::vector<std::uint32_t> source = flood(map, left, pool);
+    float least = std::numeric_limits<float>::infinity(), most = -least;
+    for (const float d : map.values) {
+        if (!DisparityMap::known(d)) continue;
+        least = std::min(least, d);
+        most = std::max(most, d);
+    }
+    if (least > most) return map;
+    const double fall = (most - least) / kRangeShare;
     const auto fall_of = [&](std::size_t i) {
         return source[i] == kNoSource ? 0 : map.values[i] - map.values[source[i]];
     };
@@ -148,8 +158,8 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left) {
         }
     }
     if (!any) return map;
-    const Sums moved(map.width, map.height, [&](std::size_t i) { return is_moved[i]; });
-    const Sums values(map.width, map.height,
+    const Sums moved(map.width, map.height, pool, [&](std::size_t i) { return is_moved[i]; });
+    const Sums values(map.width, map.height, pool,
                       [&](std::size_t i) { return is_moved[i] ? map.values[source[i]] : 0; });
     const int radius = std::max(map.width, map.height) / kSmoothShare;
     double pixels = 0;

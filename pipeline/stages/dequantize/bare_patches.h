@@ -12,6 +12,6 @@ namespace hexrelief::stages {
 // surface than it has, over a thousandth of the picture and by half of the map's range on an average, it
 // follows that surface. left: the picture of the map's view and size. Maps without origins, unknown pixels
 // and origins stay.
-DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left);
+DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int threads);
 
 }  // namespace hexrelief::stages

@@ -33,27 +33,25 @@ constexpr int kDoublings = 3;
 
 // Returns how much the map's surfaces bend: the standard deviation of second differences at neighbouring
 // pixels if they are independent, by the median at a sixteenth of the longer side, where noise is small.
-float bend_of(const DisparityMap& map) {
+float bend_of(const DisparityMap& map, ThreadPool& pool) {
     constexpr int kDistances = 16;
     constexpr float kDeviationOfMedian = 1.4826f, kGrowth = 0.8165f;  // sqrt(2 / 3), times distance^1.5
     const int distance = std::max(map.width, map.height) / kDistances;
-    std::vector<float> sizes;
-    const auto add = [&](int x, int y, int dx, int dy) {
-        float d[3];
-        for (int k = 0; k < 3; ++k) {
-            const std::size_t at = static_cast<std::size_t>(y + k * dy) * map.width + (x + k * dx);
-            if (map.origins[at] != PixelOrigin::matched) return;
-            d[k] = map.values[at];
-        }
-        sizes.push_back(std::abs(d[0] - 2 * d[1] + d[2]));
+    // Along rows, then along columns.
+    const auto size_at = [&](std::size_t i) {
+        const bool is_row = i < map.values.size();
+        const std::size_t first = is_row ? i : i - map.values.size(),
+                          width = static_cast<std::size_t>(map.width);
+        const std::size_t step = is_row ? distance : distance * width;
+        if (is_row ? first % width + 2 * step >= width : first + 2 * step >= map.values.size()) return -1.f;
+        for (int k = 0; k < 3; ++k)
+            if (map.origins[first + k * step] != PixelOrigin::matched) return -1.f;
+        const float* const d = &map.values[first];
+        return std::abs(d[0] - 2 * d[step] + d[2 * step]);
     };
-    for (int y = 0; y < map.height; ++y)
-        for (int x = 0; x < map.width; ++x) {
-            if (x + 2 * distance < map.width) add(x, y, distance, 0);
-            if (y + 2 * distance < map.height) add(x, y, 0, distance);
-        }
     const auto far = static_cast<float>(std::max(1, distance));
-    return kDeviationOfMedian * median_of(std::move(sizes)) / (kGrowth * far * std::sqrt(far));
+    return kDeviationOfMedian * median_of(2 * map.values.size(), pool, size_at) /
+           (kGrowth * far * std::sqrt(far));
 }
 
 bool are_apart(const DisparityMap& map, std::size_t i, std::size_t other) {
@@ -176,7 +174,7 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
 DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair, int threads) {
     ThreadPool pool(threads);
     DisparityMap result = map;
-    const float bend = bend_of(map);
+    const float bend = bend_of(map, pool);
     float variance = bend * bend, first_miss = 0;
     if (!(variance > 0)) return result;
     float least = kUnknownDisparity, most = -kUnknownDisparity;

@@ -1,7 +1,6 @@
 #include "pipeline/stages/dequantize/evidence.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace hexrelief::stages {
@@ -83,21 +82,6 @@ Plane slopes_of(const Plane& left, const Plane& right, ThreadPool& pool) {
 
 }  // namespace
 
-float median_of(std::vector<float> values) {
-    if (values.empty()) return 0;
-    // The bits of numbers that are not negative are in their order. Most of the values, far from the middle,
-    // are sorted by their upper half alone.
-    const auto upper = [](float value) { return std::bit_cast<std::uint32_t>(value) >> 16; };
-    std::vector<std::uint32_t> counts(std::size_t{1} << 16);
-    for (const float value : values) ++counts[upper(value)];
-    std::size_t rank = values.size() / 2, at = 0;
-    while (rank >= counts[at]) rank -= counts[at++];
-    std::erase_if(values, [&](float value) { return upper(value) != at; });
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 PairLevels::PairLevels(const StereoPair& pair, ThreadPool& pool)
     : left_(grey_of(pair.left, pool)), right_(grey_of(pair.right, pool)), left_detail_(left_) {
     subtract_means(left_detail_, pool);
@@ -120,15 +104,12 @@ Evidence PairLevels::evidence_for(const DisparityMap& map, ThreadPool& pool) con
     subtract_means(seen, pool);
     const Plane slopes = slopes_of(left_detail_, seen, pool);
 
-    std::vector<float> sizes;
-    for (std::size_t i = 0; i < is_seen.size(); ++i)
-        if (is_seen[i]) sizes.push_back(std::abs(slopes.values[i]));
-    const float steep = median_of(std::move(sizes));
-    sizes.clear();
-    for (std::size_t i = 0; i < is_seen.size(); ++i)
-        if (is_seen[i] && std::abs(slopes.values[i]) >= steep)
-            sizes.push_back(std::abs(seen.values[i] - left_detail_.values[i]));
-    const float miss = std::max(kLeastMiss, kDeviationOfMedian * median_of(std::move(sizes)));
+    const auto size_at = [&](std::size_t i) { return is_seen[i] ? std::abs(slopes.values[i]) : -1; };
+    const float steep = median_of(is_seen.size(), pool, size_at);
+    const auto miss_at = [&](std::size_t i) {
+        return size_at(i) >= steep ? std::abs(seen.values[i] - left_detail_.values[i]) : -1;
+    };
+    const float miss = std::max(kLeastMiss, kDeviationOfMedian * median_of(is_seen.size(), pool, miss_at));
 
     Evidence evidence{Plane(width, height), Plane(width, height), Plane(0, 0), miss};
     for_rows(pool, height, [&](int y) {

@@ -1,6 +1,8 @@
 // What both pictures tell of each pixel's disparity.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -39,8 +41,43 @@ class PairLevels {
     Plane left_, right_, left_detail_;
 };
 
-// Returns the upper median of numbers >= 0; 0 if there are none.
-float median_of(std::vector<float> values);
+// Returns the upper median of those of value(i), i < count, that are not negative; 0 if none is.
+template <typename Value>
+float median_of(std::size_t count, ThreadPool& pool, const Value& value) {
+    // The bits of numbers that are not negative are in their order. Most of the values, far from the middle,
+    // are sorted by their upper half alone.
+    const auto upper = [](float v) { return std::bit_cast<std::uint32_t>(v) >> 16; };
+    struct Own {
+        std::vector<std::uint32_t> counts = std::vector<std::uint32_t>(std::size_t{1} << 15);
+        std::vector<float> middle;
+    };
+    std::vector<Own> own(static_cast<std::size_t>(pool.size()));
+    const auto for_values = [&](const auto& take) {
+        pool.run([&](int thread) {
+            for (std::size_t i = pool.share(count, thread); i < pool.share(count, thread + 1); ++i)
+                if (const float v = value(i); v >= 0) take(own[static_cast<std::size_t>(thread)], v);
+        });
+    };
+    for_values([&](Own& of, float v) { ++of.counts[upper(v)]; });
+    const auto counted = [&](std::size_t at) {
+        std::size_t sum = 0;
+        for (const Own& of : own) sum += of.counts[at];
+        return sum;
+    };
+    std::size_t all = 0, at = 0;
+    for (std::size_t i = 0; i < own[0].counts.size(); ++i) all += counted(i);
+    if (all == 0) return 0;
+    std::size_t rank = all / 2;
+    while (rank >= counted(at)) rank -= counted(at++);
+    for_values([&](Own& of, float v) {
+        if (upper(v) == at) of.middle.push_back(v);
+    });
+    std::vector<float> values;
+    for (const Own& of : own) values.insert(values.end(), of.middle.begin(), of.middle.end());
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
 
 template <typename Body>
 void for_rows(ThreadPool& pool, int height, const Body& body) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <utility>
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/union_find.h"
@@ -137,7 +138,8 @@ using Colour = std::array<float, 3>;
 
 // Gives the pixels of a block that have no colour those that a JPEG file needs fewest bytes for: what goes on
 // smoothly from the block's others, or if it has none the mean of the block before. Returns the block's mean.
-Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y, const Colour& before) {
+// is_known: 1 for pixels with a colour, row by row of the atlas from the block's first on.
+Colour fill_block(Image& atlas, const char* is_known, int x, int y, const Colour& before) {
     const int width = std::min(kBlock_px, atlas.width - x), height = std::min(kBlock_px, atlas.height - y);
     std::array<Colour, kBlock_px * kBlock_px> colours;
     std::array<char, kBlock_px*kBlock_px> has_colour = {}, is_given;
@@ -147,7 +149,7 @@ Colour fill_block(Image& atlas, const std::vector<char>& is_known, int x, int y,
     };
     bool is_empty = true, is_full = true;
     for_pixels([&](int u, int v, int i) {
-        has_colour[i] = is_known[static_cast<std::size_t>(y + v) * atlas.width + x + u];
+        has_colour[i] = is_known[static_cast<std::size_t>(v) * atlas.width + x + u];
         is_empty &= !has_colour[i];
         is_full &= has_colour[i] != 0;
         colours[i] = before;
@@ -231,7 +233,15 @@ void TextureAtlas::move_in(std::span<Vec2f> texcoords, std::size_t view) const {
     }
 }
 
-TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others, int threads) {
+Image with_room_below(const Image& left) {
+    constexpr std::size_t kRoom = 2;  // times the picture; memory that nothing is written to costs nothing
+    Image copy{left.width, left.height, left.channels, {}};
+    copy.pixels.reserve(kRoom * left.pixels.size());
+    copy.pixels = left.pixels;
+    return copy;
+}
+
+TextureAtlas make_atlas(Image left, const std::vector<PictureInUse>& others, int threads) {
     const std::vector<Chart> charts = charts_of(others);
     TextureAtlas atlas;
     atlas.places.push_back({left.width, left.height, {blocks_of(left).size(), {0, 0}}});
@@ -248,15 +258,17 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
                                                           (below + y - chart.top) * kAtlasBlock_px};
     }
 
-    Image& picture = atlas.picture;
-    picture = {left.width, (below + shelf.rows()) * kAtlasBlock_px, left.channels, {}};
-    const std::size_t count = static_cast<std::size_t>(picture.width) * picture.height,
-                      bytes = count * picture.channels;
-    picture.pixels.reserve(bytes);
-    picture.pixels = left.pixels;
-    picture.pixels.resize(bytes);
-    std::vector<char> is_known(count);
-    std::fill_n(is_known.begin(), static_cast<std::size_t>(left.width) * left.height, 1);
+    // The rows of blocks that the left picture does not fill.
+    const int first_row = left.height / kAtlasBlock_px, rows = below + shelf.rows() - first_row;
+    const int first_y = first_row * kAtlasBlock_px, left_height = left.height;
+    Colour last_row = {};
+    std::copy_n(left.at(0, left.height - 1), left.channels, last_row.begin());
+    Image& picture = atlas.picture = std::move(left);
+    picture.height = (below + shelf.rows()) * kAtlasBlock_px;
+    picture.pixels.resize(static_cast<std::size_t>(picture.width) * picture.height * picture.channels);
+    const auto row_of = [&](int y) { return static_cast<std::size_t>(y - first_y) * picture.width; };
+    std::vector<char> is_known(row_of(picture.height));
+    std::fill_n(is_known.begin(), row_of(left_height), 1);
     for (std::size_t i = 0; i < others.size(); ++i) {
         const Image& other = others[i].picture;
         const Blocks blocks = blocks_of(other);
@@ -265,22 +277,20 @@ TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& othe
             for (int column = first; column < std::min(end, picture.width - x); ++column) {
                 copy_pixel(other.at(column, row), other.channels, picture.at(column + x, row + y),
                            picture.channels);
-                is_known[static_cast<std::size_t>(row + y) * picture.width + column + x] = 1;
+                is_known[row_of(row + y) + column + x] = 1;
             }
         });
     }
     // In the order of a JPEG file whose colours are halved, so that its blocks of these have one colour, too.
-    const int first_row = left.height / kAtlasBlock_px, rows = blocks_in(picture.height) - first_row;
     ThreadPool(threads).parallel_for_chunks(rows, [&](std::size_t begin, std::size_t end) {
         for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
             const int top = (first_row + row) * kAtlasBlock_px,
                       bottom = std::min(top + kAtlasBlock_px, picture.height);
-            Colour before = {};
-            std::copy_n(left.at(0, left.height - 1), left.channels, before.begin());
+            Colour before = last_row;
             for (int column = 0; column < picture.width; column += kAtlasBlock_px)
                 for (int v = top; v < bottom; v += kBlock_px)
                     for (int u = column; u < std::min(column + kAtlasBlock_px, picture.width); u += kBlock_px)
-                        before = fill_block(picture, is_known, u, v, before);
+                        before = fill_block(picture, &is_known[row_of(v)], u, v, before);
         }
     });
     return atlas;

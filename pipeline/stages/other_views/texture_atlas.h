@@ -50,7 +50,10 @@ struct TextureAtlas {
 };
 
 // Returns the atlas. What is not used, or beside what is, has smooth colours, which take hardly any bytes and
-// do not show where textures are interpolated. The atlas has the left picture's channels.
-TextureAtlas make_atlas(const Image& left, const std::vector<PictureInUse>& others, int threads);
+// do not show where textures are interpolated. The atlas has the left picture's channels, and its memory if
+// that has room below it.
+TextureAtlas make_atlas(Image left, const std::vector<PictureInUse>& others, int threads);
+// Returns a copy of the left picture with such room.
+Image with_room_below(const Image& left);
 
 }  // namespace hexrelief::stages

@@ -118,13 +118,33 @@ TEST_P(Gltf, ProvenanceIsADenseAttribute) {
         EXPECT_FALSE(accessor.sparse.isSparse);
         ASSERT_EQ(accessor.count, mesh.positions.size());
         const tinygltf::BufferView& view = model.bufferViews.at(accessor.bufferView);
-        ASSERT_EQ(view.byteStride, 4u);
+        ASSERT_EQ(view.byteStride % 4, 0u);
+        ASSERT_EQ(accessor.byteOffset % 4, 0u);
+        const std::size_t first = view.byteOffset + accessor.byteOffset;
         std::vector<Provenance> read;
         for (std::size_t i = 0; i < accessor.count; ++i)
-            read.push_back(static_cast<Provenance>(model.buffers.at(0).data.at(view.byteOffset + 4 * i)));
+            read.push_back(static_cast<Provenance>(model.buffers.at(0).data.at(first + view.byteStride * i)));
         EXPECT_EQ(read, mesh.provenance);
         EXPECT_EQ(accessor.extras.Get("nobody").Get<int>(),
                   std::count(read.begin(), read.end(), Provenance::nobody));
+    }
+}
+
+TEST_P(Gltf, ProvenanceTakesNoBytesBesideTexcoords) {
+    SurfaceMesh mesh = sample_mesh(24, 18);
+    mesh.texcoords.back() = {1, 1};
+    const Image texture = sample_texture(64, 48);
+    const std::size_t before = exported(mesh, &texture, {}).buffers.at(0).data.size();
+    add_provenance(mesh);
+    const tinygltf::Model model = exported(mesh, &texture, {});
+    EXPECT_EQ(model.buffers.at(0).data.size(), before);
+    const auto texcoords =
+        read<Vec2f>(model, model.meshes.at(0).primitives.at(0).attributes.at("TEXCOORD_0"));
+    ASSERT_EQ(texcoords.size(), mesh.texcoords.size());
+    for (std::size_t i = 0; i < texcoords.size(); ++i) {
+        EXPECT_EQ(texcoords[i].x, mesh.texcoords[i].x);
+        EXPECT_NEAR(texcoords[i].y, mesh.texcoords[i].y, 1. / (1 << 16));
+        EXPECT_LE(texcoords[i].y, 1);
     }
 }
 

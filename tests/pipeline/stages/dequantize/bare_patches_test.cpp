@@ -30,7 +30,7 @@ struct Room {
 
 TEST(BarePatches, FollowTheFartherSurfaceOfTheirColour) {
     const Room room(90);
-    const DisparityMap result = with_bare_patches_behind(room.map, room.left);
+    const DisparityMap result = with_bare_patches_behind(room.map, room.left, 2);
     for (int y = 0; y < kRoomHeight; ++y)
         for (int x = 0; x < kRoomWidth; ++x) {
             if (x >= kWall - 2 && x < kWall + 2) continue;  // squares of both colours
@@ -41,16 +41,16 @@ TEST(BarePatches, FollowTheFartherSurfaceOfTheirColour) {
 
 TEST(BarePatches, OfTheNearerSurfacesColourStay) {
     const Room room(200);
-    const DisparityMap result = with_bare_patches_behind(room.map, room.left);
+    const DisparityMap result = with_bare_patches_behind(room.map, room.left, 2);
     EXPECT_EQ(result.at(kWall + 3, 2), kHead_px);
 }
 
 TEST(BarePatches, UnknownPixelsAndMapsWithoutOriginsStay) {
     Room room(90);
     room.map.at(kRoomWidth - 1, 0) = kUnknownDisparity;
-    EXPECT_EQ(with_bare_patches_behind(room.map, room.left).at(kRoomWidth - 1, 0), kUnknownDisparity);
+    EXPECT_EQ(with_bare_patches_behind(room.map, room.left, 2).at(kRoomWidth - 1, 0), kUnknownDisparity);
     room.map.origins.clear();
-    EXPECT_EQ(with_bare_patches_behind(room.map, room.left).values, room.map.values);
+    EXPECT_EQ(with_bare_patches_behind(room.map, room.left, 2).values, room.map.values);
 }
 
 }  // namespace
