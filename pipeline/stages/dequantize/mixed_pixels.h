@@ -13,8 +13,8 @@ namespace hexrelief::stages {
 //
 // Before, so are the filled pixels of strips along a row or a column, up to 1/200 of the longer side wide,
 // with what is farther on both sides. If scraps go, so are regions of up to 1/1700 of the picture in front of
-// something, of which less than half was matched. Strips and scraps were filled from a nearer thing. left: the
-// picture of the map's view and size. Origins and unknown pixels stay.
+// something, of which less than half was matched. Strips and scraps were filled from a nearer thing. left:
+// the picture of the map's view and size. Origins and unknown pixels stay.
 enum class Scraps { stay, go };
 DisparityMap without_mixed_pixels(DisparityMap map, const Image& left, Scraps scraps);
 
