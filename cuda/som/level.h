@@ -80,4 +80,10 @@ inline std::uint32_t divisor(int d) {
     return static_cast<std::uint32_t>(0xFFFFFFFFu / static_cast<std::uint32_t>(d) + 1);
 }
 
+// Trains one level of any size on the device (paper, section 4).
+
+// Runs these iterations of the level in one persistent kernel; level.points must hold the points of exactly
+// these iterations, and level.filled must be 0 everywhere.
+void train(const Launch& launch, const LevelView& level, const IterationRange& range);
+
 }  // namespace hexrelief::cuda

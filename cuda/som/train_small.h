@@ -24,7 +24,7 @@ std::size_t small_records(const Launch& launch, const LevelView& level, int long
 // Prepares a level's records and positions; to be called once before its training.
 void clear_small(const Launch& launch, const LevelView& level, uint4* records, int longest);
 
-// Does the same as train() in train_large.h. Requires is_small(level).
+// Does the same as train() in level.h. Requires is_small(level).
 void train_small(const Launch& launch, const LevelView& level, uint4* records, const IterationRange& range);
 
 }  // namespace hexrelief::cuda

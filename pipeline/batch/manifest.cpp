@@ -12,7 +12,6 @@
 #include "pipeline/batch/manifest_rows.h"
 #include "pipeline/config/fields.h"
 #include "pipeline/config/options.h"
-#include "pipeline/config/shell_words.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {

@@ -122,7 +122,7 @@ const std::vector<Room>& rooms() {
          {data, "pipeline/config", "pipeline/evaluation", "pipeline/job", "pipeline/stages"}},
         {"pipeline/cli/arguments", {data, "pipeline/config", "pipeline/library"}},
         {"pipeline/tiles",
-         {data, "pipeline/batch/memory.h", "pipeline/batch/unit.h", "pipeline/config", "pipeline/files",
+         {data, "pipeline/batch/memory.h", "pipeline/batch/worker.h", "pipeline/config", "pipeline/files",
           "pipeline/job", "pipeline/stages", "pipeline/readers/windows", "exporters", base,
           "mesher/som/level_plan.h", "mesher/tiles"}},
         {"pipeline/tiles/matching",
@@ -149,7 +149,7 @@ const std::vector<Room>& rooms() {
         // The mesher's contracts (configuration and result) are what the backend takes and returns; its
         // kernels call the same steps as the mesher's loops.
         {"cuda",
-         {data, "mesher/mesher.h", "mesher/common", "mesher/som/level_plan.h", "mesher/som/mesh_area.h",
+         {data, "mesher/mesher.h", "mesher/common", "mesher/som/level_plan.h",
           "mesher/balance/balance.h", "mesher/surface/cut_disparity_mesh.h", "pipeline/matching/matcher.h",
           steps}},
         {"cuda/common", {data, base, "mesher/common", steps}},

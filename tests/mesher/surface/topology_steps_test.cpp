@@ -7,13 +7,12 @@
 #include <set>
 #include <vector>
 
-#include "mesher/surface/topology/edge_votes_step.h"
+#include "mesher/surface/topology/cut_vertices_step.h"
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "mesher/surface/topology/rasterize.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "mesher/surface/topology/split_triangles_step.h"
-#include "mesher/surface/topology/vertex_fans_step.h"
 
 namespace hexrelief::surface {
 namespace {

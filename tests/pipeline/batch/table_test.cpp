@@ -5,7 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/batch/batch_progress.h"
 #include "pipeline/batch/memory.h"
 #include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
