@@ -5,9 +5,7 @@
 
 #include "cuda/balance/balance.h"
 #include "cuda/common/check.h"
-#include "cuda/som/cell_matrix.h"
 #include "cuda/som/level.h"
-#include "cuda/som/train_small.h"
 #include "cuda/som/untangle.h"
 #include "mesher/som/untangle_step.h"
 

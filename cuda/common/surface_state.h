@@ -104,7 +104,6 @@ struct SurfaceState {
     CutMesh cut_mesh;
 
     // True if one connected mesh spans all discontinuities.
-    HEXRELIEF_HD bool bridges() const { return config.discontinuities == Discontinuities::bridge; }
     HEXRELIEF_HD step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags};
     }

@@ -1,4 +1,4 @@
-#include "cuda/som/cell_matrix.h"
+#include "cuda/som/level.h"
 
 #include "cuda/common/check.h"
 #include "mesher/som/cell_matrix_step.h"
@@ -8,7 +8,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 128;
+constexpr int kBlock = 128, kPixelBlock = 256;
 
 // Computes a cell's cumulative distribution by one warp, by prefix sums over 32 pixels at a time. The sums
 // are integers, so the result equals that of step::cumulate_weights().
@@ -68,8 +68,6 @@ __global__ void draw_kernel(LevelView level, int first) {
     }
 }
 
-constexpr int kBlock = 256;
-
 // Non-negative floats have the order of their bits, so integer maxima are exact and independent of the order.
 __global__ void largest_kernel(const float* values, std::size_t count, std::uint32_t* largest) {
     std::uint32_t best = 0;
@@ -98,7 +96,7 @@ __global__ void coarsen_kernel(const float* fine, int width, int height, float* 
 }
 
 int grid_for(const Launch& launch, std::size_t count) {
-    return std::min(blocks_for(count, kBlock), launch.multiprocessors * 16);
+    return std::min(blocks_for(count, kPixelBlock), launch.multiprocessors * 16);
 }
 
 }  // namespace
@@ -123,14 +121,14 @@ void draw_points(const Launch& launch, const LevelView& level, int first, int co
 
 void find_largest(const Launch& launch, const float* values, std::size_t count, std::uint32_t* largest) {
     check(cudaMemsetAsync(largest, 0, sizeof *largest, launch.stream), "clearing a maximum");
-    largest_kernel<<<grid_for(launch, count), kBlock, 0, launch.stream>>>(values, count, largest);
+    largest_kernel<<<grid_for(launch, count), kPixelBlock, 0, launch.stream>>>(values, count, largest);
     check_launch("finding the largest density");
 }
 
 void magnify(const Launch& launch, const float* density, std::size_t count, const std::uint32_t* largest,
              const float* table, float* weights) {
-    magnify_kernel<<<grid_for(launch, count), kBlock, 0, launch.stream>>>(density, count, largest, table,
-                                                                          weights);
+    magnify_kernel<<<grid_for(launch, count), kPixelBlock, 0, launch.stream>>>(density, count, largest, table,
+                                                                               weights);
     check_launch("magnifying the density");
 }
 

@@ -32,12 +32,9 @@ using Parameters = std::array<double, kParameters>;
 // The parameter of one degree, near 0.
 inline constexpr double kDegree = 0.017453292519943295;
 
-// Returns the factor that a ratio's parameter stands for, and the parameter of a factor.
+// Returns the factor that a ratio's parameter stands for.
 inline double factor_of(double parameter) {
     return (2 + parameter) / (2 - parameter);
-}
-inline double parameter_of(double factor) {
-    return 2 * (factor - 1) / (factor + 1);
 }
 
 // The angles that parameters stand for, in degrees: of the right camera less those of the left one, and the

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -87,5 +88,25 @@ std::vector<std::string> device_names();
 // Returns the devices that --gpus names: "all", or the first N; none for an empty text. Throws Error(device)
 // if there is no usable GPU, Error(usage) for another text.
 std::vector<std::string> devices_of(const std::string& text);
+
+// Estimates the memory that units take, so that only as many run as there is room for.
+
+// Returns three quarters of the memory that is available now, within the process's control group.
+std::uint64_t memory_to_use();
+
+// Corrects estimates by the memory that units took: if one took more than its estimate, those of later units
+// are increased by the same factor.
+class MemoryRule {
+  public:
+    explicit MemoryRule(std::uint64_t limit) : limit_(limit) {}
+    std::uint64_t expected(std::uint64_t estimate) const;
+    // True if another unit may begin beside those whose expected bytes are in use; a single one always may.
+    bool fits(std::uint64_t expected, std::uint64_t in_use) const;
+    void learn(std::uint64_t estimate, std::uint64_t taken);
+
+  private:
+    std::uint64_t limit_;
+    double factor_ = 1;
+};
 
 }  // namespace hexrelief::batch

@@ -15,7 +15,7 @@
 #include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
-#include "samples/scene_files.h"
+#include "samples/sample_pair.h"
 
 extern char** environ;
 

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <memory>
 
-#include "pipeline/batch/memory.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/arguments/argument_parser.h"

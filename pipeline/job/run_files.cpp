@@ -4,7 +4,7 @@
 #include <iterator>
 #include <optional>
 
-#include "exporters/core/file_names.h"
+#include "exporters/core/mesh_format.h"
 #include "exporters/images/texture.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/config/fields.h"

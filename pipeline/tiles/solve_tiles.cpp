@@ -11,7 +11,6 @@
 #include <set>
 
 #include "pipeline/base/thread_pool.h"
-#include "pipeline/batch/memory.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"

@@ -22,10 +22,6 @@ HEXRELIEF_HD std::uint32_t triangle_id(std::uint32_t triangle, bool on_label) {
 HEXRELIEF_HD bool belongs(std::uint32_t id, std::uint32_t triangle) {
     return id / 2 == triangle + 1;
 }
-// True if the pixel lies on its triangle's label.
-HEXRELIEF_HD bool is_on_label(std::uint32_t id) {
-    return id & 1;
-}
 
 // Returns the pixel at the centre of a triangle, for one that has no pixels.
 HEXRELIEF_HD std::uint32_t middle_pixel(const PixelView& view, const Vec2f& a, const Vec2f& b,

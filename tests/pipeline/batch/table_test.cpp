@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/batch/memory.h"
+#include "pipeline/batch/worker.h"
 #include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 
