@@ -8,7 +8,6 @@
 #include "cuda/common/resident_map.h"
 #include "cuda/common/staging.h"
 #include "cuda/mesh_job.h"
-#include "cuda/patch_job.h"
 #include "cuda/surface/cut_disparity_mesh.h"
 
 namespace hexrelief::cuda {

@@ -9,11 +9,13 @@
 
 #include "cuda/balance/balance.h"
 #include "cuda/common/arena.h"
+#include "cuda/common/launch.h"
 #include "cuda/common/staging.h"
 #include "cuda/som/level.h"
 #include "cuda/som/untangle.h"
-#include "mesher/common/progress_function.h"
-#include "mesher/som/mesh_area.h"
+#include "mesher/balance/balance.h"
+#include "mesher/common/mesh_config.h"
+#include "mesher/som/level_plan.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
@@ -95,5 +97,13 @@ class MeshJob {
     uint4* records_ = nullptr;         // scratch of train_small()
     UntangleScratch untangle_scratch_{};
 };
+
+// Balances a part of a lattice, some of whose vertices are held, on the device.
+
+// Runs balance::balance_patch. Resets the arena and takes its memory from it; leaves the patch
+// unchanged if the device fails. Throws Error(device), also if memory is too small, and Error(usage) for
+// more than kMostSweeps sweeps.
+void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,
+                   const BalanceConfig& config, balance::LatticePatch& patch);
 
 }  // namespace hexrelief::cuda

@@ -4,10 +4,9 @@
 #include <utility>
 
 #include "mesher/balance/balance.h"
-#include "mesher/balance/initial_lattice.h"
+#include "mesher/balance/plan.h"
 #include "mesher/som/cellular_som.h"
-#include "mesher/som/mesh_area.h"
-#include "mesher/som/sequential_som.h"
+#include "mesher/som/level_plan.h"
 #include "mesher/som/untangle_step.h"
 
 namespace hexrelief::mesher {

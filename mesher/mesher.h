@@ -21,7 +21,6 @@
 #pragma once
 
 #include "mesher/common/mesh_config.h"
-#include "mesher/common/progress_function.h"
 #include "mesher/common/surface_config.h"
 #include "mesher/quality/quality.h"
 #include "mesher/surface/cut_disparity_mesh.h"

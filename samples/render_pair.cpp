@@ -4,7 +4,7 @@
 #include <exception>
 #include <string>
 
-#include "samples/scene_files.h"
+#include "samples/sample_pair.h"
 
 int main(int argc, char** argv) {
     const bool photographs = argc == 3 && std::string(argv[1]) == "--photographs";

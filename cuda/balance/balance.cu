@@ -1,7 +1,7 @@
 #include "cuda/balance/balance.h"
 #include "cuda/balance/iteration.cuh"
 #include "cuda/common/check.h"
-#include "cuda/som/density_pyramid.h"
+#include "cuda/som/level.h"
 
 #include <type_traits>
 

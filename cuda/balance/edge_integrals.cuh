@@ -6,7 +6,7 @@
 
 #include "cuda/balance/balance.h"
 #include "cuda/balance/work_items.cuh"
-#include "mesher/balance/cell_mass_step.h"
+#include "mesher/balance/cell_equations_step.h"
 
 namespace hexrelief::cuda {
 

@@ -1,6 +1,6 @@
-#include "cuda/balance/initial_lattice.h"
+#include "cuda/balance/balance.h"
 #include "cuda/common/check.h"
-#include "mesher/balance/cell_mass_step.h"
+#include "mesher/balance/cell_equations_step.h"
 #include "mesher/balance/initial_lattice_step.h"
 #include "mesher/som/level_transfer_step.h"
 

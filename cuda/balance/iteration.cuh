@@ -8,9 +8,7 @@
 #include "cuda/balance/edge_integrals.cuh"
 #include "cuda/balance/work_items.cuh"
 #include "mesher/balance/cell_equations_step.h"
-#include "mesher/balance/cell_mass_step.h"
 #include "mesher/balance/convergence_step.h"
-#include "mesher/balance/line_search_step.h"
 #include "mesher/balance/triangle_distortion_step.h"
 #include "mesher/som/untangle_step.h"
 

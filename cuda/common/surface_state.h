@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-#include "cuda/common/cooperative_launch.h"
+#include "cuda/common/launch.h"
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
-#include "mesher/surface/topology/mesh_corners_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
@@ -104,7 +104,6 @@ struct SurfaceState {
     CutMesh cut_mesh;
 
     // True if one connected mesh spans all discontinuities.
-    HEXRELIEF_HD bool bridges() const { return config.discontinuities == Discontinuities::bridge; }
     HEXRELIEF_HD step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags};
     }

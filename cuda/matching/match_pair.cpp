@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "cuda/matching/common/recording.h"
+#include "cuda/matching/common/workspace.h"
 #include "cuda/matching/refine/refine.h"
 #include "cuda/matching/refine/voters.h"
 #include "cuda/matching/sgm/match_views.h"
-#include "pipeline/matching/common/half_size_step.h"
+#include "pipeline/matching/common/color_step.h"
 
 namespace hexrelief::cuda {
 

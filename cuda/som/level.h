@@ -3,6 +3,7 @@
 
 #include <cuda_runtime_api.h>
 
+#include <cstddef>
 #include <cstdint>
 
 #include "cuda/common/arena.h"
@@ -79,5 +80,57 @@ struct IterationRange {
 inline std::uint32_t divisor(int d) {
     return static_cast<std::uint32_t>(0xFFFFFFFFu / static_cast<std::uint32_t>(d) + 1);
 }
+
+// Trains one level of any size on the device (paper, section 4).
+
+// Runs these iterations of the level in one persistent kernel; level.points must hold the points of exactly
+// these iterations, and level.filled must be 0 everywhere.
+void train(const Launch& launch, const LevelView& level, const IterationRange& range);
+
+// Trains one small level on the device, without barriers of the whole grid.
+
+// The units of a batch as the triggering step reads them: one record per point, in two sets used in turn.
+struct SmallView {
+    uint4* records;  // 2 x prr x `capacity`
+    std::uint32_t capacity;
+};
+
+// True if train_small() can train the level: its cell lists fit into a block's shared memory, and it has few
+// enough points that each patch of neurons can read all those of an iteration.
+bool is_small(const LevelView& level);
+
+// Returns the number of records that train_small() needs for a level whose longest
+// batch has `longest` iterations.
+std::size_t small_records(const Launch& launch, const LevelView& level, int longest);
+
+// Prepares a level's records and positions; to be called once before its training.
+void clear_small(const Launch& launch, const LevelView& level, uint4* records, int longest);
+
+// Does the same as train() in level.h. Requires is_small(level).
+void train_small(const Launch& launch, const LevelView& level, uint4* records, const IterationRange& range);
+
+// The cellular matrix on the device: the cells' distributions, and points drawn ahead.
+
+// Computes the cumulative distributions, sums and activities of all cells (Eq. 6 and 7) from the level's
+// density, whose maximum must be in largest[0].
+void build_distributions(const Launch& launch, const LevelView& level, const float* density, double delta);
+
+// Draws the points of iterations [first, first + count) into level.points. Points do not depend on
+// positions, so those of many iterations are drawn together. Their order within an iteration is arbitrary
+// and affects no sum.
+void draw_points(const Launch& launch, const LevelView& level, int first, int count);
+
+// Densities on the device: sampling weights, and the pyramid of coarser levels.
+
+// Sets largest[0] to the bits of the largest of `count` non-negative floats.
+void find_largest(const Launch& launch, const float* values, std::size_t count, std::uint32_t* largest);
+
+// Sets weights to (density / largest)^magnification by a table of kMagnificationSteps + 1 entries; 0 if
+// all densities are 0.
+void magnify(const Launch& launch, const float* density, std::size_t count, const std::uint32_t* largest,
+             const float* table, float* weights);
+
+// Computes the next coarser density, of (width + 1) / 2 x (height + 1) / 2 pixels.
+void coarsen(const Launch& launch, const float* fine, int width, int height, float* coarse);
 
 }  // namespace hexrelief::cuda

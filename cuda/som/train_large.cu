@@ -1,6 +1,6 @@
 #include "cuda/common/check.h"
 #include "cuda/som/learn.cuh"
-#include "cuda/som/train_large.h"
+#include "cuda/som/level.h"
 
 namespace hexrelief::cuda {
 namespace {

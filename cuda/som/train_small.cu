@@ -1,8 +1,8 @@
 #include <cub/block/block_scan.cuh>
 
 #include "cuda/common/check.h"
+#include "cuda/som/level.h"
 #include "cuda/som/search.cuh"
-#include "cuda/som/train_small.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -15,7 +15,7 @@
 #include <string>
 #include <utility>
 
-#include "exporters/compression/draco_box.h"
+#include "exporters/compression/draco_codec.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 

@@ -5,10 +5,8 @@
 #include <cstdint>
 
 #include "mesher/balance/cell_equations_step.h"
-#include "mesher/balance/cell_mass_step.h"
 #include "mesher/balance/convergence_step.h"
 #include "mesher/balance/edge_integrals_simd.h"
-#include "mesher/balance/line_search_step.h"
 #include "mesher/balance/plan.h"
 #include "mesher/balance/triangle_distortion_step.h"
 #include "pipeline/base/simd.h"

@@ -5,6 +5,7 @@
 
 #include "mesher/balance/convergence_step.h"
 #include "mesher/common/mesh_config.h"
+#include "mesher/som/cellular_som.h"
 #include "mesher/som/level_plan.h"
 
 namespace hexrelief::balance {
@@ -32,5 +33,12 @@ int balance_iterations(const BalanceConfig& config, int level);
 
 // Returns that number with the level's largest number of iterations and its conditions for ending earlier.
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
+
+// Start positions of a lattice that will be balanced.
+
+// Moves the regular lattice of the coarsest level so that its columns hold equal masses of the level's
+// density, and so do its rows (initial_lattice_step.h). Does nothing if the density is 0 everywhere.
+void equalise_start(const som::LevelPlan& plan, const std::vector<float>& density,
+                    som::LatticePositions& positions);
 
 }  // namespace hexrelief::balance

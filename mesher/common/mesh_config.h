@@ -3,13 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 namespace hexrelief {
 
 enum class MeshMethod { cellular, sequential };
 enum class MeshBorder {
     // Like slide, but on the border of the smallest rectangle around all density. With balancing, its upper
-    // and lower sides bend into empty valleys (mesher/som/mesh_area.h).
+    // and lower sides bend into empty valleys (mesher/som/level_plan.h).
     fit,
     slide,  // the lattice's border slides along the image's border: the whole image is meshed
     // The paper's: border neurons move like all others, so the mesh shrinks away from the image's border
@@ -57,5 +58,10 @@ struct MeshConfig {
     std::uint64_t seed = 1;
     BalanceConfig balance;
 };
+
+// The callback by which a long stage reports its progress.
+
+// Called now and then with the share done, 0..1; may throw to stop the stage.
+using ProgressFunction = std::function<void(double)>;
 
 }  // namespace hexrelief

@@ -1,6 +1,7 @@
 // Quality of a structured hexagonal mesh: the paper's %cost (Eq. 1 and 2), validity and shape.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "pipeline/data/density_map.h"
@@ -31,5 +32,24 @@ std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& d
 // Measures a mesh on the density of its image in O(pixels). percent_cost and the weights' percentiles are 0
 // if the density is 0 everywhere or there is no honeycomb cell.
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
+
+// Exact integrals of the density over the lattice's triangles, computed along their edges (Green's theorem).
+
+// The integral of the density over a polygon is the sum over its edges of the integral of P(x, y) dy, with P
+// the density's primitive along its row. Each edge is integrated once and serves the triangles on both of its
+// sides, so the cost depends on the pixels that edges cross, not on those that triangles cover.
+class EdgeMasses {
+  public:
+    EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int threads);
+    // Returns W_k of the honeycomb cell around a vertex with six neighbours: the sum of |mass|
+    // over its six triangles.
+    double honeycomb(int column, int row) const;
+
+  private:
+    int columns_;
+    // Integrals from a vertex to its neighbours 0 (east), 1 and 2 (next row); 0 for a neighbour
+    // that does not exist.
+    std::vector<std::array<double, 3>> mass_;
+};
 
 }  // namespace hexrelief::quality

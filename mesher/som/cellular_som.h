@@ -1,7 +1,7 @@
 // The parallel cellular self-organizing map on CPU threads (paper, section 4).
 #pragma once
 
-#include "mesher/common/progress_function.h"
+#include "mesher/common/mesh_config.h"
 #include "mesher/som/level_plan.h"
 #include "pipeline/base/thread_pool.h"
 
@@ -28,5 +28,14 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
 // sweeps. Folds left after step::kMostUntangleSweeps remain and show in the quality measures.
 int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
              LatticePositions& positions);
+
+// The paper's CPU counterpart: the online self-organizing map, which learns one point at a time (section 3).
+
+// Trains the regular lattice and returns its positions. Makes t_max x cells draws from the cumulative
+// distribution of the whole density (plan.width x plan.height; Eq. 5) and learns from each at once (Eq. 3).
+// Learning rate and radius decrease after every `cells` draws; neurons are sorted into cells after every crr
+// x cells draws (paper, section 6.4). config.delta is not used.
+LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan,
+                                  const MeshConfig& config, const ProgressFunction& progress);
 
 }  // namespace hexrelief::som

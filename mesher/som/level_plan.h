@@ -9,6 +9,7 @@
 #include "mesher/som/cell_matrix_step.h"
 #include "mesher/som/level_transfer_step.h"
 #include "mesher/som/outline_step.h"
+#include "pipeline/data/density_map.h"
 
 namespace hexrelief::som {
 
@@ -69,5 +70,30 @@ step::Lattice lattice_size(double width, double height, double spacing_px);
 inline constexpr int kMagnificationSteps = 4096;
 // Returns (i / kMagnificationSteps)^exponent for i = 0 .. kMagnificationSteps; empty if exponent is 1.
 std::vector<float> magnification_table(double exponent);
+
+// The part of the image that the lattice covers, and the curves of its upper and lower border.
+
+// For MeshBorder::fit returns the smallest rectangle around all density, grown until it has at least one
+// pixel per vertex and the lattice's spacings in the two directions differ by at most the factor
+// kMostStretch. For other borders, or if there is no density, returns the whole image.
+MeshArea mesh_area(const DensityMap& density, const MeshConfig& config);
+
+// Upper and lower border of the lattice as y in px from the area's upper side, at x = 0, 1, .. width of the
+// area. Both are empty if the borders are straight.
+struct MeshOutline {
+    std::vector<float> upper, lower;
+};
+
+// For MeshBorder::fit with balancing, bends both borders towards the density above and below which the area
+// is empty: by at most kMostBend of its height, no steeper than kMostOutlineSlope, and with a margin of two
+// spacings around all density. A mesh without these empty parts needs no thin triangles to span them.
+MeshOutline mesh_outline(const DensityMap& density, const MeshArea& area, const MeshConfig& config);
+
+// Returns the outline scaled for a level. `upper` and `lower` are copies of its curves in the memory of that
+// level's positions (host or device).
+step::Outline outline_of(const MeshOutline& outline, const float* upper, const float* lower, int level);
+
+// Returns the density within the area, row by row.
+std::vector<float> density_within(const DensityMap& density, const MeshArea& area);
 
 }  // namespace hexrelief::som

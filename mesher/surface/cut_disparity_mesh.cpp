@@ -9,7 +9,6 @@
 
 #include "mesher/surface/fit/fit_disparities.h"
 #include "mesher/surface/fit/fit_silhouettes.h"
-#include "mesher/surface/fit/inset_silhouettes.h"
 #include "mesher/surface/pixels/pixel_surfaces.h"
 #include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"

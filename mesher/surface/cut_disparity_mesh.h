@@ -38,7 +38,7 @@ struct DisparityMeshInput {
 //  8. topology/label_triangles.h: the last vote on edges; open edges are joined to longer cuts
 //  9. topology/label_triangles.h: collects the pixels that each triangle's surface is fitted to
 // 10. topology/cut_vertices.h: triangles off the foreground are dropped, each vertex fan gets its own vertex
-// 11. fit/inset_silhouettes.h: silhouettes at high steps move inwards, if config.silhouette_inset_px > 0
+// 11. fit/fit_silhouettes.h: silhouettes at high steps move inwards, if config.silhouette_inset_px > 0
 // 12. fit/fit_disparities.h: the vertices' disparities, by least squares
 //
 // Returns the same bytes for any number of threads >= 1. A part of a map (see `whole`) gives the same

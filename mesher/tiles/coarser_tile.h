@@ -4,7 +4,7 @@
 #include <functional>
 #include <span>
 
-#include "mesher/tiles/tile_mesh.h"
+#include "mesher/tiles/tile_surface.h"
 
 namespace hexrelief::mesh_tiles {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/tiles/tile_mesh.h"
+#include "mesher/tiles/tile_surface.h"
 
 namespace hexrelief::mesh_tiles {
 

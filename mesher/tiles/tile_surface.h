@@ -49,4 +49,17 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
                      const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
                      const CutMesh& cut = surface::cut_disparity_mesh);
 
+// A tile's triangles in integer coordinates of the whole map: the form in which a solved tile is stored.
+
+struct TileMesh {
+    std::vector<TileCorner> corners;
+    std::vector<Triangle> triangles;                         // their area is positive (x right, y down)
+    std::vector<std::array<TileCorner, 2>> seam_edges = {};  // see TileSurface::seam_edges
+
+    bool empty() const { return triangles.empty(); }
+};
+
+// Returns the mesh of a surface in px of `window`.
+TileMesh tile_mesh_of(const TileSurface& surface, const MapRect& window);
+
 }  // namespace hexrelief::mesh_tiles

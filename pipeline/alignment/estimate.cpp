@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "pipeline/alignment/median.h"
+#include "pipeline/alignment/fit.h"
 
 namespace hexrelief::alignment {
 namespace {

@@ -10,7 +10,6 @@
 #include <optional>
 #include <system_error>
 
-#include "pipeline/batch/memory.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/error.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "pipeline/batch/unit.h"
+#include "pipeline/batch/worker.h"
 
 namespace hexrelief::batch {
 

@@ -6,7 +6,6 @@
 
 #include "pipeline/batch/file_pattern.h"
 #include "pipeline/batch/manifest_rows.h"
-#include "pipeline/batch/pair_rules.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::batch {

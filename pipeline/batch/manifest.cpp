@@ -8,11 +8,10 @@
 #include <sstream>
 #include <string_view>
 
-#include "exporters/core/file_names.h"
+#include "exporters/core/mesh_format.h"
 #include "pipeline/batch/manifest_rows.h"
 #include "pipeline/config/fields.h"
 #include "pipeline/config/options.h"
-#include "pipeline/config/shell_words.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {

@@ -31,7 +31,7 @@ struct ManifestOptions {
 };
 
 // Reads, depending on its name, a manifest (.csv, .jsonl, .ndjson, .yaml, .yml), lines of options of
-// `hexrelief run` (.txt and others), the pairs of a folder (pair_rules.h), or those of a pattern with
+// `hexrelief run` (.txt and others), the pairs of a folder (file_pattern.h), or those of a pattern with
 // "{name}" in it. A row's files are NAME.FORMAT and, as its report, NAME.json in the output folder; file
 // names in a manifest are relative to its folder. A row with an error is returned with the reason, and so is
 // the second one of two rows of the same name. Throws Error(input) if the manifest cannot be read or holds no

@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "pipeline/cli/arguments/config_options.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 #include "pipeline/config/document.h"

@@ -12,10 +12,10 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 #include "pipeline/cli/run_options.h"
-#include "pipeline/config/shell_words.h"
+#include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
-#include "samples/scene_files.h"
+#include "samples/sample_pair.h"
 
 extern char** environ;
 

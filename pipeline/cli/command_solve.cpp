@@ -7,13 +7,12 @@
 #include <cstdlib>
 #include <memory>
 
-#include "pipeline/batch/batch_progress.h"
-#include "pipeline/batch/memory.h"
+#include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
-#include "pipeline/cli/arguments/config_options.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
-#include "pipeline/config/shell_words.h"
+#include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"

@@ -3,7 +3,7 @@
 #include <functional>
 #include <memory>
 
-#include "pipeline/cli/arguments/config_options.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 #include "pipeline/cli/run_options.h"

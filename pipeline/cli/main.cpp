@@ -4,7 +4,7 @@
 #include <string>
 
 #include "hexrelief_build_info.h"  // made by pipeline/cli/build_info.cmake
-#include "pipeline/batch/unit.h"
+#include "pipeline/batch/worker.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 #include "pipeline/data/error.h"

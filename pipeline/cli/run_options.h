@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/cli/arguments/config_options.h"
+#include "pipeline/cli/arguments/argument_parser.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 

@@ -126,7 +126,7 @@ inline void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));
 }
 
-// Return the rows of input_fields.cpp and export_fields.cpp.
+// Return the rows of input_fields.cpp.
 std::vector<Field> input_fields();
 std::vector<Field> export_fields();
 

@@ -1,7 +1,9 @@
 // Compares a disparity map with ground truth.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <vector>
 
 #include "pipeline/data/disparity_map.h"
 

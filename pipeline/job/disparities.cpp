@@ -7,18 +7,20 @@
 
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
+#include "pipeline/data/calibration.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/maps/fit_map.h"
+#include "pipeline/job/cameras/resolve_calibration.h"
+#include "pipeline/job/input.h"
+#include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/pairs/align_pair.h"
-#include "pipeline/stages/densify/blurred_steps.h"
+#include "pipeline/job/pairs/working_size.h"
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/densify/measurements.h"
 #include "pipeline/stages/dequantize/bare_patches.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/dequantize/noise.h"
-#include "pipeline/stages/dequantize/right_strip.h"
 #include "pipeline/stages/sgbm.h"
 
 namespace hexrelief::job {
@@ -161,6 +163,10 @@ void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
     disparity.noise = noise;
     disparity.map = stages::dequantize(disparity.map, noise.quantum_px, threads);
     log.decide("disparity: smoothed within its noise of " + fixed(noise.noise_px, 3) + " px");
+}
+
+ViewSize size_of(const Image& image) {
+    return {image.width, image.height};
 }
 
 }  // namespace
@@ -318,6 +324,37 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
     if (pair && !config.given.contains("surface.behind"))
         config.surface.behind = baselines_of_turn(disparity.map, camera, is_of_points);
     if (is_smoothed) smooth_noise(disparity, threads, log);
+}
+
+int find_reduction(const RunInput& input, const stages::DisparityConfig& config, int threads,
+                   const RunLog& log) {
+    const InputPair* const pair = input.pair();
+    const int least = pair ? reduction_of(pair->views.left, config.working_px) : 1;
+    const bool is_of_points = pair && pair->alignment && has_camera_of_points(*pair->alignment);
+    const int by = is_of_points ? reduction_of_soft(pair->views.left, config.working_px, threads) : least;
+    if (by == 1) return by;
+    const ViewSize full = size_of(pair->views.left);
+    log.decide("working size: the pair of " + size_text(full) + " px is matched and meshed at " +
+               size_text(ViewSize{full.width / by, full.height / by}) + " px (disparity.working_px" +
+               (by > least ? ", its pictures are soft" : "") + "); the texture keeps its size");
+    return by;
+}
+
+void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log) {
+    const int by = find_reduction(input, config, threads, log);
+    if (by == 1) return;
+    auto* const pair = std::get_if<InputPair>(&input.views);
+    stages::check_matchable(pair->views, config);
+    auto [views, pictures] = reduced(std::move(pair->views), by, threads);
+    Calibration& camera = input.calibration;
+    camera.width = pictures.left.width;
+    camera.height = pictures.left.height;
+    camera = scaled_to(camera, size_of(views.left));
+    input.mask = reduced(input.mask, by);
+    pair->right_mask = reduced(pair->right_mask, by);
+    pair->views = std::move(views);
+    pair->pictures = std::move(pictures);
+    pair->reduced_by = by;
 }
 
 }  // namespace hexrelief::job

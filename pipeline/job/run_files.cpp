@@ -4,7 +4,7 @@
 #include <iterator>
 #include <optional>
 
-#include "exporters/core/file_names.h"
+#include "exporters/core/mesh_format.h"
 #include "exporters/images/texture.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/config/fields.h"
@@ -16,7 +16,7 @@
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/job/pictures/stage_pictures.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
-#include "pipeline/readers/describe_raster.h"
+#include "pipeline/readers/decoded_raster.h"
 
 namespace hexrelief::job {
 namespace {

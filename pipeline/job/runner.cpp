@@ -7,8 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "pipeline/checks/check_map.h"
-#include "pipeline/checks/check_pair.h"
+#include "pipeline/checks/checks.h"
 #include "pipeline/checks/map_statistics.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
@@ -17,8 +16,7 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/disparities.h"
 #include "pipeline/job/input.h"
-#include "pipeline/job/maps/fit_map.h"
-#include "pipeline/job/meet_budget.h"
+#include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/other_views.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/pairs/align_pair.h"

@@ -1,6 +1,7 @@
 // The surface of a run, from its disparities on: density, lattice, cut mesh, points in space.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "mesher/mesher.h"
@@ -33,5 +34,13 @@ void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log);
 // as make_surface().
 std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const SurfaceResult& finest, Backend& backend,
                                         const RunLog& log);
+
+// Searches for the surface that keeps a budget.
+
+// Repeats make_surface() with other spacings and tolerances until the surface keeps the configured limit
+// (budget.h). The result's configuration and budget hold what was found. A limit on bytes applies to the
+// largest of `outputs`. Throws Error(usage) if the limit is out of reach.
+SurfaceResult meet_budget(const LeftView& view, const config::Config& config,
+                          const std::vector<std::filesystem::path>& outputs, Backend& backend, RunLog& log);
 
 }  // namespace hexrelief::job

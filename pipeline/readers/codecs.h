@@ -8,7 +8,6 @@
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/readers/decoded_raster.h"
-#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/limits.h"
 #include "pipeline/readers/source.h"
 

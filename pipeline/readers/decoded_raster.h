@@ -3,12 +3,15 @@
 
 #include <bit>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "pipeline/data/image.h"
+#include "pipeline/readers/limits.h"
 
 namespace hexrelief::readers::codec {
 
@@ -75,3 +78,30 @@ float float_of_half(std::uint16_t half);
 void split_alpha(Raster& raster);
 
 }  // namespace hexrelief::readers::codec
+
+namespace hexrelief::readers {
+
+// Describes a raster file without decoding its samples.
+
+struct FileDescription {
+    std::string
+        format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "bmp", "heic", "npy", "npz", "exr"
+    int width = 0;
+    int height = 0;
+    int channels = 0;  // as stored, alpha included; a palette counts as the channels of its colours
+    int bits = 0;      // per sample: 1, 2, 4, 8, 16, 32 or 64
+    bool is_float = false;
+};
+
+// Describes an image or disparity map, recognised by content, from its header (of NPZ and HEIC the whole
+// file is read). Returns nullopt if the file has none of the formats above. Throws Error(input) if the file
+// cannot be opened, or if it begins like one of the formats but its header is malformed or has more pixels
+// than the limits allow.
+std::optional<FileDescription> describe_raster(const std::filesystem::path& path, const std::string& key = {},
+                                               const ReaderLimits& limits = {});
+
+// Returns a line for each array of an NPZ file, or each part of an EXR file: names, types, sizes. Empty for
+// other files. Throws Error(input) if the file is malformed.
+std::vector<std::string> list_contents(const std::filesystem::path& path, const ReaderLimits& limits = {});
+
+}  // namespace hexrelief::readers

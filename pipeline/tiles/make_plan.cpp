@@ -10,8 +10,8 @@
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
 #include "pipeline/tiles/planned_map.h"
+#include "pipeline/tiles/solve_tiles.h"
 #include "pipeline/tiles/tile_files.h"
-#include "pipeline/tiles/tile_jobs.h"
 
 namespace hexrelief::tiles {
 namespace {

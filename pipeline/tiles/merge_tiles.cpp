@@ -10,8 +10,8 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/stages/surface.h"
+#include "pipeline/tiles/solve_tiles.h"
 #include "pipeline/tiles/tile_files.h"
-#include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_output.h"
 
 namespace hexrelief::tiles {

@@ -6,7 +6,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
-#include "pipeline/tiles/tile_jobs.h"
+#include "pipeline/tiles/solve_tiles.h"
 
 namespace hexrelief::tiles {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesher/tiles/lattice_tiles.h"
-#include "mesher/tiles/tile_mesh.h"
+#include "mesher/tiles/tile_surface.h"
 
 namespace hexrelief::tiles {
 

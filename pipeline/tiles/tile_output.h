@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mesher/tiles/tile_mesh.h"
+#include "mesher/tiles/tile_surface.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/files/output_set.h"

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "cuda/som/density_pyramid.h"
+#include "cuda/som/level.h"
 #include "pipeline/job/backend.h"
 #include "tests/cuda/cuda_case.h"
 

@@ -1,7 +1,7 @@
 #include "cuda/matching/common/pixels.cuh"
-#include "cuda/matching/sgm/costs.h"
 #include "cuda/matching/sgm/path_costs.cuh"
-#include "pipeline/matching/sgm/cost_step.h"
+#include "cuda/matching/sgm/volume.h"
+#include "pipeline/matching/sgm/path_step.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -1,8 +1,7 @@
 #include "cuda/matching/sgm/match_views.h"
 
-#include "cuda/matching/sgm/costs.h"
 #include "cuda/matching/sgm/paths.h"
-#include "cuda/matching/sgm/winners.h"
+#include "cuda/matching/sgm/volume.h"
 
 namespace hexrelief::cuda {
 

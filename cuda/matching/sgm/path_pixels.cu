@@ -1,7 +1,7 @@
-#include "cuda/matching/sgm/path_pixels.h"
+#include "cuda/matching/sgm/volume.h"
 
 #include "cuda/matching/common/pixels.cuh"
-#include "pipeline/matching/common/half_size_step.h"
+#include "pipeline/matching/common/color_step.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -2,8 +2,8 @@
 
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/sgm/pictures.h"
-#include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/sgm/cost_step.h"
+#include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/sgm/path_step.h"
 
 namespace hexrelief::cuda {
 namespace {

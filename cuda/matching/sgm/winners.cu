@@ -1,8 +1,8 @@
-#include "cuda/matching/sgm/winners.h"
+#include "cuda/matching/sgm/volume.h"
 
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/sgm/path_costs.cuh"
-#include "pipeline/matching/sgm/winner_step.h"
+#include "pipeline/matching/sgm/window_step.h"
 
 namespace hexrelief::cuda {
 namespace {

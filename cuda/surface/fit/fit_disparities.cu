@@ -1,7 +1,6 @@
 #include "cuda/surface/fit/fit_disparities.h"
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/grid_scan.cuh"
 
 namespace hexrelief::cuda {
 namespace {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/grid_scan.cuh"
 #include "cuda/common/warp_reduce.cuh"
 #include "cuda/surface/fit/fit_silhouettes.h"
 

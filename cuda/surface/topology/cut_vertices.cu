@@ -1,7 +1,6 @@
 #include "cuda/surface/topology/cut_vertices.h"
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/grid_scan.cuh"
 #include "cuda/common/triangle_groups.cuh"
 #include "mesher/surface/topology/label_triangles_step.h"
 
@@ -147,11 +146,23 @@ __global__ void __launch_bounds__(kGridThreads, 1)
     DeviceCutter(s, labels, cuts, a).cut(grid);
 }
 
+__global__ void __launch_bounds__(kGridThreads, 1)
+    join_cuts_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ step::CutArrays a) {
+    if (s.totals->missing_capacity > 0) return;
+    CooperativeGrid grid(s.board);
+    const step::FanView view{s.lattice.triangles, s.lattice.neighbours, s.labels.open, s.labels.kept};
+    step::CutJoiner(grid, view, a).join(s.counts->points, s.counts->triangles);
+}
+
 }  // namespace
 
 void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
                   const unsigned* cuts, const FanArrays& a) {
     launch_cooperative(launch, cut_vertices_kernel, 0, "cutting vertices", s, labels, cuts, a);
+}
+
+void join_cuts(const Launch& launch, const SurfaceState& s, const step::CutArrays& a) {
+    launch_cooperative(launch, join_cuts_kernel, 0, "joining cuts", s, a);
 }
 
 }  // namespace hexrelief::cuda

@@ -8,6 +8,7 @@
 #include "cuda/common/surface_state.h"
 #include "cuda/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/cut_vertices_step.h"
+#include "mesher/surface/topology/join_cuts_step.h"
 
 namespace hexrelief::cuda {
 
@@ -34,5 +35,19 @@ inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
 // them), as TriangleLabeler::collect_pixels() does, and the totals. To be called after join_cuts().
 void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
                   const unsigned* cuts, const FanArrays& a);
+
+// Joins cuts through the mesh.
+
+inline step::CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
+    step::CutArrays a{};
+    a.cuts = arena.take<unsigned>(sizes.most_points);
+    for (std::uint64_t*& next : a.next_edges) next = arena.take<std::uint64_t>(sizes.most_points);
+    a.joins = arena.take<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
+    a.count = arena.take<unsigned>(1);
+    return a;
+}
+
+// Changes s.labels.open. To be called after open_edges(). Leaves a.cuts for cut_vertices().
+void join_cuts(const Launch& launch, const SurfaceState& s, const step::CutArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -1,10 +1,9 @@
-#include "cuda/surface/topology/edge_votes.h"
+#include "cuda/surface/topology/label_triangles.h"
 
 #include "cuda/common/grid.cuh"
 #include "cuda/common/triangle_groups.cuh"
 #include "cuda/surface/topology/surface_difference.cuh"
 #include "cuda/surface/topology/triangle_lists.cuh"
-#include "mesher/surface/topology/edge_votes_step.h"
 #include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {

@@ -73,4 +73,9 @@ inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, surface::PixelRu
 // runs. first: there is no preceding update.
 void label_triangles(const Launch& launch, const SurfaceState& s, const LabelArrays& a, bool first);
 
+// Decides which edges of triangles are open.
+
+// Does the same as TriangleLabeler::open_edges(): writes s.labels.open. To be called after label_triangles().
+void open_edges(const Launch& launch, const SurfaceState& s, const LabelArrays& a);
+
 }  // namespace hexrelief::cuda

@@ -1,7 +1,6 @@
 #include "cuda/surface/topology/split_triangles.h"
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/grid_scan.cuh"
 #include "cuda/surface/pixels/crack_query.cuh"
 
 namespace hexrelief::cuda {

@@ -7,11 +7,44 @@
 #include <vector>
 
 #include "mesher/surface/fit/fit_silhouettes_step.h"
-#include "mesher/surface/fit/silhouette_samples.h"
+#include "mesher/surface/pixels/pixel_surfaces.h"
+#include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/counting_sort.h"
+#include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::surface {
+
+// Finds the crack edges around a silhouette edge, and sums up its residuals to them.
+
+// Samples as a structure of arrays, so that loops over them vectorise: x, y, near_x and near_y of all
+// samples, one array after the other, padded to a multiple of kSamplesAtOnce with samples of weight 0.
+inline constexpr int kSamplesAtOnce = 8;
+struct SilhouetteSamples {
+    const float* values = nullptr;
+    int count = 0;  // number of items in each array
+};
+
+// One thread's samples, whose addresses stay valid, and its buffers.
+class SilhouetteSampler {
+  public:
+    explicit SilhouetteSampler(const step::PixelView& view) : view_(view) {}
+
+    // Finds all samples within reach_px of the edge p -> q, and a few more; they live as long as the sampler.
+    SilhouetteSamples find(const Vec2f& p, const Vec2f& q, float reach_px);
+    // Returns the sums of the edge's residuals to the samples.
+    step::SilhouetteResiduals residuals(const step::SilhouetteEdgeFrame& edge,
+                                        const SilhouetteSamples& samples);
+
+  private:
+    step::PixelView view_;
+    BlockAllocator<float> found_;
+    std::vector<step::SilhouetteSample> buffer_;  // samples being found
+    std::vector<float> residuals_;                // of one edge, as a structure of arrays
+    std::vector<std::uint32_t> weighing_;         // indices of its samples with a weight
+};
 
 // May be used again after the lattice has been split further: vertices must keep their numbers and positions.
 class SilhouetteFitter {
@@ -78,5 +111,13 @@ class SilhouetteFitter {
     std::vector<std::uint8_t> moved_, marked_;
     std::vector<std::uint8_t> held_;  // per silhouette vertex: held back by a triangle
 };
+
+// Insets silhouettes at high depth discontinuities into their own surfaces.
+
+// Moves the copies of a vertex at a high depth discontinuity apart, by `by_px` each, into their own surfaces,
+// unless that uncovered a pixel that is not next to a high step. (At a step down to the background there is
+// only one copy.) fans: fans of the lattice that `cut` comes from.
+void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
+                       const LatticeFans& fans, CutTriangles& cut, ThreadPool& pool);
 
 }  // namespace hexrelief::surface

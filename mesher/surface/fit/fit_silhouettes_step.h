@@ -6,7 +6,7 @@
 
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
-#include "mesher/surface/pixels/half_occlusion_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 #include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 

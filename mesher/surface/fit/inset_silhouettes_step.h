@@ -8,9 +8,8 @@
 
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
-#include "mesher/surface/topology/mesh_corners_step.h"
+#include "mesher/surface/topology/cut_vertices_step.h"
 #include "mesher/surface/topology/triangle_shape_step.h"
-#include "mesher/surface/topology/vertex_fans_step.h"
 #include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 

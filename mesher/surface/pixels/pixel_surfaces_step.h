@@ -9,7 +9,6 @@
 
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
-#include "mesher/surface/pixels/half_occlusion_step.h"
 #include "pipeline/base/shared_memory_step.h"
 
 namespace hexrelief::step {

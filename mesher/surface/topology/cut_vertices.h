@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesher/surface/topology/cut_vertices_step.h"
 #include "mesher/surface/topology/label_triangles.h"
-#include "mesher/surface/topology/mesh_corners_step.h"
 #include "mesher/surface/topology/split_triangles.h"
-#include "mesher/surface/topology/vertex_fans_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mesher/surface/topology/vertex_fans_step.h"
+#include "mesher/surface/topology/cut_vertices_step.h"
 #include "pipeline/base/shared_memory_step.h"
 
 namespace hexrelief::step {

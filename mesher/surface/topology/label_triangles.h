@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "mesher/surface/pixels/pixel_surfaces.h"
-#include "mesher/surface/topology/edge_votes_step.h"
+#include "mesher/surface/topology/label_triangles_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/triangle_components.h"
-#include "pipeline/base/block_allocator.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
 

@@ -6,7 +6,6 @@
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
-#include "pipeline/data/stereo_calibration.h"
 
 namespace hexrelief::alignment {
 

@@ -1,6 +1,10 @@
 // Commands, options and help of a command line, reduced to the forms that this program needs.
 #pragma once
 
+#include <hexrelief/hexrelief.h>
+
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -8,6 +12,8 @@
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "pipeline/config/options.h"
 
 namespace CLI {
 class App;
@@ -91,5 +97,28 @@ class ArgumentParser {
     std::unique_ptr<CLI::App> app_;
     Action chosen_;
 };
+
+}  // namespace hexrelief::cli
+
+namespace hexrelief::cli {
+
+// Adds --config, --set and the options that set a key to several commands.
+
+void add_config_options(Command& command, Options& options, const std::string& group);
+
+// Adds the field table's options with these flags; appends those that are given to `options.direct`.
+void add_key_options(Command& command, Options& options, const std::vector<std::string>& flags,
+                     const std::string& group);
+
+// Selects every N-th item from item K on, for K/N.
+struct Shard {
+    std::size_t number = 1, of = 1;
+};
+
+// Parses "K/N" of --shard; an empty text gives 1/1. Throws Error(usage).
+Shard parse_shard(const std::string& text);
+
+// Parses the value of --memory, "8G", "512M", or bytes; an empty text gives 0. Throws Error(usage).
+std::uint64_t parse_memory(const std::string& text);
 
 }  // namespace hexrelief::cli

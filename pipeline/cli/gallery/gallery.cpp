@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "exporters/core/file_names.h"
+#include "exporters/core/mesh_format.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/nesting.h"

@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "exporters/images/image_writer.h"
-#include "pipeline/config/shell_words.h"
+#include "pipeline/config/options.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/module.h"
-#include "pipeline/files/temporary_folder.h"
-#include "pipeline/job/maps/fit_map.h"
+#include "pipeline/files/interrupt.h"
+#include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/parse_text.h"

@@ -8,7 +8,7 @@
 
 #include "pipeline/config/document.h"
 #include "pipeline/config/fields.h"
-#include "pipeline/config/shell_words.h"
+#include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/nesting.h"
 #include "pipeline/files/output_set.h"

@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "pipeline/base/simd.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/common/for_each_row.h"
-#include "pipeline/matching/common/half_size_step.h"
 
 namespace hexrelief::matching {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/matching/common/for_each_row.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/fill_step.h"
 #include "pipeline/matching/refine/half_size_match_step.h"
 #include "pipeline/matching/refine/match_colors.h"

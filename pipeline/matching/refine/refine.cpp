@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/matching/common/for_each_row.h"
+#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 #include "pipeline/matching/refine/match_colors.h"

@@ -4,7 +4,7 @@
 
 #include "pipeline/base/simd.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/sgm/cost_step.h"
+#include "pipeline/matching/sgm/path_step.h"
 
 namespace hexrelief::matching {
 namespace {

@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "pipeline/base/simd.h"
-#include "pipeline/matching/common/for_each_row.h"
-#include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/sgm/bands.h"
+#include "pipeline/matching/common/bordered_raster.h"
+#include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/sgm/paths.h"
+#include "pipeline/matching/sgm/volume.h"
 #include "pipeline/matching/sgm/window_step.h"
-#include "pipeline/matching/sgm/winner_step.h"
 
 namespace hexrelief::matching {
 namespace {
@@ -153,6 +152,26 @@ ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, c
     for (const Band& band : bands_of(width, height))
         match_band({left, right, range, windows, penalties}, band, block_bytes, views, pool);
     return views;
+}
+
+int band_rows(int width, int height) {
+    const std::size_t row_bytes = kEntry_bytes * static_cast<std::size_t>(width) * kWholeRange;
+    // Even, because pairs of rows have the same windows.
+    const auto rows =
+        static_cast<int>(std::min<std::size_t>(kLargestVolume_bytes / row_bytes, 1u << 30)) / 2 * 2;
+    return std::min(height, std::max(rows, 2 * kBandMargin + 16));
+}
+
+std::vector<Band> bands_of(int width, int height) {
+    const int rows = band_rows(width, height);
+    if (rows == height) return {{{0, height}, {0, height}}};
+    const int kept = rows - 2 * kBandMargin;
+    std::vector<Band> bands;
+    for (int y = 0; y < height; y += kept) {
+        const int end = std::min(height, y + kept);
+        bands.push_back({{std::max(0, y - kBandMargin), std::min(height, end + kBandMargin)}, {y, end}});
+    }
+    return bands;
 }
 
 }  // namespace hexrelief::matching

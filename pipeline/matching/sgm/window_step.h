@@ -4,6 +4,7 @@
 
 #include "pipeline/base/host_device.h"
 #include "pipeline/matching/common/bordered_raster.h"
+#include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"
 
 namespace hexrelief::step {
@@ -68,6 +69,14 @@ HEXRELIEF_HD int entry_of(const matching::SearchWindow& window, int disparity,
     const int in_far = disparity - window.far_run, in_near = disparity - window.near_run;
     if (in_far >= 0 && in_far < run) return in_far;
     return in_near >= 0 && in_near < run ? run + in_near : -1;
+}
+
+// Sub-pixel refinement of a pixel's best disparity.
+
+// Returns a disparity in 1/16 px. lower, middle, upper: the costs at disparity - 1, disparity
+// and disparity + 1.
+HEXRELIEF_HD int refined_winner(int disparity, int lower, int middle, int upper) {
+    return matching::kOnePixel * disparity + parabola_vertex(lower, middle, upper);
 }
 
 }  // namespace hexrelief::step

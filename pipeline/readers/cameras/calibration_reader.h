@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "pipeline/data/calibration.h"
-#include "pipeline/data/stereo_calibration.h"
 
 namespace hexrelief::readers {
 

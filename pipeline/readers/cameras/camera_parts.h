@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/data/stereo_calibration.h"
+#include "pipeline/data/calibration.h"
 #include "pipeline/readers/cameras/key_table.h"
 
 namespace hexrelief::readers::codec {

@@ -5,7 +5,7 @@
 #include <cctype>
 
 #include "pipeline/readers/codecs.h"
-#include "pipeline/readers/depth/zip_archive.h"
+#include "pipeline/readers/depth/npz_codec.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {

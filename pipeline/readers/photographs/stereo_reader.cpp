@@ -8,7 +8,6 @@
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_boxes.h"
-#include "pipeline/readers/depth/heic_properties.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/mpo.h"

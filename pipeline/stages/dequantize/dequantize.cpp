@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
-#include "pipeline/stages/dequantize/evidence.h"
+#include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/dequantize/pyramid.h"
 
 namespace hexrelief::stages {

@@ -10,7 +10,7 @@
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
-#include "pipeline/stages/dequantize/evidence.h"
+#include "pipeline/stages/dequantize/noise.h"
 
 namespace hexrelief::stages {
 namespace {

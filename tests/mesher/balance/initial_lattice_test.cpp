@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "mesher/balance/initial_lattice.h"
+#include "mesher/balance/plan.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::balance {

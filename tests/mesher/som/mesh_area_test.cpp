@@ -1,5 +1,5 @@
 // Tests the part of the image that the lattice covers.
-#include "mesher/som/mesh_area.h"
+#include "mesher/som/level_plan.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "mesher/balance/balance.h"
 #include "mesher/quality/quality.h"
-#include "mesher/som/mesh_area.h"
+#include "mesher/som/level_plan.h"
 #include "mesher/som/untangle_step.h"
 #include "tests/mesher/densities.h"
 

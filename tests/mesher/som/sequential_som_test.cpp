@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "mesher/quality/quality.h"
-#include "mesher/som/mesh_area.h"
-#include "mesher/som/sequential_som.h"
+#include "mesher/som/cellular_som.h"
+#include "mesher/som/level_plan.h"
 #include "tests/mesher/densities.h"
 #include "tests/mesher/naive_som.h"
 

@@ -1,5 +1,5 @@
 // Tests the sums of triangles from their moments against the sums over single pixels.
-#include "mesher/surface/fit/full_sums_step.h"
+#include "mesher/surface/fit/disparity_fitter_step.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "mesher/surface/pixels/half_occlusion_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 
 namespace hexrelief::surface {
 namespace {

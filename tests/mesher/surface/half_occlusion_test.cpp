@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mesher/surface/pixels/half_occlusion_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "tests/mesher/surface/made_up_scene.h"
 

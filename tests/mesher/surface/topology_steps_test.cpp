@@ -7,13 +7,12 @@
 #include <set>
 #include <vector>
 
-#include "mesher/surface/topology/edge_votes_step.h"
+#include "mesher/surface/topology/cut_vertices_step.h"
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "mesher/surface/topology/rasterize.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "mesher/surface/topology/split_triangles_step.h"
-#include "mesher/surface/topology/vertex_fans_step.h"
 
 namespace hexrelief::surface {
 namespace {
@@ -131,13 +130,12 @@ TEST(EdgeVotes, NoneWhereNeitherATriangleNorANeighbourTouchesADiscontinuity) {
     EXPECT_FALSE(step::is_closed_without_vote(true, but_one));
 }
 
-TEST(TriangleIds, TellTheTriangleAndWhetherThePixelIsOnItsLabel) {
+TEST(TriangleIds, TellTheTriangle) {
     for (const std::uint32_t t : {0u, 1u, 77u})
         for (const bool on_label : {false, true}) {
             const std::uint32_t id = step::triangle_id(t, on_label);
             EXPECT_TRUE(step::belongs(id, t));
             EXPECT_FALSE(step::belongs(id, t + 1));
-            EXPECT_EQ(step::is_on_label(id), on_label);
         }
     EXPECT_FALSE(step::belongs(0, 0)) << "nobody's";
 }

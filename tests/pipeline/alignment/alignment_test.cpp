@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "pipeline/alignment/disparity_bounds.h"
 #include "pipeline/alignment/resample.h"
 #include "turned_pair.h"
 

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "pipeline/batch/file_pattern.h"
 #include "pipeline/batch/manifest.h"
 #include "pipeline/batch/manifest_rows.h"
-#include "pipeline/batch/pair_rules.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::batch {

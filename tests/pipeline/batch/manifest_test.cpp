@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/batch/manifest_rows.h"
-#include "pipeline/config/shell_words.h"
+#include "pipeline/config/options.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::batch {

@@ -5,8 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/batch/batch_progress.h"
-#include "pipeline/batch/memory.h"
+#include "pipeline/batch/worker.h"
 #include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 

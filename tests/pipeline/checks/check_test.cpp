@@ -4,8 +4,7 @@
 #include <cstdint>
 
 #include "mistakes.h"
-#include "pipeline/checks/check_map.h"
-#include "pipeline/checks/check_pair.h"
+#include "pipeline/checks/checks.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/checks/finding.h"
+#include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks::mistakes {
 

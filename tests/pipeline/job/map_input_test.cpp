@@ -4,7 +4,6 @@
 #include "pipeline/data/error.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/maps/disparity_input.h"
-#include "pipeline/job/maps/fit_map.h"
 
 namespace hexrelief::job {
 namespace {

@@ -14,7 +14,6 @@
 #include "pipeline/matching/refine/slope_step.h"
 #include "pipeline/matching/refine/smooth_step.h"
 #include "pipeline/matching/refine/vote_step.h"
-#include "pipeline/matching/sgm/cost_step.h"
 #include "pipeline/matching/sgm/path_step.h"
 
 namespace hexrelief::matching {

@@ -7,7 +7,6 @@
 
 #include "compare.h"
 #include "matching_scenes.h"
-#include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 

@@ -1,7 +1,7 @@
 // Tests Windows bitmaps, made byte by byte.
 #include <algorithm>
 
-#include "pipeline/readers/describe_raster.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/readers/describe_raster.h"
+#include "pipeline/readers/decoded_raster.h"
 
 #include <fstream>
 #include <sstream>

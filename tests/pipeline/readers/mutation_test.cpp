@@ -4,9 +4,9 @@
 #include <random>
 
 #include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
-#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/depth/sample_maps.h"

@@ -1,6 +1,6 @@
 // Tests the maps that are a short header and floats.
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/depth/depth_reader.h"
-#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "tests/pipeline/readers/sample_files.h"
 

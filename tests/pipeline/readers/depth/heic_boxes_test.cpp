@@ -1,6 +1,5 @@
 // Tests what is read from the boxes of HEIC files, on boxes without pictures.
 #include "pipeline/readers/depth/heic_boxes.h"
-#include "pipeline/readers/depth/heic_properties.h"
 
 #include <random>
 

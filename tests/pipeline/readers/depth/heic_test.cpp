@@ -3,9 +3,9 @@
 #include <cmath>
 #include <random>
 
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/heic_boxes.h"
-#include "pipeline/readers/describe_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/photographs/stereo_reader.h"

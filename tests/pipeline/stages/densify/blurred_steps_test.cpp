@@ -1,4 +1,4 @@
-#include "pipeline/stages/densify/blurred_steps.h"
+#include "pipeline/stages/densify/densify.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "exporters/core/file_names.h"
+#include "exporters/core/mesh_format.h"
 
 #include <cctype>
 

@@ -3,10 +3,11 @@
 
 #include <vector>
 
-#include "pipeline/checks/finding.h"
 #include "pipeline/checks/map_statistics.h"
+#include "pipeline/checks/thresholds.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/stages/disparity_range.h"
 
 namespace hexrelief::checks {
 
@@ -25,5 +26,16 @@ enum class MapKind { disparity, depth };
 // depth map, `map` holds the disparities made from it, whose scale is not judged.
 std::vector<Finding> check_map(const DisparityMap& map, const Image& left, MapKind kind = MapKind::disparity,
                                const MapScale& stored = {});
+
+// Checks whether a pair is rectified, left and right are not exchanged, and the
+// range contains its disparities.
+
+// Returns the likely mistakes in a pair; if one mistake explains several findings, only that one. Empty for a
+// right pair. coarse: from match_coarsely(pair, ...), starting at range.min_px or below. A range that the
+// program chose is not judged. seen_share: of the right view, as agreed_share() takes it. The result is the
+// same for any number of threads.
+std::vector<Finding> check_pair(const StereoPair& pair, const stages::SmallMatch& coarse,
+                                const matching::DisparityRange& range, stages::RangeOrigin origin,
+                                double seen_share, int threads);
 
 }  // namespace hexrelief::checks
