@@ -1,6 +1,7 @@
 #include "pipeline/job/other_views.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -102,7 +103,9 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     if (other.place.right == 0 || left.is_by_points)
         surface.least_discontinuity_px = left.right ? kHiddenStep_px : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
-    if (left.is_by_points) stages::move_into_frame(cut, other.place, frame);
+    if (left.is_by_points)
+        stages::move_into_frame(cut, other.place, frame, visible.seen[0],
+                                static_cast<int>(std::ceil(coarse.spacing_px * other.place.scale)));
     stages::keep_behind(cut, other.place, visible, backend.threads());
     if (cut.triangles.empty()) return {};
     try {
@@ -230,7 +233,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         threads, [&] { return right ? std::pair(right->color, right->picture) : std::pair<Image, Image>(); });
     auto copying_left = start_work(threads, [&] { return stages::with_room_below(view.texture); });
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-    const stages::Frame frame = stages::frame_of(visible.seen[0]);
+    const stages::Frame frame = stages::frame_of(visible.seen[0], config.surface.behind);
     const auto add = [&](OtherView other) {
         const SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (sheet.empty()) return;
@@ -283,7 +286,7 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
     const int threads = backend.threads();
     if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-    const stages::Frame frame = stages::frame_of(visible.seen[0]);
+    const stages::Frame frame = stages::frame_of(visible.seen[0], config.surface.behind);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
         SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace hexrelief::stages {
@@ -24,7 +25,8 @@ Image mirrored(const Image& image) {
 }
 
 constexpr double kJoined_px = 2;
-constexpr double kNear_px = 1;  // of the border of a view: vertices on it are in the view
+constexpr int kForwardShare = 10;  // of the longer side: the reach of what is done at a border
+constexpr double kNear_px = 1;     // of the border of a view: vertices on it are in the view
 
 bool is_seen(const SeenSurface& seen, const ViewPoint& in_left) {
     const ViewPlace& place = seen.place;
@@ -35,6 +37,27 @@ bool is_seen(const SeenSurface& seen, const ViewPoint& in_left) {
     p.x = std::clamp(p.x, 0.5, place.width - 0.5);
     p.y = std::clamp(p.y, 0.5, place.height - 0.5);
     return seen.limit_around(place.to_left(p), 1) <= in_left.d + kOneSurface_px;
+}
+
+// Closes notches narrower than twice `reach` lines of what cameras see of the lines: between two others, a
+// line is as long there as these, as if what lies behind continued from the one to the other.
+void close_notches(std::vector<Frame::Line>& lines, int reach) {
+    const auto over_surroundings = [&](bool is_widened) {
+        const std::vector<Frame::Line> before = lines;
+        const int count = static_cast<int>(lines.size());
+        for (int i = 0; i < count; ++i)
+            for (int k = std::max(0, i - reach); k <= std::min(count - 1, i + reach); ++k) {
+                Frame::Line& line = lines[i];
+                const Frame::Line& other = before[k];
+                if (other.is_empty()) continue;
+                line.first_seen = is_widened ? std::min(line.first_seen, other.first_seen)
+                                             : std::max(line.first_seen, other.first_seen);
+                line.end_seen = is_widened ? std::max(line.end_seen, other.end_seen)
+                                           : std::min(line.end_seen, other.end_seen);
+            }
+    };
+    over_surroundings(true);
+    over_surroundings(false);
 }
 
 }  // namespace
@@ -105,19 +128,27 @@ void find_missing(OtherView& view, const SeenSurface& here, const SeenSurface& i
     view.missing = std::move(open);
 }
 
-Frame frame_of(const SeenSurface& seen) {
+Frame frame_of(const SeenSurface& seen, double baselines) {
     const int width = seen.place.width, height = seen.place.height;
-    Frame frame{{static_cast<std::size_t>(height), {1.0 * width, 0}},
-                {static_cast<std::size_t>(width), {1.0 * height, 0}}};
-    const auto add = [](Frame::Line& line, int at) {
-        line = {std::min(line.first, 1.0 * at), std::max(line.end, at + 1.0)};
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    Frame frame{{static_cast<std::size_t>(height), {1.0 * width, 0, kNone, -kNone}},
+                {static_cast<std::size_t>(width), {1.0 * height, 0, kNone, -kNone}},
+                baselines};
+    const auto add = [&](Frame::Line& line, int at, double d) {
+        line = {std::min(line.first, 1.0 * at), std::max(line.end, at + 1.0),
+                std::min(line.first_seen, at + baselines * d),
+                std::max(line.end_seen, at + 1 - baselines * d)};
     };
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            if (seen.disparities[static_cast<std::size_t>(y) * width + x] == kNotCovered) continue;
-            add(frame.rows[y], x);
-            add(frame.columns[x], y);
+            const double d = seen.disparities[static_cast<std::size_t>(y) * width + x];
+            if (d == kNotCovered) continue;
+            add(frame.rows[y], x, d);
+            add(frame.columns[x], y, d);
         }
+    const int reach = std::max(width, height) / kForwardShare;
+    close_notches(frame.rows, reach);
+    close_notches(frame.columns, reach);
     return frame;
 }
 
@@ -131,23 +162,48 @@ void keep_in_frame(OtherView& view, const Frame& left_frame) {
         }
 }
 
-void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Frame& left_frame) {
+void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Frame& left_frame,
+                     const SeenSurface& left, int radius) {
     const auto line_at = [](const std::vector<Frame::Line>& lines, double at) {
         return lines[static_cast<std::size_t>(std::clamp(at, 0.0, lines.size() - 1.0))];
     };
+    const double baselines = left_frame.baselines;
+    const double reach =
+        static_cast<double>(std::max(left_frame.rows.size(), left_frame.columns.size())) / kForwardShare;
+    // How much nearer a point has to be so far from a border of this disparity. Meanwhile it moves towards it
+    // by so many pixels for each of disparity.
+    const auto forward = [&](double d, double away, double border, double towards) {
+        const double nearer = border - d, beyond = std::min(reach, nearer * baselines);
+        if (!(away < beyond)) return 0.0;
+        const double length = beyond - towards * nearer;
+        return length > beyond - away ? nearer * (beyond - away) / length : nearer;
+    };
+    const auto forward_in = [&](const Frame::Line& line, double d, double at, double towards_end) {
+        if (line.is_empty() || baselines == 0) return 0.0;
+        return std::max(forward(d, at - line.first, (line.first_seen - line.first) / baselines, -towards_end),
+                        forward(d, line.end - at, (line.end - line.end_seen) / baselines, towards_end));
+    };
     for (std::size_t i = 0; i < cut_mesh.points.size(); ++i) {
         Vec2f& point = cut_mesh.points[i];
-        ViewPoint p = place.to_left({point.x, point.y, cut_mesh.disparities[i]});
+        const ViewPoint before = place.to_left({point.x, point.y, cut_mesh.disparities[i]});
+        ViewPoint p = before;
         const Frame::Line row = line_at(left_frame.rows, p.y), column = line_at(left_frame.columns, p.x);
-        const bool has_row = row.first < row.end, has_column = column.first < column.end;
-        const double x = has_row ? row.nearest(p.x) : p.x, y = has_column ? column.nearest(p.y) : p.y;
-        if (x == p.x && y == p.y) continue;
+        const double x = row.is_empty() ? p.x : row.nearest(p.x),
+                     y = column.is_empty() ? p.y : column.nearest(p.y);
         if (x == p.x || (y != p.y && std::abs(y - p.y) < std::abs(x - p.x)))
             p.y = y;
         else
             p.x = x;
+        double nearer = std::max(forward_in(row, p.d, p.x, place.right), forward_in(column, p.d, p.y, 0));
+        // Where it goes on with a farther surface it stays.
+        if (nearer > 0) nearer = std::clamp(left.limit_around(p, radius) - p.d, 0.0, nearer);
+        p.d += nearer;
+        p.x += place.right * nearer;
+        if (!row.is_empty()) p.x = row.nearest(p.x);
+        if (p.x == before.x && p.y == before.y && p.d == before.d) continue;
         const ViewPoint moved = place.from_left(p);
         point = {static_cast<float>(moved.x), static_cast<float>(moved.y)};
+        cut_mesh.disparities[i] = static_cast<float>(moved.d);
     }
     std::erase_if(cut_mesh.triangles, [&](const Triangle& t) {
         const Vec2f &a = cut_mesh.points[t[0]], &b = cut_mesh.points[t[1]], &c = cut_mesh.points[t[2]];

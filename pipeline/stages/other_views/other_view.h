@@ -40,16 +40,26 @@ void find_missing(OtherView& right, const SeenSurface& here, const SeenSurface& 
 struct Frame {
     struct Line {
         double first = 0, end = 0;
+        // Of the line that cameras beside the view see, from the first to the end as well: what lies behind
+        // comes out there.
+        double first_seen = 0, end_seen = 0;
+        bool is_empty() const { return first >= end; }
         double nearest(double at) const { return std::clamp(at, first, end); }
     };
     std::vector<Line> rows, columns;
+    double baselines;  // of these cameras beside the view, on both sides of a row or column
 };
-Frame frame_of(const SeenSurface& seen);
+// What the cameras see of a line is at least as long as that of lines on both of its sides, within a tenth of
+// the view.
+Frame frame_of(const SeenSurface& seen, double baselines);
 // Drops from `missing` what lies beyond the frame in its row of the left view.
 void keep_in_frame(OtherView& view, const Frame& left_frame);
 // Moves the vertices of a cut mesh of a view that lie beyond the left view's frame to its border, along their
-// row or column of the left view, and drops triangles that this leaves without area.
-void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Frame& left_frame);
+// row or column of the left view. Brings what the frame's cameras would see beyond its lines forward to the
+// border, within a tenth of the left view from there, but not in front of what `left` shows up to `radius` px
+// of the left view around. Drops triangles that this leaves without area.
+void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Frame& left_frame,
+                     const SeenSurface& left, int radius);
 
 // Returns the provenance of each vertex of a surface with all its parts. The left view's part was seen by the
 // left camera. A camera saw a vertex if in its view the surface at the vertex's pixel, or at one beside it,

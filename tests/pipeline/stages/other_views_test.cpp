@@ -102,21 +102,32 @@ TEST(OtherView, InTheFrameIsWhatLiesBesideWhatTheLeftViewShows) {
     const SeenSurface in_left = see(mesh, place_at(0), kThreads);
     OtherView view = right_view();
     find_missing(view, see(mesh, place_at(1), kThreads), in_left, false, kThreads);
-    keep_in_frame(view, frame_of(in_left));
+    keep_in_frame(view, frame_of(in_left, 0));
     for (int x = 0; x < kWidth; ++x)  // no longer right of the left view's border
         EXPECT_EQ(view.missing.at(x, 20), x >= 40 && x < 56 ? kWall : kUnknownDisparity) << x;
 }
 
 TEST(OtherView, CutMeshesEndAtTheBorderOfWhatTheLeftViewShows) {
-    const Frame frame = frame_of(see(left_surface(), place_at(0), kThreads));
+    const SeenSurface in_left = see(left_surface(), place_at(0), kThreads);
+    const Frame frame = frame_of(in_left, 0);
     // Of the right view: 10 px right of the left view's border, and one triangle that is all beyond it.
     DisparityMesh mesh{{{80, 10}, {90, 30}, {106, 10}, {100, 10}, {100, 20}, {106, 20}},
                        std::vector<float>(6, kWall),
                        {{0, 2, 1}, {3, 5, 4}}};
-    move_into_frame(mesh, place_at(1), frame);
+    move_into_frame(mesh, place_at(1), frame, in_left, 2);
     EXPECT_EQ(mesh.points[2], (Vec2f{96, 10}));
     EXPECT_EQ(mesh.points[0], (Vec2f{80, 10}));
     EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 2, 1}}));
+}
+
+TEST(OtherView, WhatTurnsOutBehindANearBorderComesForwardToIt) {
+    // All of the left view is near; a sheet 4 px of disparity behind it.
+    SeenSurface near{place_at(0), Disparities(kWidth * kHeight, kWall + 4.0)};
+    const Frame frame = frame_of(near, 2);
+    // A camera 2 baselines beside it sees the sheet 8 px farther out: that much of the border comes forward.
+    DisparityMesh mesh{{{kWidth, 30}, {kWidth - 4, 36}, {kWidth - 8, 30}}, std::vector<float>(3, kWall), {}};
+    move_into_frame(mesh, place_at(0), frame, near, 0);
+    EXPECT_EQ(mesh.disparities, (std::vector<float>{kWall + 4, kWall + 2, kWall}));
 }
 
 // The left view with nothing missing yet: the box has the colour 200, the wall 90.
