@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "exporters/images/jpeg_encoder.h"
+#include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -109,8 +110,9 @@ void use_tables(const jpeg_decompress_struct& source, jpeg_compress_struct& enco
 void take_blocks(const SourceFile& source, const PixelRect& part, int component, JDIMENSION row,
                  JBLOCKROW blocks, JDIMENSION columns) {
     const jpeg_component_info& from = source.blocks.comp_info[component];
-    const auto block_at = [](int px, int factor, int largest) {
-        return static_cast<JDIMENSION>(px / (DCTSIZE * largest) * factor);
+    const bool is_grey = source.blocks.num_components == 1;  // blocks of one size, whatever its factors are
+    const auto block_at = [&](int px, int factor, int largest) {
+        return static_cast<JDIMENSION>(is_grey ? px / DCTSIZE : px / (DCTSIZE * largest) * factor);
     };
     const JDIMENSION x = block_at(part.x, from.h_samp_factor, source.blocks.max_h_samp_factor),
                      y = block_at(part.y, from.v_samp_factor, source.blocks.max_v_samp_factor) + row;
@@ -168,7 +170,12 @@ JpegOfBlocks encode_jpeg_as(const std::vector<std::uint8_t>& bytes, const Image&
         settings.replace = [&](int component, JDIMENSION row, JBLOCKROW blocks, JDIMENSION columns) {
             take_blocks(source, part, component, row, blocks, columns);
         };
-    std::vector<std::uint8_t> file = encode_baseline_jpeg(picture, part, settings, threads);
+    std::vector<std::uint8_t> file;
+    try {
+        file = encode_baseline_jpeg(picture, part, settings, threads);
+    } catch (const Error&) {  // tables or blocks that no file may have
+        return {};
+    }
     if (source.blocks.progressive_mode) {
         Rewriter rewriter;
         if (!rewrite_step(rewriter, file)) return {};

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <new>
 #include <string>
 
@@ -16,7 +15,7 @@
 namespace hexrelief::exporters {
 namespace {
 
-constexpr int kStripRows = 64;  // px; a multiple of the highest unit of blocks
+constexpr int kStripRows = 64;  // px; a multiple of the highest unit of several components' blocks
 constexpr int kMostComponents = 3;
 
 // libjpeg's encoder, which keeps the blocks of a picture until it is told to write them.
@@ -65,9 +64,9 @@ void begin(Encoder& coder, const Image& picture, int width, int height, const Jp
     settings.prepare(jpeg);
 }
 
-// Makes the blocks of a strip. The first scan of a progressive file, of which libjpeg keeps the blocks for
-// the next ones, has the least that it counts meanwhile. Separate from its caller, as all that longjmp
-// returns to.
+// Makes the blocks of a strip. Declares a progressive file whose only scan holds means: then libjpeg keeps
+// all blocks, and counts of them the fewest symbols, which are not used. Separate from its caller, as all
+// that longjmp returns to.
 bool blocks_step(Encoder& coder, const Image& picture, const PixelRect& strip, const JpegSettings& settings,
                  jpeg_scan_info& scan, JSAMPARRAY lines) {
     if (setjmp(coder.errors.jump)) return false;

@@ -4,8 +4,9 @@
 #include <bit>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
-#include <numeric>
+#include <functional>
+
+#include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 constexpr int kSide = 8, kCoefficients = kSide * kSide;
 constexpr std::size_t kEndOfBlock = 0x00, kSixteenZeros = 0xf0;
 constexpr int kMostZeros = 15;
+constexpr int kMostDcBits = 11, kMostAcBits = 10;  // of differences, of coefficients
 
 // The places of a block's coefficients from low to high frequencies, and the reverse.
 struct Zigzag {
@@ -47,9 +49,10 @@ struct Magnitude {
     std::size_t bits;
     std::uint32_t extra;
 };
-// Negative values are written as their complement.
-Magnitude magnitude_of(int value) {
+// Negative values are written as their complement. Blocks of a damaged file may hold values that no file may.
+Magnitude magnitude_of(int value, int most_bits) {
     const int bits = std::bit_width(static_cast<unsigned>(std::abs(value)));
+    if (bits > most_bits) throw Error(ErrorKind::output, "a JPEG file cannot hold its coefficients");
     return {static_cast<std::size_t>(bits),
             static_cast<std::uint32_t>(value < 0 ? value - 1 : value) & ((1u << bits) - 1)};
 }
@@ -156,7 +159,7 @@ void JpegSymbols::add(std::size_t component, const std::int16_t* block) {
     Component& own = components_[component];
     const std::size_t table = dc_table(component);
     if (own.has_blocks) {
-        const Magnitude dc = magnitude_of(block[0] - own.last_dc);
+        const Magnitude dc = magnitude_of(block[0] - own.last_dc, kMostDcBits);
         append(table, dc.bits, dc.extra);
     } else {
         own = {true, items_.size(), block[0], 0};
@@ -172,7 +175,7 @@ void JpegSymbols::add(std::size_t component, const std::int16_t* block) {
             continue;
         }
         for (; zeros > kMostZeros; zeros -= kMostZeros + 1) append(table + 1, kSixteenZeros, 0);
-        const Magnitude ac = magnitude_of(value);
+        const Magnitude ac = magnitude_of(value, kMostAcBits);
         append(table + 1, static_cast<std::size_t>(zeros) << 4 | ac.bits, ac.extra);
         zeros = 0;
     }
@@ -190,7 +193,7 @@ void JpegSymbols::follow(const JpegSymbols* before) {
         const Component& own = components_[component];
         if (!own.has_blocks) continue;
         const Magnitude dc =
-            magnitude_of(own.first_dc - (before ? before->components_[component].last_dc : 0));
+            magnitude_of(own.first_dc - (before ? before->components_[component].last_dc : 0), kMostDcBits);
         const std::size_t code = dc_table(component) * kJpegSymbols + dc.bits;
         ++counts_[code];
         items_[own.first_item] = static_cast<std::uint32_t>(code << 16) | dc.extra;

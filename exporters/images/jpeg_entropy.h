@@ -21,7 +21,8 @@ class JpegSymbols {
 
     // Expects so many blocks.
     explicit JpegSymbols(std::size_t blocks);
-    // Appends a block of 64 quantised coefficients, row by row, of component 0..2.
+    // Appends a block of 64 quantised coefficients, row by row, of component 0..2. Throws Error(output) if a
+    // file cannot hold one, as follow() does.
     void add(std::size_t component, const std::int16_t* block);
     // Appends a block that completes a unit at the picture's border: the block before it without detail.
     void add_border(std::size_t component);

@@ -139,6 +139,12 @@ void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart
         others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
 }
 
+// Returns the left view's frame for what ends there; empty where nothing does.
+stages::Frame frame_for(const LeftView& view, const stages::VisibleSurface& visible,
+                        const config::Config& config) {
+    return view.is_by_points ? stages::frame_of(visible.seen[0], config.surface.behind) : stages::Frame{};
+}
+
 }  // namespace
 
 DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
@@ -233,7 +239,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         threads, [&] { return right ? std::pair(right->color, right->picture) : std::pair<Image, Image>(); });
     auto copying_left = start_work(threads, [&] { return stages::with_room_below(view.texture); });
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-    const stages::Frame frame = stages::frame_of(visible.seen[0], config.surface.behind);
+    const stages::Frame frame = frame_for(view, visible, config);
     const auto add = [&](OtherView other) {
         const SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (sheet.empty()) return;
@@ -286,7 +292,7 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
     const int threads = backend.threads();
     if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
-    const stages::Frame frame = stages::frame_of(visible.seen[0], config.surface.behind);
+    const stages::Frame frame = frame_for(view, visible, config);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
         SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);

@@ -40,11 +40,11 @@ bool leaves_disparities(const checks::Finding& finding) {
            finding.mistake == checks::Mistake::color_unrelated;
 }
 
-// Returns the share of the pixels that a mask keeps; 1 for an empty one.
+// Returns the share of the pixels that a mask keeps, above 0; 1 for an empty one.
 double kept_share(const readers::PixelMask& mask) {
     if (mask.empty()) return 1;
-    return static_cast<double>(std::count(mask.kept.begin(), mask.kept.end(), 1)) /
-           static_cast<double>(mask.kept.size());
+    const auto kept = std::count(mask.kept.begin(), mask.kept.end(), 1);
+    return static_cast<double>(std::max<std::ptrdiff_t>(1, kept)) / static_cast<double>(mask.kept.size());
 }
 
 // Warns of likely mistakes in a pair or a map, its picture or its camera. range: the range found for a pair.

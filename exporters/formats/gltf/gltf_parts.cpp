@@ -14,16 +14,16 @@
 namespace hexrelief::exporters {
 namespace {
 
-// Returns the number nearest to a texture coordinate that ends with a byte: at most 2^-16 from it.
-float ending_with(float coordinate, std::uint8_t byte) {
-    constexpr std::uint32_t kByte = 0xff, kHalf = 0x80;
-    const std::uint32_t one = std::bit_cast<std::uint32_t>(1.0f),
-                        bits = std::bit_cast<std::uint32_t>(coordinate);
-    std::uint32_t near = (bits & ~kByte) | byte;
-    if (near > bits + kHalf && near > kByte) near -= kByte + 1;
-    if (near + kHalf < bits) near += kByte + 1;
-    if (near > one && bits <= one) near -= kByte + 1;
-    return std::bit_cast<float>(near);
+static_assert(std::endian::native == std::endian::little, "numbers begin with their last byte");
+
+// Returns the number next to a texture coordinate in 0..1 that ends with a provenance: at most 2^-16 from it.
+float ending_with(float coordinate, Provenance provenance) {
+    constexpr std::uint32_t kBytes = 0x100, kLessThanHalf = 0x7f;
+    const auto last = static_cast<std::uint32_t>(provenance);
+    std::uint32_t bits =
+        (std::bit_cast<std::uint32_t>(coordinate) + kLessThanHalf - last) / kBytes * kBytes + last;
+    if (bits > std::bit_cast<std::uint32_t>(1.0f)) bits -= kBytes;
+    return std::bit_cast<float>(bits);
 }
 
 // A byte a vertex that takes no room. Attributes lie at multiples of four, where numbers begin with their
@@ -217,7 +217,7 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     if (!mesh.texcoords.empty()) {
         std::vector<Vec2f> texcoords = mesh.texcoords;
         for (std::size_t i = 0; i < mesh.provenance.size(); ++i)
-            texcoords[i].y = ending_with(texcoords[i].y, static_cast<std::uint8_t>(mesh.provenance[i]));
+            texcoords[i].y = ending_with(texcoords[i].y, mesh.provenance[i]);
         add("TEXCOORD_0", texcoords, TINYGLTF_TYPE_VEC2, "texcoords");
         texcoords_view = parts.model.accessors.back().bufferView;
     }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -76,7 +77,7 @@ template <typename Value>
 float median_of(std::size_t count, ThreadPool& pool, const Value& value) {
     // The bits of numbers that are not negative are in their order. Most of the values, far from the middle,
     // are sorted by their upper half alone.
-    const auto upper = [](float v) { return std::bit_cast<std::uint32_t>(v) >> 16; };
+    const auto upper = [](float v) { return std::bit_cast<std::uint32_t>(std::abs(v)) >> 16; };
     struct Own {
         std::vector<std::uint32_t> counts = std::vector<std::uint32_t>(std::size_t{1} << 15);
         std::vector<float> middle;

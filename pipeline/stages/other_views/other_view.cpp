@@ -183,6 +183,11 @@ void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Fram
         return std::max(forward(d, at - line.first, (line.first_seen - line.first) / baselines, -towards_end),
                         forward(d, line.end - at, (line.end - line.end_seen) / baselines, towards_end));
     };
+    // The pixel of a point on the border.
+    const auto inside = [&](const ViewPoint& p) {
+        return ViewPoint{std::clamp(p.x, 0.5, static_cast<double>(left_frame.columns.size()) - 0.5),
+                         std::clamp(p.y, 0.5, static_cast<double>(left_frame.rows.size()) - 0.5), p.d};
+    };
     for (std::size_t i = 0; i < cut_mesh.points.size(); ++i) {
         Vec2f& point = cut_mesh.points[i];
         const ViewPoint before = place.to_left({point.x, point.y, cut_mesh.disparities[i]});
@@ -196,10 +201,12 @@ void move_into_frame(DisparityMesh& cut_mesh, const ViewPlace& place, const Fram
             p.x = x;
         double nearer = std::max(forward_in(row, p.d, p.x, place.right), forward_in(column, p.d, p.y, 0));
         // Where it goes on with a farther surface it stays.
-        if (nearer > 0) nearer = std::clamp(left.limit_around(p, radius) - p.d, 0.0, nearer);
-        p.d += nearer;
-        p.x += place.right * nearer;
-        if (!row.is_empty()) p.x = row.nearest(p.x);
+        if (nearer > 0) nearer = std::clamp(left.limit_around(inside(p), radius) - p.d, 0.0, nearer);
+        if (nearer > 0) {
+            p.d += nearer;
+            p.x += place.right * nearer;
+            if (!row.is_empty()) p.x = row.nearest(p.x);
+        }
         if (p.x == before.x && p.y == before.y && p.d == before.d) continue;
         const ViewPoint moved = place.from_left(p);
         point = {static_cast<float>(moved.x), static_cast<float>(moved.y)};

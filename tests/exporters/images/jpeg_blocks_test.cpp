@@ -142,7 +142,7 @@ TEST_P(JpegBlocks, AnotherPictureIsEncodedLikeTheFile) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, JpegBlocks,
                          testing::Values(Kind{3, 1, false}, Kind{3, 2, false}, Kind{3, 2, true},
-                                         Kind{1, 1, false}, Kind{1, 2, false}));
+                                         Kind{1, 1, false}, Kind{1, 2, false}, Kind{1, 4, false}));
 
 TEST(JpegBlocks, OtherFilesGiveNothing) {
     const Image grey = rough_picture(40, 30, 1), color = rough_picture(40, 30, 3);

@@ -89,6 +89,21 @@ TEST(JpegEncoder, APartIsEncodedAsAPictureOfItsOwn) {
     EXPECT_EQ(encode_baseline_jpeg(image, part, settings, 2), by_libjpeg(cropped(image, part), settings));
 }
 
+TEST(JpegEncoder, RefusesCoefficientsThatAFileCannotHold) {
+    const Image image = noisy_picture({40, 100, 3, 1, 1, 8});
+    for (const int index : {0, 5})
+        for (const JCOEF value : {JCOEF{1023}, JCOEF{-32768}}) {
+            const auto replace = [&](int, JDIMENSION row, JBLOCKROW blocks, JDIMENSION) {
+                if (row == 9) blocks[1][index] = value;
+            };
+            const JpegSettings settings{[](jpeg_compress_struct&) {}, replace};
+            if (value > 0)
+                EXPECT_NO_THROW(encode_baseline_jpeg(image, {0, 0, 40, 100}, settings, 2));
+            else
+                EXPECT_THROW(encode_baseline_jpeg(image, {0, 0, 40, 100}, settings, 2), Error);
+        }
+}
+
 TEST(JpegEncoder, RefusesWhatAFileCannotHold) {
     const Image wide{65501, 1, 1, Bytes(65501)}, high{1, 65501, 1, Bytes(65501)};
     const JpegSettings settings{[](jpeg_compress_struct&) {}};

@@ -128,6 +128,11 @@ TEST(OtherView, WhatTurnsOutBehindANearBorderComesForwardToIt) {
     DisparityMesh mesh{{{kWidth, 30}, {kWidth - 4, 36}, {kWidth - 8, 30}}, std::vector<float>(3, kWall), {}};
     move_into_frame(mesh, place_at(0), frame, near, 0);
     EXPECT_EQ(mesh.disparities, (std::vector<float>{kWall + 4, kWall + 2, kWall}));
+    // Where the surface goes on with a farther one the sheet stays.
+    near.disparities[32 * kWidth + kWidth - 1] = kWall;
+    DisparityMesh joined{{{kWidth, 30}}, {kWall}, {}};
+    move_into_frame(joined, place_at(0), frame, near, 3);
+    EXPECT_EQ(joined.disparities, (std::vector<float>{kWall}));
 }
 
 // The left view with nothing missing yet: the box has the colour 200, the wall 90.
