@@ -99,12 +99,16 @@ void mark_strips(const DisparityMap& map, std::vector<std::uint8_t>& is_open) {
         }
 }
 
-// Gives the open pixels to the surfaces around them, by colour.
-void give(DisparityMap& map, const Image& left, std::vector<std::uint8_t>& is_open) {
+}  // namespace
+
+DisparityMap without_mixed_pixels(DisparityMap map, const Image& left, Scraps scraps) {
     struct Open {
         std::size_t pixel;
         float value;
     };
+    std::vector<std::uint8_t> is_open(map.values.size());
+    mark_regions(map, scraps, is_open);
+    mark_strips(map, is_open);
     std::vector<Open> open;
     for (std::size_t i = 0; i < is_open.size(); ++i)
         if (is_open[i]) open.push_back({i, map.values[i]});
@@ -130,18 +134,6 @@ void give(DisparityMap& map, const Image& left, std::vector<std::uint8_t>& is_op
         given = now.size();
         open = std::move(still);
     }
-}
-
-}  // namespace
-
-DisparityMap without_mixed_pixels(DisparityMap map, const Image& left, Scraps scraps) {
-    std::vector<std::uint8_t> is_open(map.values.size());
-    mark_strips(map, is_open);
-    give(map, left, is_open);
-    // Regions are what strips have left.
-    std::fill(is_open.begin(), is_open.end(), std::uint8_t{0});
-    mark_regions(map, scraps, is_open);
-    give(map, left, is_open);
     return map;
 }
 

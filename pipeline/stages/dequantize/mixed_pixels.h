@@ -11,10 +11,10 @@ namespace hexrelief::stages {
 // and farther neighbours is given to the surfaces around it: a pixel follows the neighbour whose colour is
 // most like its own.
 //
-// Before, so are the filled pixels of strips along a row or a column, up to 1/200 of the longer side wide,
-// with what is farther on both sides. If scraps go, so are regions of up to 1/1700 of the picture in front of
-// something, of which less than half was matched. Strips and scraps were filled from a nearer thing. left:
-// the picture of the map's view and size. Origins and unknown pixels stay.
+// So are the filled pixels of strips along a row or a column, up to 1/200 of the longer side wide, with what
+// is farther on both sides; and if scraps go, regions of up to 1/1700 of the picture in front of something,
+// of which less than half was matched: both were filled from a nearer thing. left: the picture of the map's
+// view and size. Origins and unknown pixels stay.
 enum class Scraps { stay, go };
 DisparityMap without_mixed_pixels(DisparityMap map, const Image& left, Scraps scraps);
 
