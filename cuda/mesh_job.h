@@ -1,5 +1,5 @@
-// One run of the mesh stage on the device: its plans on the host, its memory on the device, and
-// its steps in order.
+// One run of the mesh stage on the device: its plans on the host, its memory on the device, and its steps in
+// order; and the balancing of a part of a lattice.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -98,11 +98,9 @@ class MeshJob {
     UntangleScratch untangle_scratch_{};
 };
 
-// Balances a part of a lattice, some of whose vertices are held, on the device.
-
-// Runs balance::balance_patch. Resets the arena and takes its memory from it; leaves the patch
-// unchanged if the device fails. Throws Error(device), also if memory is too small, and Error(usage) for
-// more than kMostSweeps sweeps.
+// Balances a part of a lattice, some of whose vertices are held, on the device. Runs balance::balance_patch.
+// Resets the arena and takes its memory from it; leaves the patch unchanged if the device fails. Throws
+// Error(device), also if memory is too small, and Error(usage) for more than kMostSweeps sweeps.
 void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,
                    const BalanceConfig& config, balance::LatticePatch& patch);
 

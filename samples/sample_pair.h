@@ -1,4 +1,4 @@
-// A small synthetic rectified pair whose disparities are known exactly.
+// A small synthetic rectified pair whose disparities are known exactly, and its files.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,7 @@ SampleScene render_sample_scene();
 // through lenses that bend, and cut so that what is 2 m away has a disparity of 0 (a stereo window).
 StereoPair render_photographs();
 
-// The synthetic pair as files.
-
+// A file of the synthetic pair.
 struct SampleFile {
     std::string name;
     std::vector<std::uint8_t> bytes;

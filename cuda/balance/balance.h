@@ -1,4 +1,5 @@
-// Balances one level on the device, with the same result as balance::balance_level().
+// Balances one level on the device, with the same result as balance::balance_level(), and places the lattice
+// from which balancing starts.
 #pragma once
 
 #include "cuda/som/level.h"
@@ -69,13 +70,12 @@ void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const s
 void balance(const Launch& launch, const BalanceBuffers& buffers, const som::LevelPlan& plan, int index,
              const BalanceConfig& config, const LevelView& level);
 
-// Start positions of a lattice that will be balanced, the same as balance::equalise_start()'s.
-
 // Number of entries of the sums below.
 std::size_t start_sums(const som::LevelPlan& plan);
 
-// Places the level's lattice (with the border on the area's if it is pinned) so that its columns hold equal
-// masses of the density, and so do its rows. largest: float bits of the densest pixel; sums: scratch memory.
+// Does the same as balance::equalise_start(): places the level's lattice (with the border on the area's if it
+// is pinned) so that its columns hold equal masses of the density, and so do its rows. largest: float bits of
+// the densest pixel; sums: scratch memory.
 void place_equalised(const Launch& launch, const LevelView& level, const som::LevelPlan& plan,
                      const float* density, const std::uint32_t* largest, std::int64_t* sums);
 

@@ -95,8 +95,6 @@ class CooperativeGrid {
     unsigned vote_;
 };
 
-// Prefix sums by all threads of a cooperative grid.
-
 // Calls visit(i, sum of value(j) over all j < i) for each i < count, followed by a barrier; returns the total
 // to all threads. Values are unsigned or unsigned long long. The same thread reads each value twice, first as
 // value(i), then as again(i), which must not depend on what visit() writes.

@@ -1,4 +1,5 @@
-// The launch configuration that all stages share.
+// The launch configuration that all stages share, and launches of cooperative grids: kernels whose blocks all
+// run at once and may wait for each other.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -21,8 +22,6 @@ struct Launch {
 inline int blocks_for(std::size_t items, int block) {
     return static_cast<int>((items + block - 1) / block);
 }
-
-// Launches kernels whose blocks all run at once and may wait for each other: cooperative grids.
 
 inline constexpr unsigned kGridWarps = 16;  // warps of a block; there is one block per multiprocessor
 inline constexpr unsigned kGridThreads = 32 * kGridWarps;

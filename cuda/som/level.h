@@ -1,4 +1,5 @@
-// One level of the self-organizing map on the device: trivial views that kernels take by value.
+// One level of the self-organizing map on the device: trivial views that kernels take by value, and the steps
+// of its training (paper, section 4).
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -81,13 +82,9 @@ inline std::uint32_t divisor(int d) {
     return static_cast<std::uint32_t>(0xFFFFFFFFu / static_cast<std::uint32_t>(d) + 1);
 }
 
-// Trains one level of any size on the device (paper, section 4).
-
-// Runs these iterations of the level in one persistent kernel; level.points must hold the points of exactly
-// these iterations, and level.filled must be 0 everywhere.
+// Runs these iterations of a level of any size in one persistent kernel; level.points must hold the points of
+// exactly these iterations, and level.filled must be 0 everywhere.
 void train(const Launch& launch, const LevelView& level, const IterationRange& range);
-
-// Trains one small level on the device, without barriers of the whole grid.
 
 // The units of a batch as the triggering step reads them: one record per point, in two sets used in turn.
 struct SmallView {
@@ -106,10 +103,8 @@ std::size_t small_records(const Launch& launch, const LevelView& level, int long
 // Prepares a level's records and positions; to be called once before its training.
 void clear_small(const Launch& launch, const LevelView& level, uint4* records, int longest);
 
-// Does the same as train() in level.h. Requires is_small(level).
+// Does the same as train(), without barriers of the whole grid. Requires is_small(level).
 void train_small(const Launch& launch, const LevelView& level, uint4* records, const IterationRange& range);
-
-// The cellular matrix on the device: the cells' distributions, and points drawn ahead.
 
 // Computes the cumulative distributions, sums and activities of all cells (Eq. 6 and 7) from the level's
 // density, whose maximum must be in largest[0].
@@ -119,8 +114,6 @@ void build_distributions(const Launch& launch, const LevelView& level, const flo
 // positions, so those of many iterations are drawn together. Their order within an iteration is arbitrary
 // and affects no sum.
 void draw_points(const Launch& launch, const LevelView& level, int first, int count);
-
-// Densities on the device: sampling weights, and the pyramid of coarser levels.
 
 // Sets largest[0] to the bits of the largest of `count` non-negative floats.
 void find_largest(const Launch& launch, const float* values, std::size_t count, std::uint32_t* largest);

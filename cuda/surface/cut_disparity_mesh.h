@@ -1,4 +1,5 @@
-// The surface stage on the device: lattice and disparity map in, the mesh cut along silhouettes out.
+// The surface stage on the device, lattice and disparity map in, the mesh cut along silhouettes out; and the
+// stage's memory.
 #pragma once
 
 #include <cstddef>
@@ -28,8 +29,6 @@ bool can_cut_meshes();
 DisparityMesh cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
                                  const float* map_on_device, const surface::DisparityMeshInput& input,
                                  const SurfaceConfig& config, double& device_s);
-
-// Device memory of the surface stage.
 
 // The state that the parts of the stage share, and the arrays that each has for itself.
 struct SurfaceMemory {

@@ -1,4 +1,5 @@
-// Draco compression, shared by .drc files and glTF's KHR_draco_mesh_compression.
+// Draco compression, shared by .drc files and glTF's KHR_draco_mesh_compression, and the box of a grid in
+// Draco's own quantisation.
 #pragma once
 
 #include <array>
@@ -104,15 +105,14 @@ std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::
 
 }  // namespace hexrelief::exporters
 
-// The box of a grid in Draco's own quantisation, and the values that a decoder returns for it.
-
 namespace draco {
 class ExpertEncoder;
 }
 
 namespace hexrelief::exporters {
 
-// A decoder returns origin + cell * range / (2^bits - 1), computed in floats.
+// The box of a grid in Draco's own quantisation. A decoder returns origin + cell * range / (2^bits - 1),
+// computed in floats.
 struct DracoBox {
     int bits = 0;
     std::array<float, 3> origin = {};

@@ -1,5 +1,5 @@
-// The abilities of a mesh format. Each format has one row, beside the function that writes it;
-// exporters/exporter.cpp lists all rows.
+// The abilities of mesh formats, and the names of formats and of the files that they consist of. Each format
+// has one row of abilities, beside the function that writes it; exporters/exporter.cpp lists all rows.
 #pragma once
 
 #include <filesystem>
@@ -63,12 +63,6 @@ struct MeshFormat {
                (levels == LevelSupport::by_config && config.lod_storage == LevelStorage::files);
     }
 };
-
-}  // namespace hexrelief::exporters
-
-namespace hexrelief::exporters {
-
-// The names of formats and of the files that they consist of.
 
 // Returns the extension in lower case, with the dot.
 std::string extension_of(const std::filesystem::path& path);

@@ -49,7 +49,7 @@ struct GalleryEntry {
     std::vector<double> values;  // one per column; NaN = unknown
 };
 
-// Returns the page. Throws Error(output) if the program was built without its viewer (html_exporter.h).
+// Returns the page. Throws Error(output) if the program was built without its viewer.
 std::string gallery_page(const std::string& title, const std::vector<GalleryColumn>& columns,
                          const std::vector<GalleryEntry>& entries);
 

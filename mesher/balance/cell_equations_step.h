@@ -1,5 +1,6 @@
-// Balancing: the linear system for the cells' Lagrange multipliers lambda, with one equation per cell, and
-// the Chebyshev sweeps that solve it (edge_integrals_step.h describes the method).
+// Balancing: the linear system for the cells' Lagrange multipliers lambda, with one equation per cell; the
+// Chebyshev sweeps that solve it (edge_integrals_step.h describes the method); and the level's density as
+// integers, so that its row sums are exact in any order.
 #pragma once
 
 #include <cstdint>
@@ -116,8 +117,6 @@ HEXRELIEF_HD float chebyshev_sweep(const CellEquation& e, const float* l, const 
     const float next = l[0] + direction;
     return next < kMostMultiplier && next > -kMostMultiplier ? next : 0.0f;
 }
-
-// Balancing: the level's density as integers, so that its row sums are exact in any order.
 
 // bits of the densest pixel's mass; sums of 2^29 pixels fit into 64 bits
 inline constexpr int kMassBits = 30;

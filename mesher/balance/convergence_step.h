@@ -1,5 +1,6 @@
-// Balancing: derives from the sums of one iteration the target weight and the triangle threshold of the next,
-// and decides whether the level is done.
+// Balancing: the end of an iteration. Its sums give the target weight and the triangle threshold of the next,
+// and tell whether the level is done; each vertex's step is proposed, shrunk until it leaves no triangle
+// folded or too thin, and taken.
 #pragma once
 
 #include <cmath>
@@ -94,9 +95,6 @@ HEXRELIEF_HD bool is_done(const BalanceLimits& limits, int t, float mean_deviati
     before = deviation;
     return stuck || (!late_check && deviation < limits.near);
 }
-
-// The end of a balancing iteration: each vertex's step is proposed, shrunk until it leaves no triangle folded
-// or too thin, and taken.
 
 // Computes the vertex's whole step, limited to its reach.
 HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {

@@ -1,4 +1,5 @@
-// The values that the host computes for a level before it is balanced, for both backends.
+// The values that the host computes for a level before it is balanced, for both backends, and the start
+// positions of the coarsest level.
 #pragma once
 
 #include <vector>
@@ -33,8 +34,6 @@ int balance_iterations(const BalanceConfig& config, int level);
 
 // Returns that number with the level's largest number of iterations and its conditions for ending earlier.
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
-
-// Start positions of a lattice that will be balanced.
 
 // Moves the regular lattice of the coarsest level so that its columns hold equal masses of the level's
 // density, and so do its rows (initial_lattice_step.h). Does nothing if the density is 0 everywhere.

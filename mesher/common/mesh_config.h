@@ -1,5 +1,5 @@
-// Parameters of the mesh stage, named as in the paper (Table 1 and section 4). The field table in
-// pipeline/config has their ranges.
+// Parameters of the mesh stage, named as in the paper (Table 1 and section 4), and the callback by which a
+// long stage reports its progress. The field table in pipeline/config has the parameters' ranges.
 #pragma once
 
 #include <cstdint>
@@ -59,9 +59,8 @@ struct MeshConfig {
     BalanceConfig balance;
 };
 
-// The callback by which a long stage reports its progress.
-
-// Called now and then with the share done, 0..1; may throw to stop the stage.
+// Reports the progress of a long stage: called now and then with the share done, 0..1; may throw to stop the
+// stage.
 using ProgressFunction = std::function<void(double)>;
 
 }  // namespace hexrelief

@@ -1,4 +1,5 @@
-// Quality of a structured hexagonal mesh: the paper's %cost (Eq. 1 and 2), validity and shape.
+// Quality of a structured hexagonal mesh: the paper's %cost (Eq. 1 and 2), validity and shape; and the exact
+// integrals of the density that it needs.
 #pragma once
 
 #include <array>
@@ -34,7 +35,6 @@ std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& d
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
 // Exact integrals of the density over the lattice's triangles, computed along their edges (Green's theorem).
-
 // The integral of the density over a polygon is the sum over its edges of the integral of P(x, y) dy, with P
 // the density's primitive along its row. Each edge is integrated once and serves the triangles on both of its
 // sides, so the cost depends on the pixels that edges cross, not on those that triangles cover.

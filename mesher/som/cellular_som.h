@@ -1,4 +1,5 @@
-// The parallel cellular self-organizing map on CPU threads (paper, section 4).
+// The self-organizing map on CPU threads: the paper's parallel cellular one (section 4), and the online one
+// (section 3).
 #pragma once
 
 #include "mesher/common/mesh_config.h"
@@ -30,7 +31,6 @@ int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, Threa
              LatticePositions& positions);
 
 // The paper's CPU counterpart: the online self-organizing map, which learns one point at a time (section 3).
-
 // Trains the regular lattice and returns its positions. Makes t_max x cells draws from the cumulative
 // distribution of the whole density (plan.width x plan.height; Eq. 5) and learns from each at once (Eq. 3).
 // Learning rate and radius decrease after every `cells` draws; neurons are sorted into cells after every crr

@@ -1,5 +1,5 @@
-// The plan of a mesh stage run, worked out once on the host for both backends: levels, sizes, and the
-// learning tables of each iteration.
+// The plan of a mesh stage run, worked out once on the host for both backends: levels, sizes, the learning
+// tables of each iteration, and the part of the image that the lattice covers, with its curved borders.
 #pragma once
 
 #include <cstdint>
@@ -70,8 +70,6 @@ step::Lattice lattice_size(double width, double height, double spacing_px);
 inline constexpr int kMagnificationSteps = 4096;
 // Returns (i / kMagnificationSteps)^exponent for i = 0 .. kMagnificationSteps; empty if exponent is 1.
 std::vector<float> magnification_table(double exponent);
-
-// The part of the image that the lattice covers, and the curves of its upper and lower border.
 
 // For MeshBorder::fit returns the smallest rectangle around all density, grown until it has at least one
 // pixel per vertex and the lattice's spacings in the two directions differ by at most the factor

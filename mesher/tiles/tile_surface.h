@@ -1,4 +1,5 @@
-// The cut mesh of one tile: to the bit the triangles that the undivided lattice would have there.
+// The cut mesh of one tile, to the bit the triangles that the undivided lattice would have there, and the
+// form in which it is stored.
 #pragma once
 
 #include <array>
@@ -50,7 +51,6 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
                      const CutMesh& cut = surface::cut_disparity_mesh);
 
 // A tile's triangles in integer coordinates of the whole map: the form in which a solved tile is stored.
-
 struct TileMesh {
     std::vector<TileCorner> corners;
     std::vector<Triangle> triangles;                         // their area is positive (x right, y down)

@@ -1,4 +1,5 @@
-// Decides whether a pair has to be aligned, and how: the room's interface, with resample.h.
+// Decides whether a pair has to be aligned, and how, which disparities it has, and where infinity is: the
+// room's interface, with resample.h.
 #pragma once
 
 #include <string>
@@ -62,8 +63,6 @@ struct Alignment {
 // Looks for points in both pictures and decides. The pictures have one size. The same bits for any number of
 // threads.
 Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, int threads);
-
-// Which disparities a pair has, and where infinity is.
 
 // Returns the bounds of the estimate's views, in px of the pictures as given. scale: px of the matches'
 // pictures per px of those.

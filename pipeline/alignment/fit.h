@@ -1,18 +1,19 @@
-// Fit of the cameras' parameters to matches: they bring each match to one row.
+// The model of two cameras side by side, and the fit of its parameters to matches: they bring each match to
+// one row.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "pipeline/alignment/matches.h"
 
 namespace hexrelief::alignment {
 
-// Two cameras side by side as seen from the pair that they should have taken: the model that is fitted.
-
-// All parameters are 0 if the pair is rectified and the focal length is as guessed. An angle a stands as
+// Two cameras side by side as seen from the pair that they should have taken: the model that is fitted. All
+// parameters are 0 if the pair is rectified and the focal length is as guessed. An angle a stands as
 // 2 tan(a / 2), a ratio r as 2 (r - 1) / (r + 1), so that the model needs no function beyond + - * / sqrt,
 // which all processors compute alike. The pair's relative angles turn each camera by half; a common pitch
 // would change nothing.
@@ -118,8 +119,6 @@ Fit fit_views(const Camera& camera, const std::vector<Match>& matches, const Pri
 
 // Returns the mean of r^2 / (1 + r^2) over the rows' offsets: 0 = all on their rows, 1 = none.
 double row_cost(const Views& views, const std::vector<Match>& matches);
-
-// Order statistics of a few numbers.
 
 // Returns the value below which this share of the values lies, 0 to 1; 0 if there are none.
 inline double quantile(std::vector<double> values, double share) {

@@ -1,4 +1,5 @@
-// A vector that leaves new items uninitialised, so that the threads that fill it touch its memory first.
+// A vector that leaves new items uninitialised, so that the threads that fill it touch its memory first, and
+// an allocator of many small arrays whose addresses stay valid.
 #pragma once
 
 #include <algorithm>
@@ -32,9 +33,8 @@ struct RawAllocator : std::allocator<T> {
 template <typename T>
 using RawVector = std::vector<T, RawAllocator<T>>;
 
-// Allocates many small arrays whose addresses stay valid while more are allocated.
-
-// Frees all arrays together in its destructor. For use by one thread; T must be trivially copyable.
+// Allocates many small arrays whose addresses stay valid while more are allocated. Frees all arrays together
+// in its destructor. For use by one thread; T must be trivially copyable.
 template <typename T>
 class BlockAllocator {
   public:

@@ -1,4 +1,4 @@
-// Finds files by patterns of their names.
+// Finds files by patterns of their names, and holds the rules by which the pairs of a folder are found.
 #pragma once
 
 #include <filesystem>
@@ -38,10 +38,9 @@ std::map<std::string, std::filesystem::path> files_like(const std::filesystem::p
 // Returns the pattern with `name` in place of {name}.
 std::string filled(std::string pattern, std::string_view name);
 
-// The rules by which the pairs of a folder are found: data alone, from which the search, the command's help,
-// its errors and FOLDERS.md are made.
-
-// How the files of a unit are named: patterns as in file_pattern.h, from a folder on.
+// A rule by which the pairs of a folder are found: how the files of a unit are named, by patterns as
+// files_like() takes them, from a folder on. The rules are data alone, from which the search, the command's
+// help, its errors and FOLDERS.md are made.
 struct PairRule {
     const char* name;
     const char* left;

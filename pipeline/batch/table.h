@@ -1,4 +1,5 @@
-// The table of a batch: a row per unit, with every figure of its report.
+// The table of a batch, a row per unit with every figure of its report, and its progress messages: a line
+// that is rewritten on a terminal, or JSON objects, one per line.
 #pragma once
 
 #include <cstddef>
@@ -24,8 +25,6 @@ std::string table_csv(const std::vector<TableRow>& rows);
 // Returns {"schema": 1, "version": ..., "rows": [{"name", "status", "exit_code", "error", "report": {...}}]};
 // error and report are null if there is none. A failed row, which has no report, has "warnings" instead.
 std::string table_json(const std::vector<TableRow>& rows);
-
-// The progress messages of a batch: a line that is rewritten on a terminal, or JSON objects, one per line.
 
 // The numbers of units by outcome.
 struct BatchCounts {

@@ -1,4 +1,5 @@
-// A process of its own that runs units, one after the other.
+// Runs units of a batch in worker processes, and estimates the memory that units take, so that only as many
+// run as there is room for.
 #pragma once
 
 #include <sys/types.h>
@@ -15,8 +16,6 @@
 #include "pipeline/job/request.h"
 
 namespace hexrelief::batch {
-
-// Runs one unit of a batch, unless it is up to date.
 
 // Converts the options of `hexrelief run` to a request. Throws Error.
 using RequestParser = std::function<job::RunRequest(const std::vector<std::string>& words)>;
@@ -88,8 +87,6 @@ std::vector<std::string> device_names();
 // Returns the devices that --gpus names: "all", or the first N; none for an empty text. Throws Error(device)
 // if there is no usable GPU, Error(usage) for another text.
 std::vector<std::string> devices_of(const std::string& text);
-
-// Estimates the memory that units take, so that only as many run as there is room for.
 
 // Returns three quarters of the memory that is available now, within the process's control group.
 std::uint64_t memory_to_use();

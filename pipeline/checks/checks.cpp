@@ -1,8 +1,9 @@
+#include "pipeline/checks/checks.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "pipeline/checks/checks.h"
 #include "pipeline/checks/edge_fit.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
@@ -56,16 +57,14 @@ Finding depths_are_inverse(const Uprightness& upright) {
             "the depths look upside down: what is near has the larger ones (as disparities, " +
                 upright.text() +
                 "); give disparities with --disparity, inverse depths with --depth-kind inverse_depth, a "
-                "network's "
-                "guess with affine_inverse"};
+                "network's guess with affine_inverse"};
 }
 
 Finding values_are_colors(const TurningPoints& turns) {
     return {Mistake::values_are_colors,
             "the map looks like the grey of a colour-mapped picture: " + percent(turns.topmost_share) +
                 " of the places where its values turn are folds at the largest one; give the "
-                "disparities themselves, "
-                "not a picture of them"};
+                "disparities themselves, not a picture of them"};
 }
 
 Finding values_large(const MapValues& values, int width) {

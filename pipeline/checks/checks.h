@@ -1,4 +1,6 @@
-// Checks whether a map holds disparities in px, and whether the picture is that of its view.
+// Checks whether a calibration is plausible, a map holds disparities in px, and the picture is that of its
+// view; whether a pair is rectified, left and right are not exchanged, and the range contains its
+// disparities.
 #pragma once
 
 #include <vector>
@@ -26,9 +28,6 @@ enum class MapKind { disparity, depth };
 // depth map, `map` holds the disparities made from it, whose scale is not judged.
 std::vector<Finding> check_map(const DisparityMap& map, const Image& left, MapKind kind = MapKind::disparity,
                                const MapScale& stored = {});
-
-// Checks whether a pair is rectified, left and right are not exchanged, and the
-// range contains its disparities.
 
 // Returns the likely mistakes in a pair; if one mistake explains several findings, only that one. Empty for a
 // right pair. coarse: from match_coarsely(pair, ...), starting at range.min_px or below. A range that the

@@ -1,5 +1,6 @@
-// The thresholds between correct inputs and wrong ones. Each lies between the figures of correct and wrong
-// inputs, not close to that of any one scene: EXPERIMENTS.md has both.
+// The kinds of mistakes that an input's meaning may reveal, and the thresholds between correct inputs and
+// wrong ones. Each threshold lies between the figures of correct and wrong inputs, not close to that of any
+// one scene: EXPERIMENTS.md has both.
 #pragma once
 
 #include <string>
@@ -71,7 +72,6 @@ inline std::string percent(double share) {
 }
 
 // The kinds of mistakes that an input's meaning may reveal.
-
 enum class Mistake {
     views_equal,
     views_swapped,

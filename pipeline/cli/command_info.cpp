@@ -15,6 +15,7 @@
 #include "pipeline/cli/tell_calibration.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/readers/cameras/exif_focal.h"

@@ -23,7 +23,7 @@ enum class FieldType { boolean, integer, real, choice, text, file };
 // monostate = null: an optional value that is not given.
 using FieldValue = std::variant<std::monostate, bool, long long, double, std::string>;
 
-// The option of the command line that sets a field (key_options.h).
+// The option of the command line that sets a field (options.h).
 struct FieldOption {
     std::string flag = {};    // "--fov-x"; empty = none
     std::string value = {};   // name of the value in the help: "DEG"; empty for booleans and choices

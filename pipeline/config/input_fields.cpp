@@ -1,4 +1,4 @@
-// The rows of the field table for what is read.
+// The rows of the field table for what is read and what is written.
 #include "pipeline/config/field_makers.h"
 #include "pipeline/readers/limits.h"
 

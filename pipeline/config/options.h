@@ -1,4 +1,5 @@
-// Command-line options that set a key. The rows of the field table list them.
+// Command-line options that set a key, which the rows of the field table list, and the words of a command
+// line.
 #pragma once
 
 #include <string>
@@ -62,8 +63,6 @@ std::vector<std::string> keys_of_options(const std::vector<std::pair<std::string
 // range.
 void apply_options(Config& config, const std::vector<std::pair<std::string, std::string>>& options,
                    const std::vector<std::string>& files);
-
-// Reads and writes the words of a command line.
 
 // Returns the words between white space; "double quotes" hold spaces, and a doubled quote in
 // them is one quote.

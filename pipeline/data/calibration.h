@@ -1,4 +1,5 @@
-// The calibration of a rectified stereo camera, which turns disparities into depths.
+// The calibration of a rectified stereo camera, which turns disparities into depths, and that of two cameras
+// before their pictures are rectified.
 #pragma once
 
 #include <array>
@@ -22,10 +23,9 @@ struct Calibration {
     int ndisp_px = 0;  // all disparities of the scene are below this; 0 = unknown
 };
 
-// The calibration of two cameras before their pictures are rectified.
-
-// The conventions are those of OpenCV's calibration functions: the centre of pixel 0 is at 0, and a point x
-// in the left camera's coordinates is R x + T in the right camera's.
+// The calibration of two cameras before their pictures are rectified. The conventions are those of OpenCV's
+// calibration functions: the centre of pixel 0 is at 0, and a point x in the left camera's coordinates is
+// R x + T in the right camera's.
 struct StereoCalibration {
     struct Camera {
         std::array<double, 9> matrix{};  // K, row-major

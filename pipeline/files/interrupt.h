@@ -1,4 +1,5 @@
-// A folder for files that other programs read and write during a run.
+// Handles Ctrl-C and termination: the process ends at once and leaves no partial output. A TemporaryFolder is
+// removed then as well.
 #pragma once
 
 #include <filesystem>
@@ -22,8 +23,6 @@ class TemporaryFolder {
 
 // Removes the folders of this process; called by the interrupt's thread.
 void remove_temporary_folders();
-
-// Handles Ctrl-C and termination: the process ends at once and leaves no partial output.
 
 inline constexpr int kInterruptedExitCode = 130;
 

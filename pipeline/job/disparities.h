@@ -12,6 +12,14 @@
 
 namespace hexrelief::job {
 
+// Returns by what reduce_pair() reduces an input, and logs it if that is more than 1.
+int find_reduction(const RunInput& input, const stages::DisparityConfig& config, int threads,
+                   const RunLog& log);
+
+// Reduces a pair that is larger than config.working_px, its mask and its calibration; the left picture stays
+// as InputPair::pictures.left. Does nothing to a map. Throws as stages::check_matchable().
+void reduce_pair(RunInput& input, const stages::DisparityConfig& config, int threads, const RunLog& log);
+
 // Returns the log's line about a range.
 std::string range_text(const stages::DisparityConfig& searched, stages::RangeOrigin origin);
 

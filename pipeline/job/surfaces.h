@@ -1,4 +1,5 @@
-// The surface of a run, from its disparities on: density, lattice, cut mesh, points in space.
+// The surface of a run, from its disparities on: density, lattice, cut mesh, points in space; and the search
+// for the surface that keeps a budget.
 #pragma once
 
 #include <filesystem>
@@ -34,8 +35,6 @@ void warn_of_inversions(const quality::MeshQuality& quality, RunLog& log);
 // as make_surface().
 std::vector<SurfaceMesh> coarser_levels(const LeftView& view, const SurfaceResult& finest, Backend& backend,
                                         const RunLog& log);
-
-// Searches for the surface that keeps a budget.
 
 // Repeats make_surface() with other spacings and tolerances until the surface keeps the configured limit
 // (budget.h). The result's configuration and budget hold what was found. A limit on bytes applies to the

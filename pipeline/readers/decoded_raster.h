@@ -1,4 +1,5 @@
-// Decoded samples, which may be a picture or a disparity map.
+// Decoded samples, which may be a picture or a disparity map, and the description of a raster file whose
+// samples are not decoded.
 #pragma once
 
 #include <bit>
@@ -81,8 +82,7 @@ void split_alpha(Raster& raster);
 
 namespace hexrelief::readers {
 
-// Describes a raster file without decoding its samples.
-
+// What a raster file's header tells.
 struct FileDescription {
     std::string
         format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "bmp", "heic", "npy", "npz", "exr"

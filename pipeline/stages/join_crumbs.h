@@ -7,10 +7,11 @@ namespace hexrelief::stages {
 
 // Joins connected components of fewer than 30 triangles to the larger one beside them, whichever costs least:
 // the joined corners take its disparities, and the squares of what that changes are summed over the pixels.
-// No join costs more than 0.5 px2 a pixel of a lattice cell, which has cell_px pixels: a triangle on two
-// surfaces that costs no more is not cut. Components of fewer than least_px pixels join whatever it costs,
-// and the rest of their corners take the mean of these disparities. Triangles and points stay. The joined
-// mesh may have vertices without triangles.
+// Components of at least least_px pixels join only if that costs at most 0.5 px2 a pixel of a lattice cell,
+// which has cell_px pixels: a triangle on two surfaces that costs no more is not cut. Smaller ones join
+// whatever it costs, and the rest of their corners take the mean of the joined corners' new disparities, a
+// corner counted once for each end of a joined edge there. Triangles and points stay. The joined mesh may
+// have vertices without triangles.
 void join_crumbs(DisparityMesh& mesh, double cell_px, double least_px = 0);
 
 }  // namespace hexrelief::stages

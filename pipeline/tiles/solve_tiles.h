@@ -1,4 +1,4 @@
-// Solves the tiles of a plan, each by itself.
+// Solves the tiles of a plan, each by itself, and runs work on several tiles at a time.
 #pragma once
 
 #include <cstddef>
@@ -36,8 +36,6 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, job
 
 // Returns the estimated number of bytes that solving a tile takes.
 std::uint64_t tile_memory(const TilePlan& plan);
-
-// Runs work on several tiles at a time.
 
 // The functions that balance and cut; any number of threads may call them.
 struct TileWorkers {

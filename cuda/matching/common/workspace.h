@@ -1,4 +1,5 @@
-// The resources that a matcher keeps from call to call.
+// The resources that a matcher keeps from call to call: memory, streams and their marks, and recorded
+// launches.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -9,8 +10,6 @@
 #include "cuda/matching/common/stage_clock.h"
 
 namespace hexrelief::cuda {
-
-// A second stream, for work that the device does beside the call's own stream.
 
 // A point in a stream's work for which another stream waits. It may be set any number of times; a waiting
 // stream waits for the point that was set last.
@@ -70,10 +69,9 @@ struct Workspace {
     ~Workspace() { cudaStreamDestroy(stream); }
 };
 
-// Records launches that are repeated: one by one they take the host longer than small kernels run.
-
-// Records them as a CUDA graph at the second call, because making a graph takes about as long as a call,
-// which would not pay for a single one.
+// Records launches that are repeated as a CUDA graph: one by one they take the host longer than small kernels
+// run. Records at the second call, because making a graph takes about as long as a call, which would not pay
+// for a single one.
 class Recording {
   public:
     Recording() = default;

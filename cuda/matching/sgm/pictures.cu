@@ -1,7 +1,8 @@
+#include "cuda/matching/sgm/pictures.h"
+
 #include <algorithm>
 
 #include "cuda/matching/common/pixels.cuh"
-#include "cuda/matching/sgm/pictures.h"
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/sgm/path_step.h"
 

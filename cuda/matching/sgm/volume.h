@@ -1,5 +1,5 @@
-// The data that semi-global matching keeps for each pixel and each disparity searched there, for
-// a band of rows.
+// The data that semi-global matching keeps for each pixel and each disparity searched there, for a band of
+// rows, and the steps that set its costs and choose from their sums.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -12,10 +12,9 @@
 namespace hexrelief::cuda {
 
 // The data that a path reads at a pixel beside its costs, in one word: the penalty of a large step to the
-// pixel, and the disparities searched there.
-
-// The lowest bits hold the penalty, up to the largest that 16-bit sums allow; the bits above hold the start
-// of the far run and that of the near run, in steps of kRunAlignment.
+// pixel, and the disparities searched there. The lowest bits hold the penalty, up to the largest that 16-bit
+// sums allow; the bits above hold the start of the far run and that of the near run, in steps of
+// kRunAlignment.
 using PathPixel = std::uint32_t;
 inline constexpr int kPenaltyBits = 14, kRunBits = 9;
 inline constexpr std::uint32_t kPenalty = (1u << kPenaltyBits) - 1;
@@ -85,14 +84,11 @@ struct DeviceVolume {
     }
 };
 
-// Computes the matching costs of a band of rows.
-
-// Sets the volume's costs, and clears its right_best.
+// Computes the matching costs of a band of rows. Sets the volume's costs, and clears its right_best.
 void find_costs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume);
 
-// Finds the best disparity of each pixel, in both views.
-
-// Sets the kept rows of both views, in 1/16 px above the range's first disparity, from the sums of both axes.
+// Finds the best disparity of each pixel, in both views. Sets the kept rows of both views, in 1/16 px above
+// the range's first disparity, from the sums of both axes.
 void find_winners(cudaStream_t stream, const DeviceVolume& volume,
                   const matching::RasterView<std::int16_t>& left,
                   const matching::RasterView<std::int16_t>& right);

@@ -1,4 +1,5 @@
-// Fits silhouette vertices to crack edges.
+// Fits silhouette vertices to crack edges, and insets silhouettes at high depth discontinuities into their
+// own surfaces.
 #pragma once
 
 #include <cstdint>
@@ -73,8 +74,6 @@ void begin_silhouettes(const Launch& launch, const SurfaceState& s, const Silhou
 // Does the same as SilhouetteFitter::fit(): moves s.lattice.points and marks s.lattice.changed. It reads
 // s.pixels, s.labels.kept and s.labels.open, and the labels' flag words.
 void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words);
-
-// Insets silhouettes at high depth discontinuities into their own surfaces.
 
 // Returns arrays in the memory of the disparities' fit, which comes later.
 inline step::InsetArrays inset_arrays(const step::FitArrays& fit) {

@@ -1,4 +1,5 @@
-// The cut mesh's triangles, vertices and pixels; vertices between surfaces are doubled.
+// Joins cuts through the mesh, and makes the cut mesh's triangles, vertices and pixels; vertices between
+// surfaces are doubled.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +37,6 @@ inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
 void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
                   const unsigned* cuts, const FanArrays& a);
 
-// Joins cuts through the mesh.
-
 inline step::CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
     step::CutArrays a{};
     a.cuts = arena.take<unsigned>(sizes.most_points);
@@ -47,7 +46,8 @@ inline step::CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) 
     return a;
 }
 
-// Changes s.labels.open. To be called after open_edges(). Leaves a.cuts for cut_vertices().
+// Joins cuts through the mesh: changes s.labels.open. To be called after open_edges(). Leaves a.cuts for
+// cut_vertices().
 void join_cuts(const Launch& launch, const SurfaceState& s, const step::CutArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// Labels each triangle with the surface that it lies on.
+// Labels each triangle with the surface that it lies on, and decides which edges of triangles are open.
 #pragma once
 
 #include <cstdint>
@@ -72,8 +72,6 @@ inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, surface::PixelRu
 // Does the same as TriangleLabeler::update(): reads the pixels and s.lattice, writes s.labels except for its
 // runs. first: there is no preceding update.
 void label_triangles(const Launch& launch, const SurfaceState& s, const LabelArrays& a, bool first);
-
-// Decides which edges of triangles are open.
 
 // Does the same as TriangleLabeler::open_edges(): writes s.labels.open. To be called after label_triangles().
 void open_edges(const Launch& launch, const SurfaceState& s, const LabelArrays& a);

@@ -1,4 +1,5 @@
-// Fits the vertices' disparities to the triangles' own pixels by least squares, by a team of threads.
+// Fits the vertices' disparities to the triangles' own pixels by least squares, by a team of threads. A
+// triangle's sums come from its pixels' moments, without reading the pixels again.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +13,6 @@
 #include "pipeline/base/host_device.h"
 
 namespace hexrelief::step {
-
-// Computes a triangle's sums from its pixels' moments, without reading the pixels again.
 
 // True if the triangle is not too thin for full_sums().
 HEXRELIEF_HD bool holds_sums(const PlanePatch& p) {

@@ -1,4 +1,5 @@
-// Moves vertices along silhouettes so that the mesh edges between them fit the crack edges.
+// Moves vertices along silhouettes so that the mesh edges between them fit the crack edges around, and insets
+// silhouettes at high depth discontinuities into their own surfaces.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,6 @@
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::surface {
-
-// Finds the crack edges around a silhouette edge, and sums up its residuals to them.
 
 // Samples as a structure of arrays, so that loops over them vectorise: x, y, near_x and near_y of all
 // samples, one array after the other, padded to a multiple of kSamplesAtOnce with samples of weight 0.
@@ -111,8 +110,6 @@ class SilhouetteFitter {
     std::vector<std::uint8_t> moved_, marked_;
     std::vector<std::uint8_t> held_;  // per silhouette vertex: held back by a triangle
 };
-
-// Insets silhouettes at high depth discontinuities into their own surfaces.
 
 // Moves the copies of a vertex at a high depth discontinuity apart, by `by_px` each, into their own surfaces,
 // unless that uncovered a pixel that is not next to a high step. (At a step down to the background there is

@@ -1,4 +1,5 @@
-// Finds the depth discontinuities between neighbouring pixels of a disparity map, and counts them by tiles.
+// Finds the depth discontinuities between neighbouring pixels of a disparity map, counts them by tiles, and
+// tells which are low half-occlusion steps.
 #pragma once
 
 #include <cstddef>
@@ -105,11 +106,9 @@ HEXRELIEF_HD bool may_cross(const TileView& tiles, const Vec2f& a, const Vec2f& 
                       pixel(max_of(a.y, b.y), tiles.height));
 }
 
-// Low half-occlusion steps: from near to far, left to right. Beside them lies a strip of the farther surface,
-// a few pixels wide, that only the right camera sees. A nearer surface that reaches a little too far, or a
-// fit that rounds the step, would hide it.
-
-// True if the step between two neighbours of a row is a low half-occlusion step.
+// True if the step between two neighbours of a row is a low half-occlusion step: from near to far, left to
+// right. Beside it lies a strip of the farther surface, a few pixels wide, that only the right camera sees. A
+// nearer surface that reaches a little too far, or a fit that rounds the step, would hide the strip.
 HEXRELIEF_HD bool is_low_half_occlusion(float left, float right) {
     return (right > 0) & (left > right) & (left - right < kLowHalfOcclusion_px);
 }

@@ -1,4 +1,5 @@
-// Gives each vertex fan a vertex of its own, by a team of threads.
+// Walks through the fans of triangles around a vertex, which are connected by closed edges, and gives each
+// fan a vertex of its own, by a team of threads.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +11,6 @@
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::step {
-
-// Walks through the fans of triangles around a vertex, which are connected by closed edges.
 
 // A split lattice with its triangles' labels. Neighbours, Open: types of pointers to
 // three values per triangle.

@@ -1,4 +1,5 @@
-// Connects a triangle's pixels to components, and rates its pixels on other surfaces.
+// Connects a triangle's pixels to components, rates its pixels on other surfaces, and decides whether the
+// edge between two triangles is open: pairs of neighbouring pixels across it vote.
 #pragma once
 
 #include <cmath>
@@ -118,8 +119,6 @@ HEXRELIEF_HD Way way_between_pixels(const PixelView& view, std::uint32_t i, std:
     return way_between_centres(static_cast<int>(i % w), static_cast<int>(i / w), static_cast<int>(j % w),
                                static_cast<int>(j / w));
 }
-
-// Decides whether the edge between two triangles is open: pairs of neighbouring pixels across it vote.
 
 // The votes on each of a triangle's edges: how many pairs of pixels say that it is open, and how many that it
 // is closed. One number holds both counts, so that a vote is a single addition.

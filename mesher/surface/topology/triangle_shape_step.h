@@ -1,4 +1,5 @@
-// Measures how thin a triangle is, and finds the corners that may move without making it too thin.
+// Measures how thin a triangle is, finds the corners that may move without making it too thin, and lists the
+// corners at each vertex of the cut mesh.
 #pragma once
 
 #include <cmath>
@@ -115,8 +116,7 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
     return allowed;
 }
 
-// The cut mesh's triangles, and the corners at each of its vertices.
-
+// The cut mesh's triangles.
 struct MeshTriangles {
     unsigned point_count, count;
     const Triangle* corners;

@@ -1,4 +1,5 @@
-// Commands, options and help of a command line, reduced to the forms that this program needs.
+// Commands, options and help of a command line, reduced to the forms that this program needs, and the options
+// that several commands share.
 #pragma once
 
 #include <hexrelief/hexrelief.h>
@@ -98,12 +99,7 @@ class ArgumentParser {
     Action chosen_;
 };
 
-}  // namespace hexrelief::cli
-
-namespace hexrelief::cli {
-
-// Adds --config, --set and the options that set a key to several commands.
-
+// Adds --config, --set and the options that set a key to a command.
 void add_config_options(Command& command, Options& options, const std::string& group);
 
 // Adds the field table's options with these flags; appends those that are given to `options.direct`.

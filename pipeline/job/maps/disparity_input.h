@@ -1,4 +1,5 @@
-// Makes disparities that have no depth unknown, and looks at the scale that was assumed.
+// Prepares supplied maps: makes disparities that have no depth unknown, looks at the scale that was assumed,
+// converts depths, and fits maps to pictures whose sides a network rounded.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +34,6 @@ struct DepthInput {
 // depths are and the focal length is known. Throws Error(input) if near_m and far_m leave no depth.
 DepthInput take_depths(readers::DepthFile file, const readers::DepthFileConfig& config, bool is_focal_known,
                        Calibration& camera);
-
-// Fits maps to pictures whose sides a network rounded.
 
 // Changes a map whose aspect differs from its picture's: cuts it evenly if it is the picture padded to
 // multiples of 8 to 128, or repeats and leaves out rows if the aspect is at most 3 % off, as after rounding

@@ -1,4 +1,5 @@
-// Aligns an uncalibrated pair by its own points (pipeline/alignment), as input.rectify says.
+// Aligns an uncalibrated pair by its own points (pipeline/alignment), as input.rectify says, and finds the
+// dark strips that rectifying leaves along a picture's sides.
 #pragma once
 
 #include <array>
@@ -90,8 +91,6 @@ int largest_speckle_px(const Image& picture);
 // pair whose disparities are partly negative; as far as the keys of the range are not given.
 stages::DisparityConfig with_range_of(const alignment::Alignment& found, int width,
                                       const config::Config& config);
-
-// Finds the dark strips that rectifying leaves along a picture's sides.
 
 // Returns a mask that keeps all pixels but those of dark strips; empty = there are none. A strip is plain and
 // nearly black, runs along the whole of a side, at most a quarter of the picture wide, and ends at a smooth

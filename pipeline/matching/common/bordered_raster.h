@@ -1,4 +1,5 @@
-// Rasters with a border, so that a window around any pixel can be read without bounds checks.
+// Rasters with a border, so that a window around any pixel can be read without bounds checks, and loops over
+// their rows.
 #pragma once
 
 #include <cstddef>
@@ -59,9 +60,6 @@ inline constexpr int kOnePixel = 16;  // 1 px in these units
 struct ViewDisparities {
     Disparities16 left, right;
 };
-
-// Loops over the rows of a raster, on all threads. They are not in raster.h because CUDA's sources do not
-// need the threads' headers, which nvcc would read three times per source.
 
 // The number of pixels of a row that steps with many sums process at a time, so that the sums stay
 // in the first-level cache.

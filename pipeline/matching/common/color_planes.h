@@ -1,4 +1,5 @@
-// The form in which the matcher reads a picture: its channels one by one, and its luminance.
+// The form in which the matcher reads a picture, its channels one by one and its luminance, and the colour
+// steps in it.
 #pragma once
 
 #include <array>
@@ -49,10 +50,8 @@ ColorView view_of(const ColorPlanes& colors);
 // the edge is repeated.
 Image at_half_size(const Image& image, ThreadPool& pool);
 
-// Colour steps between a run of pixels and the pixels at an offset, for loops that the compiler vectorises.
-
-// Sets out[x] to the largest difference of a channel between pixel (x0 + x, y) and the pixel
-// (dx, dy) px away.
+// Sets out[x] to the largest difference of a channel between pixel (x0 + x, y) and the pixel (dx, dy) px
+// away, in loops that the compiler vectorises.
 HEXRELIEF_INLINED void color_steps(const ColorView& colors, int x0, int y, int dx, int dy, int count,
                                    std::uint8_t* __restrict out) {
     for (int c = 0; c < colors.channels; ++c) {

@@ -1,4 +1,5 @@
-// Colours of pixels: luminance, and the distance between two colours.
+// Colours of pixels: luminance, and the distance between two colours; and the geometry of a picture at half
+// its size.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +21,6 @@ HEXRELIEF_HD std::uint8_t distance(std::uint8_t a, std::uint8_t b) {
 HEXRELIEF_HD std::uint8_t rounded_ninth(std::uint16_t sum) {
     return static_cast<std::uint8_t>((sum + 4) / 9);
 }
-
-// The geometry of a picture at half its size.
 
 // Returns the number of columns, or rows, at half size; if the count is odd, the last one covers only one.
 HEXRELIEF_HD int half_size(int count) {

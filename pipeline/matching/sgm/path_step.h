@@ -1,4 +1,5 @@
-// One step of a path of semi-global matching (Hirschmueller 2008, eq. 13), and its penalties.
+// One step of a path of semi-global matching (Hirschmueller 2008, eq. 13), its penalties, and the matching
+// cost of two pixels: census and truncated colour difference.
 #pragma once
 
 #include <cstdint>
@@ -83,8 +84,6 @@ HEXRELIEF_HD int winner_disparity(std::uint32_t key) {
 HEXRELIEF_HD int winner_sum(std::uint32_t key) {
     return static_cast<int>(key >> 16);
 }
-
-// The matching cost of two pixels: census and truncated colour difference.
 
 // The census transform of a 9x7 window (Zabih & Woodfill 1994): for each pixel except the centre a bit that
 // says whether it is darker than the centre. Only the number of different bits counts, so each backend may

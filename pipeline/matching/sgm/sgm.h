@@ -1,4 +1,5 @@
-// Semi-global matching of a pair (Hirschmueller 2008), on census and colour.
+// Semi-global matching of a pair (Hirschmueller 2008), on census and colour, in bands of rows if the cost
+// volume exceeds kLargestVolume_bytes.
 #pragma once
 
 #include <cstddef>
@@ -33,8 +34,6 @@ inline constexpr std::size_t kBlock_bytes = std::size_t{32} << 20;
 ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
                             WindowView windows, const step::PathPenalties& penalties, ThreadPool& pool,
                             std::size_t block_bytes = kBlock_bytes);
-
-// Row bands for pictures whose cost volume exceeds kLargestVolume_bytes.
 
 // A picture whose volume, counted with kWholeRange disparities per pixel, exceeds this number of
 // bytes is matched in bands of rows. Each band has kBandMargin more rows above and below, in which

@@ -1,5 +1,5 @@
 // Chooses which disparities of a pixel are searched, from the match of the pair at half size (coarse to fine,
-// as Rothermel et al. 2012 do for SGM).
+// as Rothermel et al. 2012 do for SGM), and refines the best of them to 1/16 px.
 #pragma once
 
 #include "pipeline/base/host_device.h"
@@ -71,10 +71,8 @@ HEXRELIEF_HD int entry_of(const matching::SearchWindow& window, int disparity,
     return in_near >= 0 && in_near < run ? run + in_near : -1;
 }
 
-// Sub-pixel refinement of a pixel's best disparity.
-
-// Returns a disparity in 1/16 px. lower, middle, upper: the costs at disparity - 1, disparity
-// and disparity + 1.
+// Refines a pixel's best disparity; returns it in 1/16 px. lower, middle, upper: the costs at disparity - 1,
+// disparity and disparity + 1.
 HEXRELIEF_HD int refined_winner(int disparity, int lower, int middle, int upper) {
     return matching::kOnePixel * disparity + parabola_vertex(lower, middle, upper);
 }

@@ -1,4 +1,5 @@
-// Chooses the cameras in files that have those of several picture sizes, sockets or views.
+// The cameras of a pair as it was taken, and the choice of cameras in files that have those of several
+// picture sizes, sockets or views.
 #include <algorithm>
 #include <array>
 #include <cmath>

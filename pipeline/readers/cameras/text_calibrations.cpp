@@ -1,4 +1,5 @@
-// Parses Middlebury's calib.txt, "key=value" lines as people write and edit them.
+// Parses calibrations of plain text: Middlebury's calib.txt and hexrelief's own keys, as people write and
+// edit them, KITTI's matrices, numbers alone, and MVSNet's cameras.
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
-// What the boxes of a HEIC file tell and libheif does not: its stereo pair, the pair's cameras, its EXIF
-// data.
+// The boxes of HEIC files (ISO/IEC 14496-12), and what they tell and libheif does not: the stereo pair, the
+// pair's cameras, EXIF data, and properties of the pictures (ISO/IEC 23008-12).
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,6 @@
 #include "pipeline/readers/source.h"
 
 namespace hexrelief::readers::codec {
-
-// The boxes that HEIC files are made of (ISO/IEC 14496-12).
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -65,8 +63,6 @@ std::vector<std::uint8_t> heic_exif(Bytes file);
 // 3: tone map, grid, tile), or if a picture is put together from more than 16,384 others. libheif 1.15
 // decodes nested pictures to any depth that the file asks for, and endlessly if one is derived from itself.
 void check_derivations(const SourceFile& source);
-
-// The properties of a HEIC file's pictures (ISO/IEC 23008-12).
 
 // Calls visit(type, content) for each box inside the file's box "meta".
 template <typename Visit>

@@ -1,4 +1,5 @@
-// Fills a map of scattered measurements, guided by the picture if there is one.
+// Fills a map of scattered measurements, guided by the picture if there is one, and cuts the blurred steps of
+// a map along the picture's edges.
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
@@ -15,8 +16,6 @@ DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads)
 // around it. map: known pixels in at least one place. left, the origins and the result are as those of
 // densify().
 DisparityMap fill_holes(const DisparityMap& map, const Image& left, int threads);
-
-// Cuts the blurred steps of a map along the picture's edges.
 
 struct SharpenedMap {
     DisparityMap map;

@@ -1,5 +1,9 @@
-// Puts bare patches back that were filled from a nearer thing beside them.
+// Puts bare patches back that were filled from a nearer thing beside them, and continues surfaces beyond the
+// right picture's right end.
 #pragma once
+
+#include <cstdint>
+#include <vector>
 
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
@@ -13,8 +17,6 @@ namespace hexrelief::stages {
 // follows that surface. left: the picture of the map's view and size. Maps without origins, unknown pixels
 // and origins stay.
 DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int threads);
-
-// Continues surfaces beyond the right picture's right end.
 
 // Of two photographs that are turned until their rows agree, the right one may end before the left view does.
 // What would lie beyond its end matches nothing, or, if bare, what is nearer and still inside, and is filled

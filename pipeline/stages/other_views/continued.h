@@ -21,7 +21,7 @@ struct Continued {
     RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
     RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
     std::vector<std::uint32_t> pixels;    // that have something
-    const DisparityMap& shown;            // by the view alone: this only gets colours, at distance 0
+    const DisparityMap& shown;  // by the view alone; at these pixels only colours are given, at distance 0
 
     Continued(std::size_t count, const DisparityMap& missing)
         : disparities(count), distances(count), colours_of(count), shown(missing) {}
@@ -41,8 +41,9 @@ struct Continued {
 inline constexpr double kNeighbours_px = 2;
 
 // A step within the near thing, such as at its rim, is no silhouette: what continues there is part of the
-// thing. It is nearer to what hides it, `front`, than to the median of what continues within radius_px, and
-// gets what continues beside it; nothing where that would not be hidden. So does what has no colour.
+// thing. Such a pixel's disparity is nearer to that of what hides it, `front`, than to the median of the
+// means, over squares of radius_px / 16 px a side, of what continues within radius_px. The pixel gets what
+// continues beside it, or nothing if that would not be hidden. So does a pixel without a colour.
 void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px);
 
 // Makes lines that continue one surface agree. The same for any number of threads.

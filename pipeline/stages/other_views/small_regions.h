@@ -28,8 +28,8 @@ std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least,
 // Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
 void merge_specks(DisparityMap& map);
 
-// Returns the pixels of small regions that go on with a surface beside them, of which they are cracks.
-// surface: per pixel a disparity or kNotCovered.
+// Returns those pixels of small regions that themselves touch a surface: a neighbour is covered by one within
+// 1 px of disparity. surface: per pixel a disparity or kNotCovered.
 std::vector<std::uint32_t> cracks_of(const DisparityMap& map, const Disparities& surface);
 
 }  // namespace hexrelief::stages

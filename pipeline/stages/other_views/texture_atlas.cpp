@@ -138,7 +138,7 @@ using Colour = std::array<float, 3>;
 
 // Gives the pixels of a block that have no colour those that a JPEG file needs fewest bytes for: what goes on
 // smoothly from the block's others, or if it has none the mean of the block before. Returns the block's mean.
-// is_known: 1 for pixels with a colour, row by row of the atlas from the block's first on.
+// is_known: 1 for pixels with a colour, row by row of the atlas from the block's first row on.
 Colour fill_block(Image& atlas, const char* is_known, int x, int y, const Colour& before) {
     const int width = std::min(kBlock_px, atlas.width - x), height = std::min(kBlock_px, atlas.height - y);
     std::array<Colour, kBlock_px * kBlock_px> colours;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/data/error.h"
+#include "pipeline/job/disparities.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
