@@ -311,7 +311,8 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
         press_near(disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
         if (is_of_points)
             disparity.map = stages::with_bare_patches_behind(
-                stages::continued_at_right_end(std::move(disparity.map), pair->right_mask.kept),
+                stages::continued_at_right_end(std::move(disparity.map), pair->views.left,
+                                               pair->right_mask.kept, threads),
                 pair->views.left, threads);
         if (is_smoothed) refine_noisy(disparity, *pair, threads, log);
         if (is_smoothed && is_of_points)

@@ -23,6 +23,8 @@ constexpr int kSmoothShare = 32;  // the same, of the means of what is led to se
 constexpr std::size_t kPatchShare = 1000;  // of the picture
 constexpr float kRangeShare = 2;
 constexpr float kNearer_px = 1;
+constexpr int kAnyColour = 3 * 255 * kSquare;
+constexpr int kMarginShare = 20;  // of the longer side: beside the right picture's end less is matched
 
 // Sums of a value of pixels over rectangles.
 class Sums {
@@ -84,29 +86,30 @@ cv::Mat colour_sums(const Image& image) {
 
 constexpr std::uint32_t kNoSource = ~std::uint32_t{0};
 
-// Returns the sure pixel that leads to each one over the least difference of colours; kNoSource if none does
-// within a bare patch.
-std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left, ThreadPool& pool) {
+// Returns the sure pixel that leads to each one over the least difference of colours; kNoSource where it is
+// larger than `most`. is_open(pixel): whether a pixel may be led to.
+template <typename Open>
+std::vector<std::uint32_t> flood(const DisparityMap& map, const std::vector<std::uint8_t>& sure,
+                                 const Image& left, int most, const Open& is_open) {
     const cv::Mat colours = colour_sums(left);
     const auto colour = [&](std::size_t pixel) {
         return colours.ptr<std::int16_t>() + pixel * static_cast<std::size_t>(left.channels);
     };
-    const std::vector<std::uint8_t> sure = sure_pixels(map, pool);
     std::vector<std::uint32_t> source(sure.size(), kNoSource);
-    std::vector<std::int16_t> levels(sure.size(), kBare + 1);
-    std::vector<std::vector<std::uint32_t>> waiting(kBare + 1);
+    std::vector<std::int16_t> levels(sure.size(), static_cast<std::int16_t>(most + 1));
+    std::vector<std::vector<std::uint32_t>> waiting(static_cast<std::size_t>(most) + 1);
     for (std::size_t i = 0; i < sure.size(); ++i) {
         if (!sure[i]) continue;
         source[i] = static_cast<std::uint32_t>(i);
         levels[i] = 0;
         waiting[0].push_back(source[i]);
     }
-    for (int level = 0; level <= kBare; ++level)
+    for (int level = 0; level <= most; ++level)
         for (std::size_t next = 0; next < waiting[level].size(); ++next) {
             const std::uint32_t from = waiting[level][next];
             if (levels[from] < level) continue;
             for_four_neighbours(from, map.width, map.height, [&](std::size_t i) {
-                if (level >= levels[i]) return;  // as nearly all of them
+                if (level >= levels[i] || !is_open(i)) return;  // as nearly all of them
                 int step = 0;
                 for (int c = 0; c < left.channels; ++c) step += std::abs(colour(i)[c] - colour(from)[c]);
                 const int reached = std::max(level, step * 3 / left.channels);
@@ -119,16 +122,19 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const Image& left, Thr
     return source;
 }
 
-constexpr int kLeastShare = 60;  // of the longer side: matched pixels that show another surface
-constexpr float kStep_px = 1;
-
-// The length of the run of matched pixels from column x on that are one surface; `most` if it is longer.
-int matched_run(const DisparityMap& map, std::size_t row, int x, int most) {
-    int end = x;
-    while (end < map.width && end < x + most && map.origins[row + end] == PixelOrigin::matched &&
-           (end == x || std::abs(map.values[row + end] - map.values[row + end - 1]) <= kStep_px))
-        ++end;
-    return end - x;
+// Returns which pixels are matched and lie in regions of such ones of a thousandth of the picture or more.
+std::vector<std::uint8_t> matched_regions(const DisparityMap& map) {
+    std::vector<std::uint8_t> is_matched(map.origins.size());
+    std::transform(map.origins.begin(), map.origins.end(), is_matched.begin(),
+                   [](PixelOrigin origin) { return origin == PixelOrigin::matched; });
+    cv::Mat labels, figures, centres;
+    cv::connectedComponentsWithStats(cv::Mat(map.height, map.width, CV_8U, is_matched.data()), labels,
+                                     figures, centres, 4);
+    for (std::size_t i = 0; i < is_matched.size(); ++i) {
+        const int area = figures.at<int>(labels.ptr<int>()[i], cv::CC_STAT_AREA);
+        if (static_cast<std::size_t>(area) * kPatchShare < is_matched.size()) is_matched[i] = 0;
+    }
+    return is_matched;
 }
 
 }  // namespace
@@ -136,7 +142,8 @@ int matched_run(const DisparityMap& map, std::size_t row, int x, int most) {
 DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int threads) {
     if (map.origins.empty() || left.empty()) return map;
     ThreadPool pool(threads);
-    const std::vector<std::uint32_t> source = flood(map, left, pool);
+    const std::vector<std::uint32_t> source =
+        flood(map, sure_pixels(map, pool), left, kBare, [](std::size_t) { return true; });
     float least = std::numeric_limits<float>::infinity(), most = -least;
     for (const float d : map.values) {
         if (!DisparityMap::known(d)) continue;
@@ -182,28 +189,32 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int t
     return map;
 }
 
-DisparityMap continued_at_right_end(DisparityMap map, const std::vector<std::uint8_t>& is_seen) {
-    if (map.origins.empty() || is_seen.empty()) return map;
-    const int least = std::max(map.width, map.height) / kLeastShare;
-    for (int y = 0; y < map.height; ++y) {
+DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
+                                    const std::vector<std::uint8_t>& is_seen, int threads) {
+    if (map.origins.empty() || left.empty()) return map;
+    ThreadPool pool(threads);
+    const std::vector<std::uint8_t> is_matched = matched_regions(map);
+    std::vector<std::uint8_t> sure = sure_pixels(map, pool);
+    for (std::size_t i = 0; i < sure.size(); ++i) sure[i] &= is_matched[i];
+    std::vector<std::uint8_t> is_rim(sure.size());
+    for_rows(pool, map.height, [&](int y) {
+        const std::size_t row = static_cast<std::size_t>(y) * map.width;
+        for (int x = map.width - 1; x >= 0 && !sure[row + x]; --x) is_rim[row + x] = 1;
+    });
+    const std::vector<std::uint32_t> source =
+        flood(map, sure, left, kAnyColour, [&](std::size_t i) { return is_rim[i] != 0; });
+    const int margin = std::max(map.width, map.height) / kMarginShare;
+    for_rows(pool, map.height, [&](int y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         int last = map.width - 1;
-        while (last >= 0 && !is_seen[row + last]) --last;
-        float before = kUnknownDisparity;
+        while (!is_seen.empty() && last >= 0 && !is_seen[row + last]) --last;
         for (int x = 0; x < map.width; ++x) {
-            float& here = map.values[row + x];
-            if (!DisparityMap::known(here)) {
-                before = kUnknownDisparity;
-                continue;
-            }
-            const bool is_beyond =
-                DisparityMap::known(before) && static_cast<float>(x) - before > static_cast<float>(last);
-            if (is_beyond && std::abs(here - before) > kStep_px && matched_run(map, row, x, least) < least)
-                here = before;
-            else
-                before = here;
+            const std::size_t i = row + x;
+            if (!is_rim[i] || is_matched[i] || source[i] == kNoSource) continue;
+            const float d = map.values[source[i]];
+            if (static_cast<float>(x) - d > static_cast<float>(last - margin)) map.values[i] = d;
         }
-    }
+    });
     return map;
 }
 

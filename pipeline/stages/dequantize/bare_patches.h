@@ -19,10 +19,13 @@ namespace hexrelief::stages {
 DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int threads);
 
 // Of two photographs that are turned until their rows agree, the right one may end before the left view does.
-// What would lie beyond its end matches nothing, or, if bare, what is nearer and still inside, and is filled
-// from nearer things. Here each row's surface goes on to the right from where it would leave the right
-// picture, until matched pixels over at least a 60th of the longer side are another surface. is_seen: of the
-// right picture, the map's size, 1 = shows something; empty = all. Maps without origins stay.
-DisparityMap continued_at_right_end(DisparityMap map, const std::vector<std::uint8_t>& is_seen);
+// What would lie beyond its end matches nothing, or what is nearer and still inside, and is filled from
+// nearer things. Here what lies right of its row's last surely matched pixel is flooded from such pixels
+// along the smallest differences of colour, and takes the disparity that it is led from where that lies
+// beyond the right picture, or within a 20th of the longer side of its end. left: as above. is_seen: of the
+// right picture, the map's size, 1 = shows something; empty = all. Maps without origins and unknown pixels
+// stay.
+DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
+                                    const std::vector<std::uint8_t>& is_seen, int threads);
 
 }  // namespace hexrelief::stages

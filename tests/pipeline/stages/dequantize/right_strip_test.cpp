@@ -6,55 +6,75 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kStripColumns = 120, kStripRows = 4, kSeenColumns = 80;  // columns that the right picture shows
-constexpr float kSky = 10, kHedge = 30, kPole = 40;
+constexpr int kStripColumns = 120, kStripRows = 24,
+              kSeenColumns = 80;     // columns that the right picture shows
+constexpr int kMatchedColumns = 84;  // the sky leaves the right picture at column 90
+constexpr float kSky = 10, kHedge = 30, kPole = 25;
 
-// A bare sky that matched as far as the right picture shows it, and was filled from a hedge farther right.
+// A sky that matched nearly as far as the right picture shows it, and was filled from a hedge farther right.
 struct Sky {
     DisparityMap map{kStripColumns, kStripRows, {}, {}};
+    Image left{kStripColumns, kStripRows, 3, {}};
     std::vector<std::uint8_t> is_seen;
 
     Sky() {
         for (int y = 0; y < kStripRows; ++y)
             for (int x = 0; x < kStripColumns; ++x) {
-                const bool is_matched = static_cast<float>(x) - kSky < kSeenColumns;
+                const bool is_matched = x < kMatchedColumns;
                 map.values.push_back(is_matched ? kSky : kHedge);
                 map.origins.push_back(is_matched ? PixelOrigin::matched : PixelOrigin::filled);
                 is_seen.push_back(x < kSeenColumns);
+                for (const int level : {200, 210, 220})
+                    left.pixels.push_back(static_cast<std::uint8_t>(level));
             }
     }
-    void put_pole(int y, int first, int end) {
-        for (int x = first; x < end; ++x) {
-            map.at(x, y) = kPole;
-            map.origins[static_cast<std::size_t>(y) * kStripColumns + x] = PixelOrigin::matched;
-        }
+    void match(int first_row, int end_row, int first, int end, std::uint8_t level) {
+        for (int y = first_row; y < end_row; ++y)
+            for (int x = first; x < end; ++x) {
+                const std::size_t i = static_cast<std::size_t>(y) * kStripColumns + x;
+                map.values[i] = kPole;
+                map.origins[i] = PixelOrigin::matched;
+                for (std::size_t c = 0; c < 3; ++c) left.pixels[3 * i + c] = level;
+            }
     }
+    DisparityMap continued() const { return continued_at_right_end(map, left, is_seen, 2); }
 };
 
 TEST(RightStrip, ContinuesWhatLeavesTheRightPicture) {
     const Sky sky;
-    const DisparityMap result = continued_at_right_end(sky.map, sky.is_seen);
+    const DisparityMap result = sky.continued();
     for (const float d : result.values) EXPECT_EQ(d, kSky);
     EXPECT_EQ(result.origins, sky.map.origins);
-    EXPECT_EQ(continued_at_right_end(sky.map, {}).values, sky.map.values) << "all of it is seen";
 }
 
-TEST(RightStrip, KeepsWhatMatchedBesideEachOther) {
+TEST(RightStrip, WhatLiesWellInsideTheRightPictureStays) {
     Sky sky;
-    sky.put_pole(1, 100, 104);  // a 60th of the longer side is 2 px
-    sky.put_pole(2, 100, 101);  // a chance match
-    const DisparityMap result = continued_at_right_end(sky.map, sky.is_seen);
-    EXPECT_EQ(result.at(99, 1), kSky);
-    EXPECT_EQ(result.at(100, 1), kPole);
-    EXPECT_EQ(result.at(103, 1), kPole);
-    EXPECT_EQ(result.at(104, 1), kHedge) << "the pole itself lies inside the right picture";
-    EXPECT_EQ(result.at(100, 2), kSky);
+    for (std::size_t i = 0; i < sky.is_seen.size(); ++i) sky.is_seen[i] = i % kStripColumns < 115;
+    const DisparityMap result = sky.continued();
+    EXPECT_EQ(result.at(118, 0), kHedge);
+    EXPECT_EQ(result.at(119, 0), kSky) << "109 px is within a 20th of the longer side of the end at 114 px";
+}
+
+TEST(RightStrip, SurfacesAreToldApartByColour) {
+    Sky sky;
+    sky.match(8, 16, 92, 100, 30);
+    const DisparityMap result = sky.continued();
+    EXPECT_EQ(result.at(90, 12), kHedge) << "left of what matched last";
+    for (int x = 92; x < 100; ++x) EXPECT_EQ(result.at(x, 12), kPole);
+    EXPECT_EQ(result.at(104, 12), kSky) << "by way of the rows above";
+    EXPECT_EQ(result.at(104, 2), kSky);
+}
+
+TEST(RightStrip, ChanceMatchesAreNoSurfaces) {
+    Sky sky;
+    sky.match(12, 13, 100, 101, 200);
+    EXPECT_EQ(sky.continued().at(100, 12), kSky);
 }
 
 TEST(RightStrip, NothingGoesOnOverUnknownPixels) {
     Sky sky;
-    sky.map.at(95, 0) = kUnknownDisparity;
-    const DisparityMap result = continued_at_right_end(sky.map, sky.is_seen);
+    for (int y = 0; y < kStripRows; ++y) sky.map.at(95, y) = kUnknownDisparity;
+    const DisparityMap result = sky.continued();
     EXPECT_EQ(result.at(94, 0), kSky);
     EXPECT_FALSE(DisparityMap::known(result.at(95, 0)));
     EXPECT_EQ(result.at(96, 0), kHedge);
