@@ -98,14 +98,16 @@ class Borders {
     // Finds reached_, the pixels that the farther surface's colours lead to, and their source_ in it.
     void flood(const Limits& limits) {
         reached_.clear();
-        const auto width = static_cast<std::uint32_t>(map_.width);
-        const auto count = static_cast<std::uint32_t>(map_.values.size());
-        for (std::uint32_t i = 0; i < count; ++i)
-            for (const std::uint32_t j : {i + 1, i + width}) {
-                if (j >= count || (j == i + 1 && j % width == 0)) continue;
-                if (!(std::abs(map_.values[i] - map_.values[j]) > step_px_)) continue;
-                enter(i, j, limits.farthest);
-                enter(j, i, limits.farthest);
+        const auto enter_between = [&](std::size_t i, std::size_t j) {
+            if (!(std::abs(map_.values[i] - map_.values[j]) > step_px_)) return;
+            enter(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), limits.farthest);
+            enter(static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(i), limits.farthest);
+        };
+        const auto width = static_cast<std::size_t>(map_.width);
+        for (std::size_t row = 0; row < map_.values.size(); row += width)
+            for (std::size_t i = row; i < row + width; ++i) {
+                if (i + 1 < row + width) enter_between(i, i + 1);
+                if (i + width < map_.values.size()) enter_between(i, i + width);
             }
         std::size_t begin = 0;
         for (int round = 1; round < limits.reach_px && begin < reached_.size(); ++round)
