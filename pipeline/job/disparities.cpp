@@ -17,6 +17,7 @@
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/densify/measurements.h"
+#include "pipeline/stages/dequantize/bare_borders.h"
 #include "pipeline/stages/dequantize/bare_patches.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/mixed_pixels.h"
@@ -319,6 +320,10 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
             disparity.map = stages::with_wider_near(std::move(disparity.map), threads);
         flatten_relief(disparity, *pair, camera, log);
     }
+    if (pair)
+        disparity.map = stages::with_bare_borders_behind(
+            std::move(disparity.map), pair->views.left,
+            is_of_points ? stages::Pictures::photographs : stages::Pictures::rectified);
     relief.pair_camera = camera;
     end_scene(disparity, camera, config.surface, log);
     count_from_infinity(disparity, camera, relief.input.is_aligned(), log);

@@ -1,0 +1,250 @@
+#include "pipeline/stages/dequantize/bare_borders.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kSquareSide = 3, kSummed = kSquareSide * kSquareSide;  // colours are sums over squares
+// Differences of these sums, the largest of the channels': between neighbours of a bare band; from where the
+// flood came from; across a step in depth that is open; across a contour.
+constexpr int kGradual = 3 * kSummed, kAlike = 12 * kSummed, kAlikeFarEnd = 80 * kSummed;
+constexpr int kOpen = 8 * kSummed, kContour = 12 * kSummed;
+constexpr int kReachShare = 40, kFarEndShare = 8, kStepShare = 450;  // of the longer side
+constexpr float kLeastStep_px = 2;
+constexpr int kThick_px = 4;                                        // of the nearer surface behind a contour
+constexpr std::size_t kLeastRegion = 8, kFarEndRegionShare = 1000;  // pixels; of the picture
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+// One flood's limits.
+struct Limits {
+    int reach_px, alike;
+    std::size_t least_region;
+    float farthest = std::numeric_limits<float>::infinity();  // disparity of the surface that is given more
+    bool stops_leaks = false;
+};
+
+class Borders {
+  public:
+    Borders(DisparityMap& map, const Image& left) : map_(map), channels_(left.channels) {
+        const cv::Mat image(left.height, left.width, CV_8UC(left.channels),
+                            const_cast<std::uint8_t*>(left.pixels.data()));  // nothing here writes to it
+        cv::boxFilter(image, sums_, CV_16S, {kSquareSide, kSquareSide}, {-1, -1}, false,
+                      cv::BORDER_REPLICATE);
+        step_px_ = std::max(kLeastStep_px, static_cast<float>(std::max(map.width, map.height)) / kStepShare);
+        source_.assign(map.values.size(), kNone);
+        state_.assign(map.values.size(), State::other);
+    }
+
+    void give_back(Limits limits, Pictures pictures) {
+        for (const bool stops_leaks : {false, true}) {
+            limits.stops_leaks = stops_leaks;
+            flood(limits);
+            judge(limits);
+            if (pictures == Pictures::rectified) move_on();
+            for (const std::uint32_t i : given_) map_.values[i] = far_of(i);
+            for (const std::vector<std::uint32_t>* pixels : {&reached_, &given_})
+                for (const std::uint32_t i : *pixels) {
+                    source_[i] = kNone;
+                    state_[i] = State::other;
+                }
+        }
+    }
+
+  private:
+    enum class State : std::uint8_t { other, reached, seen, given };
+    enum Side { leftwards, rightwards, above, below };
+    static constexpr std::array<Side, 4> kSides{leftwards, rightwards, above, below};
+
+    // Returns the pixel `steps` from another one on a side of it; kNone beyond the picture.
+    std::uint32_t beside(std::uint32_t pixel, Side side, int steps) const {
+        const int x = static_cast<int>(pixel) % map_.width, y = static_cast<int>(pixel) / map_.width;
+        const int u = x + (side == rightwards ? steps : side == leftwards ? -steps : 0);
+        const int v = y + (side == below ? steps : side == above ? -steps : 0);
+        if (u < 0 || v < 0 || u >= map_.width || v >= map_.height) return kNone;
+        return static_cast<std::uint32_t>(v) * map_.width + u;
+    }
+    int difference(std::uint32_t i, std::uint32_t j) const {
+        const std::int16_t *const a = sums_.ptr<std::int16_t>() + std::size_t{i} * channels_,
+                                  *const b = sums_.ptr<std::int16_t>() + std::size_t{j} * channels_;
+        int most = 0;
+        for (int c = 0; c < channels_; ++c) most = std::max(most, std::abs(a[c] - b[c]));
+        return most;
+    }
+    float far_of(std::uint32_t reached) const { return map_.values[source_[reached]]; }
+    bool is_known(std::uint32_t i) const { return i != kNone && DisparityMap::known(map_.values[i]); }
+    bool is_near(std::uint32_t i, float far) const { return is_known(i) && map_.values[i] - far > step_px_; }
+
+    void enter(std::uint32_t near, std::uint32_t far, float farthest) {
+        const float d = map_.values[far];
+        if (!(map_.values[near] - d > step_px_) || d > farthest || !is_known(near)) return;
+        const int here = difference(near, far);
+        if (here > kGradual) return;
+        if (source_[near] == kNone)
+            reached_.push_back(near);
+        else if (difference(near, source_[near]) <= here)
+            return;
+        source_[near] = far;
+    }
+
+    // Finds reached_, the pixels that the farther surface's colours lead to, and their source_ in it.
+    void flood(const Limits& limits) {
+        reached_.clear();
+        const auto enter_between = [&](std::size_t i, std::size_t j) {
+            if (!(std::abs(map_.values[i] - map_.values[j]) > step_px_)) return;
+            enter(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), limits.farthest);
+            enter(static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(i), limits.farthest);
+        };
+        const auto width = static_cast<std::size_t>(map_.width);
+        for (std::size_t row = 0; row < map_.values.size(); row += width)
+            for (std::size_t i = row; i < row + width; ++i) {
+                if (i + 1 < row + width) enter_between(i, i + 1);
+                if (i + width < map_.values.size()) enter_between(i, i + width);
+            }
+        std::size_t begin = 0;
+        for (int round = 1; round < limits.reach_px && begin < reached_.size(); ++round)
+            for (const std::size_t end = reached_.size(); begin < end; ++begin)
+                for (const Side side : kSides) {
+                    const std::uint32_t i = reached_[begin], j = beside(i, side, 1);
+                    if (!leads_on(i, j) || difference(source_[i], j) > limits.alike) continue;
+                    source_[j] = source_[i];
+                    reached_.push_back(j);
+                }
+        if (limits.stops_leaks) drop_leaks();
+        for (const std::uint32_t i : reached_) state_[i] = State::reached;
+    }
+
+    bool leads_on(std::uint32_t i, std::uint32_t j) const {
+        return is_known(j) && source_[j] == kNone && is_near(j, far_of(i)) && difference(i, j) <= kGradual;
+    }
+
+    // Drops what was reached from the sources from which the flood would go on.
+    void drop_leaks() {
+        std::vector<std::uint32_t> leaks;
+        for (const std::uint32_t i : reached_)
+            for (const Side side : kSides)
+                if (leads_on(i, beside(i, side, 1))) leaks.push_back(source_[i]);
+        std::sort(leaks.begin(), leaks.end());
+        std::erase_if(reached_, [&](std::uint32_t i) {
+            if (!std::binary_search(leaks.begin(), leaks.end(), source_[i])) return false;
+            source_[i] = kNone;
+            return true;
+        });
+    }
+
+    // Finds given_, the regions of reached_ that have no contour at the step in depth, and one behind them.
+    void judge(const Limits& limits) {
+        given_.clear();
+        std::vector<std::uint32_t> region;
+        for (const std::uint32_t seed : reached_) {
+            if (state_[seed] != State::reached) continue;
+            region.assign(1, seed);
+            state_[seed] = State::seen;
+            std::size_t outer = 0, open = 0, inner = 0, closed = 0;
+            for (std::size_t next = 0; next < region.size(); ++next)
+                for (const Side side : kSides) {
+                    const std::uint32_t i = region[next], j = beside(i, side, 1);
+                    if (!is_known(j)) continue;
+                    if (state_[j] == State::reached) {
+                        state_[j] = State::seen;
+                        region.push_back(j);
+                    }
+                    if (state_[j] != State::other) continue;
+                    const int contour = difference_across(i, j, side);
+                    if (map_.values[i] - map_.values[j] > step_px_) {
+                        ++outer;
+                        open += contour <= kOpen;
+                    } else {
+                        ++inner;
+                        closed += contour >= kContour && is_thick(i, j, side);
+                    }
+                }
+            if (region.size() < limits.least_region || 5 * open < 3 * outer || 5 * closed < 3 * inner ||
+                inner == 0)
+                continue;
+            for (const std::uint32_t i : region) state_[i] = State::given;
+            given_.insert(given_.end(), region.begin(), region.end());
+        }
+    }
+
+    // The difference of the colours a pixel before and behind the edge between two neighbours.
+    int difference_across(std::uint32_t i, std::uint32_t j, Side side) const {
+        const std::uint32_t before = beside(i, side, -1), behind = beside(j, side, 1);
+        return difference(before == kNone ? i : before, behind == kNone ? j : behind);
+    }
+
+    // Whether the nearer surface goes on from j for some pixels, or to the picture's end.
+    bool is_thick(std::uint32_t i, std::uint32_t j, Side side) const {
+        for (int k = 0; k < kThick_px; ++k) {
+            const std::uint32_t at = beside(j, side, k);
+            if (at == kNone) return true;
+            if (state_[at] != State::other || !is_near(at, far_of(i))) return false;
+        }
+        return true;
+    }
+
+    // Adds the pixels behind given_ that are more like its source than like what is two pixels farther on.
+    void move_on() {
+        std::vector<std::uint32_t> added;
+        for (const std::uint32_t i : given_)
+            for (const Side side : kSides) {
+                const std::uint32_t j = beside(i, side, 1), front = beside(i, side, 3);
+                if (j == kNone || front == kNone || state_[j] == State::given ||
+                    state_[front] == State::given)
+                    continue;
+                if (!is_near(j, far_of(i)) || !is_near(front, far_of(i))) continue;
+                if (difference(source_[i], j) >= difference(j, front)) continue;
+                added.push_back(j);
+                source_[j] = source_[i];
+            }
+        given_.insert(given_.end(), added.begin(), added.end());
+    }
+
+    DisparityMap& map_;
+    int channels_;
+    cv::Mat sums_;
+    float step_px_;
+    std::vector<std::uint32_t> source_;  // of each pixel that was reached: the pixel across the step in depth
+    std::vector<State> state_;
+    std::vector<std::uint32_t> reached_, given_;
+};
+
+// Returns the largest disparity of the farthest tenth of what the map shows.
+float far_end_of(const DisparityMap& map) {
+    constexpr std::size_t kEvery = 7;  // pixels; a sample tells it
+    std::vector<float> known;
+    for (std::size_t i = 0; i < map.values.size(); i += kEvery)
+        if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
+    if (known.empty()) return kUnknownDisparity;
+    const auto at = [&](std::size_t percent) {
+        const auto place = known.begin() + static_cast<std::ptrdiff_t>((known.size() - 1) * percent / 100);
+        std::nth_element(known.begin(), place, known.end());
+        return *place;
+    };
+    const float least = at(2), most = at(98);
+    return least + 0.1f * (most - least);
+}
+
+}  // namespace
+
+DisparityMap with_bare_borders_behind(DisparityMap map, const Image& left, Pictures pictures) {
+    if (map.values.empty() || left.empty()) return map;
+    const int longer = std::max(map.width, map.height);
+    Borders borders(map, left);
+    borders.give_back({longer / kReachShare, kAlike, kLeastRegion}, pictures);
+    if (pictures == Pictures::photographs)
+        borders.give_back(
+            {longer / kFarEndShare, kAlikeFarEnd, map.values.size() / kFarEndRegionShare, far_end_of(map)},
+            pictures);
+    return map;
+}
+
+}  // namespace hexrelief::stages
