@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "pipeline/base/opencv_squares.h"
 #include "pipeline/base/opencv_threads.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/start_work.h"
@@ -186,13 +187,6 @@ double reach_of(const DisparityBounds& bounds, int width) {
     return spread < kNarrow * width ? bounds.least_px + kFar * spread : bounds.largest_px + kBeyond * spread;
 }
 
-// Sets to 0 what lies within kBorder of a 0, along both sides.
-void erode(std::vector<std::uint8_t>& seen, int width, int height) {
-    cv::Mat mask(height, width, CV_8UC1, seen.data());
-    const cv::Mat box = cv::Mat::ones(2 * kBorder + 1, 2 * kBorder + 1, CV_8UC1);
-    cv::erode(mask, mask, box, cv::Point(-1, -1), 1, cv::BORDER_CONSTANT, cv::Scalar(1));
-}
-
 }  // namespace
 
 Canvas canvas_of(const Estimate& estimate, const DisparityBounds& bounds, double scale) {
@@ -245,8 +239,8 @@ AlignedPair aligned_pair(const StereoPair& pair, const Alignment& alignment, int
     fill_unknown(right, pool);
     drop_unseen(left.known, right.known, canvas.width,
                 static_cast<int>(reach_of(alignment.disparities, canvas.width)) + kBorder, pool);
-    erode(left.known, canvas.width, canvas.height);
-    erode(right.known, canvas.width, canvas.height);
+    take_least(left.known, canvas.width, canvas.height, kBorder);
+    take_least(right.known, canvas.width, canvas.height, kBorder);
     return {{std::move(left.image), std::move(right.image)}, std::move(left.known), std::move(right.known)};
 }
 

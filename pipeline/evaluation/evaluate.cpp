@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "pipeline/base/opencv_squares.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::evaluation {
@@ -39,24 +40,6 @@ double percent(long long part, long long whole) {
 constexpr float kAgreement_px = 1.01f;  // one px, plus rounding
 
 constexpr int kReach_px = 3;  // windows of 7x7
-
-// Combines the values of each pixel's window by choose(), along rows first, then along columns.
-template <typename Value, typename Choose>
-std::vector<Value> over_windows(const std::vector<Value>& values, int width, int height, Choose choose) {
-    const auto pass = [&](const std::vector<Value>& from, int step_x, int step_y) {
-        std::vector<Value> to = from;
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x)
-                for (int k = -kReach_px; k <= kReach_px; ++k) {
-                    const int nx = x + k * step_x, ny = y + k * step_y;
-                    if (nx < 0 || nx >= width || ny < 0 || ny >= height) continue;
-                    Value& value = to[static_cast<std::size_t>(y) * width + x];
-                    value = choose(value, from[static_cast<std::size_t>(ny) * width + nx]);
-                }
-        return to;
-    };
-    return pass(pass(values, 1, 0), 0, 1);
-}
 
 // Returns 1 for pixels with a direct neighbour that is known and differs by more than the limit.
 std::vector<std::uint8_t> find_discontinuities(const DisparityMap& truth, float limit_px) {
@@ -167,18 +150,17 @@ struct EdgeCounts {
 };
 
 EdgeCounts count_edges(const DisparityMap& map, const DisparityMap& truth, float discontinuity_px) {
-    const auto largest = [](auto a, auto b) { return std::max(a, b); };
-    const auto smallest = [](auto a, auto b) { return std::min(a, b); };
     const auto with_unknown = [&](float value) {
         std::vector<float> values = truth.values;
         for (float& d : values) d = is_given(d) ? d : value;
         return values;
     };
     const int width = truth.width, height = truth.height;
-    const auto near_edge =
-        over_windows(find_discontinuities(truth, discontinuity_px), width, height, largest);
-    const auto front = over_windows(with_unknown(-kUnknownDisparity), width, height, largest);
-    const auto back = over_windows(with_unknown(kUnknownDisparity), width, height, smallest);
+    std::vector<std::uint8_t> near_edge = find_discontinuities(truth, discontinuity_px);
+    std::vector<float> front = with_unknown(-kUnknownDisparity), back = with_unknown(kUnknownDisparity);
+    take_largest(near_edge, width, height, kReach_px);
+    take_largest(front, width, height, kReach_px);
+    take_least(back, width, height, kReach_px);
     EdgeCounts counts;
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
         // Marked pixels lie on both sides of a discontinuity; some windows contain only one side of it.

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <utility>
 #include <vector>
 
+#include "pipeline/base/opencv_squares.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/stages/other_views/other_view.h"
 
@@ -80,33 +82,17 @@ std::pair<int, int> sum_around(const std::vector<int>& values, int width, int he
     return {sum, count};
 }
 
-// Returns 1 for each pixel within kNear_px, along x and y, of one with a flag.
-Flags near_flags(const Flags& flags, int width, int height) {
-    Flags near(flags.size(), 0);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            if (!flags[static_cast<std::size_t>(y) * width + x]) continue;
-            const int first = std::max(0, x - kNear_px), last = std::min(width - 1, x + kNear_px);
-            for (int v = std::max(0, y - kNear_px); v <= std::min(height - 1, y + kNear_px); ++v)
-                std::fill_n(near.begin() + static_cast<std::ptrdiff_t>(v) * width + first, last - first + 1,
-                            std::uint8_t{1});
-        }
-    return near;
-}
-
 // Returns 1 for each pixel near 3x3 pixels whose disparities differ so much.
 Flags near_steps(const DisparityMap& map, float step_px) {
-    Flags steps(map.values.size(), 0);
-    for (int y = 0; y < map.height; ++y)
-        for (int x = 0; x < map.width; ++x) {
-            float least = kUnknownDisparity, largest = -kUnknownDisparity;
-            for (int v = std::max(0, y - 1); v <= std::min(map.height - 1, y + 1); ++v)
-                for (int u = std::max(0, x - 1); u <= std::min(map.width - 1, x + 1); ++u)
-                    if (const float d = map.at(u, v); DisparityMap::known(d))
-                        least = std::min(least, d), largest = std::max(largest, d);
-            steps[static_cast<std::size_t>(y) * map.width + x] = largest - least >= step_px;
-        }
-    return near_flags(steps, map.width, map.height);
+    std::vector<float> least = map.values, largest = map.values;
+    std::ranges::replace_if(least, std::not_fn(DisparityMap::known), kUnknownDisparity);
+    std::ranges::replace_if(largest, std::not_fn(DisparityMap::known), -kUnknownDisparity);
+    take_least(least, map.width, map.height, 1);
+    take_largest(largest, map.width, map.height, 1);
+    Flags steps(map.values.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = largest[i] - least[i] >= step_px;
+    take_largest(steps, map.width, map.height, kNear_px);
+    return steps;
 }
 
 // See refine_given(). Known disparities are at least `least_px`.
@@ -142,8 +128,9 @@ DisparityMap keep_given(const StereoPair& pair, const stages::ViewMaps& given, c
     Flags replaced(refined.values.size(), 0);
     const double share = static_cast<double>(misplaced) / std::max(1.0, static_cast<double>(all));
     if (share > kMisplaced) {
-        const Flags near = near_steps(given.left, kGivenStep_px),
-                    better = near_flags(is_refined_alike, width, height);
+        const Flags near = near_steps(given.left, kGivenStep_px);
+        Flags better = is_refined_alike;
+        take_largest(better, width, height, kNear_px);
         for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = near[i] || (at_fault[i] && better[i]);
     } else {
         for (std::size_t i = 0; i < replaced.size(); ++i) replaced[i] = at_fault[i] && is_refined_alike[i];

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/base/opencv_squares.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/stages/densify/measurements.h"
@@ -146,7 +147,7 @@ constexpr int kRim_px = 4 * kHoleStride_px;
 DisparityMap rims_of_holes(const DisparityMap& map) {
     std::vector<std::uint8_t> near(map.values.size());
     for (std::size_t i = 0; i < near.size(); ++i) near[i] = !DisparityMap::known(map.values[i]);
-    spread_square(near, map.width, map.height, kRim_px, 1);
+    take_largest(near, map.width, map.height, kRim_px);
     DisparityMap rims = map;
     for (std::size_t i = 0; i < near.size(); ++i)
         if (!near[i]) rims.values[i] = kUnknownDisparity;
@@ -225,19 +226,6 @@ Steps find_steps(const DisparityMap& map) {
     return steps;
 }
 
-// Returns the flags of 3x3 pixels joined.
-std::vector<std::uint8_t> with_neighbours(const std::vector<std::uint8_t>& flags, int width, int height) {
-    std::vector<std::uint8_t> wider(flags.size(), 0);
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            if (!flags[static_cast<std::size_t>(y) * width + x]) continue;
-            for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
-                for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
-                    wider[static_cast<std::size_t>(v) * width + u] = 1;
-        }
-    return wider;
-}
-
 // Puts pixels back to the side of the step that they had in the blurred map, except those in its middle. The
 // colours decide alone if they move pixels to one side of the step, as where a thing bleeds over its edge; if
 // they move as many to the other side, that is their own error.
@@ -294,7 +282,8 @@ SharpenedMap sharpen_steps(DisparityMap map, const Image& left, int threads) {
     const auto found = static_cast<double>(std::ranges::count(steps.blurred, std::uint8_t{1}));
     if (found <= kMoreThanSharp * static_cast<double>(steps.sharp) || found < kLeastBlurred * all)
         return {std::move(map), 0};
-    const std::vector<std::uint8_t> blurred = with_neighbours(steps.blurred, map.width, map.height);
+    std::vector<std::uint8_t> blurred = steps.blurred;
+    take_largest(blurred, map.width, map.height, 1);
     const double share = static_cast<double>(std::ranges::count(blurred, std::uint8_t{1})) / all;
     if (share > kMostBlurred) return {std::move(map), 0};
     DisparityMap open{map.width, map.height, map.values, {}};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "pipeline/base/opencv_squares.h"
+
 namespace hexrelief::stages {
 namespace {
 
@@ -58,20 +60,6 @@ constexpr double kTypical = 0.9;
 constexpr std::uint32_t kHole = 4;
 constexpr int kLargest_px = 1024;
 
-// Sets out[i] to `sought` if one of in[i - radius .. i + radius] is, else to the other value, for
-// `count` values `stride` apart.
-void spread(const std::uint8_t* in, std::uint8_t* out, int count, std::size_t stride, int radius,
-            std::uint8_t sought) {
-    int last = -radius - 1;
-    const auto at = [&](int i) { return static_cast<std::size_t>(i) * stride; };
-    for (int i = 0; i < std::min(radius, count); ++i)
-        if (in[at(i)] == sought) last = i;
-    for (int i = 0; i < count; ++i) {
-        if (i + radius < count && in[at(i + radius)] == sought) last = i + radius;
-        out[at(i)] = last >= i - radius ? sought : static_cast<std::uint8_t>(1 - sought);
-    }
-}
-
 constexpr double kJoined = 0.5;
 constexpr double kLeastKnown = 0.001;  // fewer measurements show no surface
 
@@ -105,16 +93,6 @@ NearestMeasurements find_nearest(const std::vector<PlaneAt>& measurements, int w
         sweep.upwards();
     }
     return nearest;
-}
-
-void spread_square(std::vector<std::uint8_t>& mask, int width, int height, int radius, std::uint8_t sought) {
-    std::vector<std::uint8_t> rows(mask.size());
-    for (int y = 0; y < height; ++y) {
-        const std::size_t row = static_cast<std::size_t>(y) * width;
-        spread(&mask[row], &rows[row], width, 1, radius, sought);
-    }
-    for (int x = 0; x < width; ++x)
-        spread(&rows[x], &mask[x], height, static_cast<std::size_t>(width), radius, sought);
 }
 
 int typical_distance_px(const DisparityMap& map, const NearestMeasurements& nearest) {
@@ -162,10 +140,8 @@ std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestM
     const int radius = 3 * typical_px + 4;
     std::vector<std::uint8_t> mask(map.values.size());
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = DisparityMap::known(map.values[i]);
-    // A closing: a dilation and then an erosion by a square; pixels outside the picture do
-    // not count as unknown.
-    spread_square(mask, map.width, map.height, radius, 1);
-    spread_square(mask, map.width, map.height, radius, 0);
+    take_largest(mask, map.width, map.height, radius);
+    take_least(mask, map.width, map.height, radius);
     const std::uint32_t near = kDistanceOne * static_cast<std::uint32_t>(typical_px + 2);
     for (std::size_t i = 0; i < mask.size(); ++i) mask[i] |= nearest.distance[i] <= near;
     return mask;

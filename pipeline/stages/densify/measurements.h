@@ -54,10 +54,6 @@ inline int color_step(const std::uint8_t* a, const std::uint8_t* b, int channels
     return largest;
 }
 
-// Sets each pixel of a mask of 0 and 1 to `sought` if one of the square of pixels around it is, else to the
-// other value.
-void spread_square(std::vector<std::uint8_t>& mask, int width, int height, int radius, std::uint8_t sought);
-
 // Returns the 90th percentile, in px, of the distance to the nearest measurement, over unknown pixels that
 // have measurements on both sides in their row or column. Distances of more than four times the median are
 // ignored, because such pixels lie in a hole. At least 1.

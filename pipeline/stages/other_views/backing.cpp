@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "pipeline/base/opencv_squares.h"
+
 namespace hexrelief::stages {
 namespace {
 
@@ -21,30 +23,17 @@ struct Grid {
 };
 using Values = std::vector<double>;
 
-// Combines the values of each square of this radius, first along rows and then along columns, pixels beside
-// each other at once.
-template <typename Combine>
-Values over_squares(const Values& values, const Grid& grid, int radius, const Combine& combine) {
-    Values across = values;
-    for (int y = 0; y < grid.height; ++y)
-        for (int shift = -radius; shift <= radius; ++shift) {
-            const int first = std::max(0, -shift), end = std::min(grid.width, grid.width - shift);
-            const double* const from = &values[grid.at(0, y)] + shift;
-            double* const to = &across[grid.at(0, y)];
-            for (int x = first; shift != 0 && x < end; ++x) to[x] = combine(to[x], from[x]);
-        }
-    Values result = across;
-    for (int y = 0; y < grid.height; ++y)
-        for (int v = std::max(0, y - radius); v <= std::min(grid.height - 1, y + radius); ++v) {
-            const double* const from = &across[grid.at(0, v)];
-            double* const to = &result[grid.at(0, y)];
-            for (int x = 0; v != y && x < grid.width; ++x) to[x] = combine(to[x], from[x]);
-        }
-    return result;
+Values largest(Values values, const Grid& grid, int radius) {
+    take_largest(values, grid.width, grid.height, radius);
+    return values;
 }
 
-Values largest(const Values& values, const Grid& grid, int radius) {
-    return over_squares(values, grid, radius, [](double a, double b) { return std::max(a, b); });
+// Returns the least value that is covered of each square.
+Values farthest(Values values, const Grid& grid, int radius) {
+    std::ranges::replace(values, kNotCovered, -kNotCovered);
+    take_least(values, grid.width, grid.height, radius);
+    std::ranges::replace(values, -kNotCovered, kNotCovered);
+    return values;
 }
 
 // Sums the values of each square, which are differences of sums from the line's beginning on.
@@ -130,14 +119,9 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
     view.place.height = grid.height;
     view.map = view.missing = {grid.width, grid.height, std::vector<float>(count, kUnknownDisparity)};
 
-    const auto farthest_within = [&](int squares) {
-        return over_squares(small.nearest, grid, squares, [](double a, double b) {
-            return a == kNotCovered ? b : b == kNotCovered ? a : std::min(a, b);
-        });
-    };
-    const Values farthest = farthest_within(radius);
+    const Values behind = farthest(small.nearest, grid, radius);
     Values is_covered(count);
-    for (std::size_t i = 0; i < count; ++i) is_covered[i] = farthest[i] != kNotCovered;
+    for (std::size_t i = 0; i < count; ++i) is_covered[i] = behind[i] != kNotCovered;
     const auto smoothed = [&](Values values, int squares) {
         for (std::size_t i = 0; i < count; ++i)
             if (is_covered[i] == 0) values[i] = 0;
@@ -146,9 +130,9 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
             values[i] = numbers[i] > 0 ? totals[i] / numbers[i] : kNotCovered;
         return values;
     };
-    Values surface = smoothed(farthest, radius / 2);
+    Values surface = smoothed(behind, radius / 2);
     for (double& d : surface) d -= kBehindFarthest_px;
-    meet_ends(surface, farthest_within(kRim_px), grid, radius, baselines / by);
+    meet_ends(surface, farthest(small.nearest, grid, kRim_px), grid, radius, baselines / by);
     surface = smoothed(surface, kRim_px);
     const Values in_front = largest(small.nearest, grid, kOverlap_px),
                  is_near = largest(small.is_silhouette, grid, radius),
@@ -168,7 +152,7 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
     Values is_far(count);
     for (std::size_t i = 0; i < count; ++i)
         is_far[i] = small.nearest[i] != kNotCovered &&
-                    small.nearest[i] - farthest[i] <= kFarShare * (nearest[i] - farthest[i]);
+                    small.nearest[i] - behind[i] <= kFarShare * (nearest[i] - behind[i]);
     const auto around = [&](const Values& values) {
         Values near = sums(values, grid, radius / 2);
         const Values all = sums(values, grid, radius);
