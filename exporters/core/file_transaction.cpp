@@ -235,7 +235,7 @@ void FileTransaction::write(const fs::path& path, const void* data, std::size_t 
     }
     const fs::path target = resolve(path);
     if (!take_direct(path, target, data, bytes)) {
-        if (const int code = write_to(prepare(path, target), data, bytes)) fail(path, code);
+        write_opened(prepare(path, target), path, data, bytes);
         fail_if_stopping(path);
     }
     paths_.push_back(path);
@@ -344,6 +344,10 @@ void FileTransaction::commit() {
     }
     pending_.clear();
     for (const fs::path& folder : folders) sync_folder(folder);
+}
+
+void write_opened(int descriptor, const fs::path& path, const void* data, std::size_t bytes) {
+    if (const int code = write_to(descriptor, data, bytes)) fail(path, code);
 }
 
 void remove_pending_files() noexcept {

@@ -39,8 +39,8 @@ class FileTransaction {
         write(path, data.data(), data.size());
     }
     // Opens a file that is to be written part by part. The caller writes to the returned descriptor before
-    // commit(); the descriptor remains this object's. Its bytes are neither counted nor observed. Throws what
-    // write() throws, and Error(output) if the target is not a regular file.
+    // commit() by write_opened(); the descriptor remains this object's. Its bytes are neither counted nor
+    // observed. Throws what write() throws, and Error(output) if the target is not a regular file.
     int open(const std::filesystem::path& path);
     // Puts all files on the disk, then renames them in the order in which they were written. Processes that
     // do so in the same folder wait for each other, so that one of two sets with the same names is there as a
@@ -87,6 +87,9 @@ class FileTransaction {
     std::uint64_t bytes_ = 0;
     bool counting_ = false;
 };
+
+// Writes to a descriptor from FileTransaction::open(), at its position. Throws as FileTransaction::write().
+void write_opened(int descriptor, const std::filesystem::path& path, const void* data, std::size_t bytes);
 
 // Removes the temporary files of all live transactions, in all threads; for an interrupted process that is
 // about to exit. Every later write() or commit() throws Error(output). A commit() under way in another

@@ -1,15 +1,11 @@
 #include "exporters/tileset/joined_glb.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdint>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "pipeline/data/error.h"
 #include "pipeline/data/nesting.h"
@@ -138,19 +134,6 @@ class JoinedDocument {
     std::size_t data_bytes_ = 0, decoded_bytes_ = 0;
 };
 
-void write_all(int descriptor, const void* data, std::size_t bytes, const fs::path& path) {
-    const auto* at = static_cast<const char*>(data);
-    while (bytes > 0) {
-        const ssize_t written = ::write(descriptor, at, bytes);
-        if (written < 0 && errno == EINTR) continue;
-        if (written <= 0)
-            throw Error(ErrorKind::output,
-                        "cannot write '" + path.string() + "': " + std::generic_category().message(errno));
-        at += written;
-        bytes -= static_cast<std::size_t>(written);
-    }
-}
-
 }  // namespace
 
 void join_glb(const std::vector<fs::path>& parts, const std::string& generator, const fs::path& path,
@@ -164,13 +147,15 @@ void join_glb(const std::vector<fs::path>& parts, const std::string& generator, 
         throw Error(ErrorKind::output, "cannot write '" + path.string() +
                                            "': a GLB ends at 4 GiB; write a tileset.json, or set "
                                            "export.compression to draco in another plan");
-    const int descriptor = files.open(path);
+    const auto write = [&, descriptor = files.open(path)](const void* data, std::size_t bytes) {
+        exporters::write_opened(descriptor, path, data, bytes);
+    };
     const auto word = [](std::size_t value) { return static_cast<std::uint32_t>(value); };
     const std::array<std::uint32_t, 5> head = {0x46546c67, 2, word(size), word(json.size()), 0x4e4f534a};
     const std::array<std::uint32_t, 2> chunk = {word(document.data_bytes()), 0x004e4942};
-    write_all(descriptor, head.data(), sizeof head, path);
-    write_all(descriptor, json.data(), json.size(), path);
-    write_all(descriptor, chunk.data(), sizeof chunk, path);
+    write(head.data(), sizeof head);
+    write(json.data(), json.size());
+    write(chunk.data(), sizeof chunk);
     for (const fs::path& name : parts) {
         const Part part = read_part(name);
         std::vector<char> data(padded(part.json["buffers"][0]["byteLength"].get<std::size_t>()));
@@ -178,7 +163,7 @@ void join_glb(const std::vector<fs::path>& parts, const std::string& generator, 
         file.seekg(static_cast<std::streamoff>(part.data_at));
         file.read(data.data(),
                   static_cast<std::streamsize>(std::min<std::size_t>(data.size(), part.data_bytes)));
-        write_all(descriptor, data.data(), data.size(), path);
+        write(data.data(), data.size());
     }
 }
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cerrno>
-#include <cstring>
 #include <string>
 
 #include "pipeline/data/error.h"
@@ -97,15 +95,8 @@ std::uint64_t MapWriter::tiles_across() const {
 }
 
 void MapWriter::write_at(std::uint64_t at, const void* data, std::size_t bytes) const {
-    for (const char* next = static_cast<const char*>(data); bytes > 0;) {
-        const ssize_t written = ::pwrite(descriptor_, next, bytes, static_cast<off_t>(at));
-        if (written < 0 && errno == EINTR) continue;
-        if (written < 0)
-            throw Error(ErrorKind::output, "cannot write '" + path_.string() + "': " + std::strerror(errno));
-        next += written;
-        at += static_cast<std::uint64_t>(written);
-        bytes -= static_cast<std::size_t>(written);
-    }
+    ::lseek(descriptor_, static_cast<off_t>(at), SEEK_SET);
+    exporters::write_opened(descriptor_, path_, data, bytes);
 }
 
 void MapWriter::put_in_band(const float* row) {
