@@ -78,62 +78,58 @@ Calibration framing(const SurfaceMesh& mesh, Calibration camera) {
     return camera;
 }
 
-// A scene whose meshes stand upright; it owns them.
-struct UprightScene {
-    explicit UprightScene(const Scene& given) : scene(given), meshes{turned(*given.mesh, given.up)} {
-        for (const SurfaceMesh* mesh : given.coarser) meshes.push_back(turned(*mesh, given.up));
-        scene.up = {0, 1};
-        scene.mesh = &meshes[0];
-        for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
-        if (!given.camera) return;
-        camera = framing(meshes[0], *given.camera);
-        scene.camera = &camera;
-    }
-    Scene scene;
-    std::vector<SurfaceMesh> meshes;
-    Calibration camera;
-};
-
-// A scene whose file has its origin at the mesh's base; it owns the meshes.
-struct SceneAtBase {
-    SceneAtBase(const Scene& given, OriginSupport support) : scene(given) {
-        const Bounds bounds = bounds_of(given.mesh->positions);
-        const Vec3f base{(bounds.low.x + bounds.high.x) / 2, bounds.low.y,
-                         (bounds.low.z + bounds.high.z) / 2};
-        if (support == OriginSupport::node) {
-            scene.shift_m = {-base.x, -base.y, -base.z};
-            return;
-        }
-        meshes.push_back(*given.mesh);
-        for (const SurfaceMesh* mesh : given.coarser) meshes.push_back(*mesh);
-        for (SurfaceMesh& mesh : meshes)
-            for (Vec3f& p : mesh.positions) p = {p.x - base.x, p.y - base.y, p.z - base.z};
-        scene.mesh = &meshes[0];
-        for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
-    }
-    Scene scene;
-    std::vector<SurfaceMesh> meshes;
-};
-
-// A scene of the body, in place of the surface, of each level; it owns them.
-struct SolidScene {
-    SolidScene(const Scene& given, const ExportConfig& config, double unit_mm) : scene(given) {
-        const auto add = [&](const SurfaceMesh& surface) {
-            for (Vec3f& p :
-                 meshes.emplace_back(solid_body(surface, config.solid_size_mm, config.solid)).positions)
-                for (float* value : {&p.x, &p.y, &p.z}) *value /= static_cast<float>(unit_mm);
-        };
+// A scene of meshes made of another one's, level by level; it owns them.
+struct RemadeScene {
+    template <typename Make>
+    RemadeScene(const Scene& given, const Make& make) : scene(given) {
         meshes.reserve(1 + given.coarser.size());
-        add(*given.mesh);
-        for (const SurfaceMesh* mesh : given.coarser) add(*mesh);
-        scene.mesh = &meshes[0];
-        for (std::size_t i = 0; i < scene.coarser.size(); ++i) scene.coarser[i] = &meshes[i + 1];
-        scene.camera = nullptr;  // which sees no body
-        scene.is_body = true;
+        scene.mesh = &meshes.emplace_back(make(*given.mesh));
+        for (const SurfaceMesh*& mesh : scene.coarser) mesh = &meshes.emplace_back(make(*mesh));
     }
     Scene scene;
     std::vector<SurfaceMesh> meshes;
 };
+
+void export_upright(const Scene& given, const ExportConfig& config, const std::filesystem::path& path,
+                    FileTransaction& files) {
+    RemadeScene upright(given, [&](const SurfaceMesh& mesh) { return turned(mesh, given.up); });
+    upright.scene.up = {0, 1};
+    Calibration camera;
+    if (given.camera) {
+        camera = framing(upright.meshes[0], *given.camera);
+        upright.scene.camera = &camera;
+    }
+    export_scene(upright.scene, config, path, files);
+}
+
+// Writes the scene into a file with its origin at the mesh's base.
+void export_at_base(Scene scene, const ExportConfig& config, OriginSupport support,
+                    const std::filesystem::path& path, FileTransaction& files) {
+    const Bounds bounds = bounds_of(scene.mesh->positions);
+    const Vec3f base{(bounds.low.x + bounds.high.x) / 2, bounds.low.y, (bounds.low.z + bounds.high.z) / 2};
+    if (support == OriginSupport::node) {
+        scene.shift_m = {-base.x, -base.y, -base.z};
+        return export_scene(scene, config, path, files);
+    }
+    const RemadeScene moved(scene, [&](SurfaceMesh mesh) {
+        for (Vec3f& p : mesh.positions) p = {p.x - base.x, p.y - base.y, p.z - base.z};
+        return mesh;
+    });
+    export_scene(moved.scene, config, path, files);
+}
+
+// Returns the scene of the body, in place of the surface, of each level.
+RemadeScene solid_scene(const Scene& given, const ExportConfig& config, double unit_mm) {
+    RemadeScene solid(given, [&](const SurfaceMesh& surface) {
+        SurfaceMesh body = solid_body(surface, config.solid_size_mm, config.solid);
+        for (Vec3f& p : body.positions)
+            for (float* value : {&p.x, &p.y, &p.z}) *value /= static_cast<float>(unit_mm);
+        return body;
+    });
+    solid.scene.camera = nullptr;  // which sees no body
+    solid.scene.is_body = true;
+    return solid;
+}
 
 // Writes the scene, and its coarser levels into files of their own if the format has no place for them.
 void write_levels(Scene scene, const ExportConfig& config, const MeshFormat& format,
@@ -217,19 +213,19 @@ void export_scene(const Scene& scene, const ExportConfig& asked, const std::file
     if (scene.up != std::array<double, 2>{0, 1}) {
         ExportConfig without_camera = asked;  // a glTF camera's axis goes through the middle of its picture
         without_camera.camera = false;
-        return export_scene(UprightScene(scene).scene, without_camera, path, files);
+        return export_upright(scene, without_camera, path, files);
     }
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
     if (config.solid != SolidKind::none && format.body_unit_mm > 0) {
-        const SolidScene solid(scene, config, format.body_unit_mm);
+        const RemadeScene solid = solid_scene(scene, config, format.body_unit_mm);
         return write_levels(solid.scene, config, format, path, files);
     }
     const FileOrigin origin = asked.origin == FileOrigin::automatic ? format.usual_origin : asked.origin;
     if (origin == FileOrigin::base && format.origin != OriginSupport::none) {
         ExportConfig moved = asked;
         moved.origin = FileOrigin::camera;
-        return export_scene(SceneAtBase(scene, format.origin).scene, moved, path, files);
+        return export_at_base(scene, moved, format.origin, path, files);
     }
     write_levels(scene, config, format, path, files);
 }
