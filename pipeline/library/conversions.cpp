@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <utility>
+#include <variant>
 
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
@@ -12,6 +14,7 @@
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/job/run_files.h"
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 
 namespace hexrelief::library {
@@ -32,21 +35,21 @@ void require_pixels(const void* values, int width, int height, const std::string
         throw Error(ErrorKind::input, name + ": it has no pixels; give an array of height x width");
 }
 
-// Moves the last channel to the image's alpha, which is dropped if all pixels are opaque, as the
-// readers of files do.
-void split_alpha(Image& image) {
-    const auto all = static_cast<std::size_t>(image.channels), colors = all - 1;
-    const std::size_t pixels = image.pixels.size() / all;
-    bool is_opaque = true;
-    image.alpha.resize(pixels);
-    for (std::size_t i = 0; i < pixels; ++i) {
-        image.alpha[i] = image.pixels[i * all + colors];
-        is_opaque = is_opaque && image.alpha[i] >= kOpaque;
-        for (std::size_t c = 0; c < colors; ++c) image.pixels[i * colors + c] = image.pixels[i * all + c];
-    }
-    image.pixels.resize(pixels * colors);
-    image.channels = static_cast<int>(colors);
-    if (is_opaque) image.alpha.clear();
+readers::codec::Raster raster_of(const ImageView& view, const std::string& name) {
+    require_pixels(view.pixels, view.width, view.height, name);
+    if (view.channels < 1 || view.channels > 4)
+        throw Error(ErrorKind::input,
+                    name + ": it has " + std::to_string(view.channels) +
+                        " channels; give 1 (grey) or 3 (red, green, blue), with alpha 2 or 4");
+    const std::size_t row = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.channels);
+    readers::codec::Raster raster{view.width,
+                                  view.height,
+                                  view.channels,
+                                  255,
+                                  readers::codec::kNoData,
+                                  rows_of<std::uint8_t>(view.pixels, row, view.height, view.row_bytes)};
+    if (view.channels % 2 == 0) readers::codec::split_alpha(raster);
+    return raster;
 }
 
 readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
@@ -163,17 +166,9 @@ bool lacks_color(const job::RunReport& report) {
 }  // namespace
 
 Image image_of(const ImageView& view, const std::string& name) {
-    require_pixels(view.pixels, view.width, view.height, name);
-    if (view.channels < 1 || view.channels > 4)
-        throw Error(ErrorKind::input,
-                    name + ": it has " + std::to_string(view.channels) +
-                        " channels; give 1 (grey) or 3 (red, green, blue), with alpha 2 or 4");
-    const auto channels = static_cast<std::size_t>(view.channels);
-    const std::size_t row = static_cast<std::size_t>(view.width) * channels;
-    Image image{view.width, view.height, view.channels,
-                rows_of<std::uint8_t>(view.pixels, row, view.height, view.row_bytes)};
-    if (channels % 2 == 0) split_alpha(image);
-    return image;
+    readers::codec::Raster raster = raster_of(view, name);
+    return {raster.width, raster.height, raster.channels,
+            std::get<std::vector<std::uint8_t>>(std::move(raster.samples)), std::move(raster.alpha)};
 }
 
 readers::DisparityFile map_of(const MapView& view, const readers::DisparityFileConfig& config) {
@@ -185,14 +180,7 @@ readers::DepthFile depth_of(const MapView& view, const readers::DepthFileConfig&
 }
 
 readers::PixelMask mask_of(const ImageView& view, const readers::MaskConfig& config) {
-    Image image = image_of(view, "mask");
-    readers::codec::Raster raster;
-    raster.width = image.width;
-    raster.height = image.height;
-    raster.channels = image.channels;
-    raster.samples = std::move(image.pixels);
-    raster.alpha = std::move(image.alpha);
-    return readers::mask_of(raster, "mask", config);
+    return readers::mask_of(raster_of(view, "mask"), "mask", config);
 }
 
 readers::PixelMask confidence_of(const MapView& view, const readers::ConfidenceConfig& config) {
