@@ -73,12 +73,8 @@ constexpr long long kMostParts = 1 << 14;
 class Derivations {
   public:
     explicit Derivations(const SourceFile& source) : source_(source) {
-        each_box(source.bytes, [&](std::string_view type, Bytes meta) {
-            if (type != "meta") return;
-            take(meta, 4);  // version and flags
-            each_box(meta, [&](std::string_view child, Bytes references) {
-                if (child == "iref") add(references);
-            });
+        each_box_of_meta(source.bytes, [&](std::string_view type, Bytes references) {
+            if (type == "iref") add(references);
         });
     }
 

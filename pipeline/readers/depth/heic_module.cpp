@@ -47,8 +47,6 @@ void read_representation(const heif_image_handle* picture, heif_item_id id, Heic
     request.representation = info->depth_representation_type;
     if (info->has_z_near) request.z_near = info->z_near;
     if (info->has_z_far) request.z_far = info->z_far;
-    if (info->has_d_min) request.d_min = info->d_min;
-    if (info->has_d_max) request.d_max = info->d_max;
     heif_depth_representation_info_free(info);
 }
 
@@ -118,7 +116,6 @@ void read(HeicRequest& request) {
     const Handle picture(found);
     heif_item_id id = 0;
     const Handle depth = depth_of(picture.get(), id);
-    request.has_depth = depth != nullptr;
     if (request.of_depth && !depth)
         throw std::runtime_error("its picture has no auxiliary depths; only portrait photographs have them");
     const heif_image_handle* const wanted = request.of_depth ? depth.get() : picture.get();
@@ -145,7 +142,7 @@ void read(HeicRequest& request) {
 extern "C" __attribute__((visibility("default"))) int hexrelief_read_heic(HeicRequest* request) {
     try {
         request->representation = -1;
-        request->z_near = request->z_far = request->d_min = request->d_max = std::nan("");
+        request->z_near = request->z_far = std::nan("");
         read(*request);
         return 0;
     } catch (const std::exception& error) {

@@ -21,10 +21,10 @@ struct HeicRequest {
     void* user;
     void* profile_user;  // given to allocate() for a picture's colour profile, if it has one
 
-    int width, height, bits, has_depth;  // result
+    int width, height, bits;  // result
     // Results from the representation information of depths; numbers that it lacks are NaN.
     int representation;  // 0 = 1 / Z, 1 = disparity, 2 = Z, 3 = non-uniform disparity; -1 = unknown
-    double z_near, z_far, d_min, d_max;
+    double z_near, z_far;
     char* xmp;  // result for depths: their XMP packet, zero-terminated, cut to xmp_bytes
     std::size_t xmp_bytes;
     char* message;  // result: the reason if the call fails
