@@ -81,6 +81,15 @@ export function readGlb(bytes) {
   return { levels, image: picture ? new Blob([picture], { type: image.mimeType }) : null, json, picture };
 }
 
+// Ends each second texture coordinate with a provenance, as the exporter does.
+function endWithProvenance(texcoords, provenance) {
+  const bits = new Uint32Array(texcoords.buffer), one = 0x3f800000;
+  provenance.forEach((value, i) => {
+    const near = (bits[2 * i + 1] + 0x7f - value & ~0xff) + value;
+    bits[2 * i + 1] = near > one ? near - 0x100 : near;
+  });
+}
+
 // The finest level as a GLB without extensions that a reader must know: floats, 32 bits an index, the same material and
 // picture.
 export function writePlainGlb(bytes) {
@@ -107,15 +116,17 @@ export function writePlainGlb(bytes) {
   ];
   const attributes = { POSITION: 0 };
   if (texcoords) {
+    if (provenance) endWithProvenance(texcoords, provenance);
     attributes.TEXCOORD_0 = accessors.length;
-    accessors.push({ bufferView: addView(texcoords, { target: 34962 }), componentType: 5126, count, type: 'VEC2' });
+    accessors.push({ bufferView: addView(texcoords, { target: 34962, byteStride: 8 }), componentType: 5126, count, type: 'VEC2' });
   }
   if (provenance) {
-    const padded = new Uint8Array(4 * count); // each element begins at a multiple of 4
-    provenance.forEach((value, i) => { padded[4 * i] = value; });
+    // Without texture coordinates each begins at a multiple of 4.
+    const bufferView = texcoords ? accessors[attributes.TEXCOORD_0].bufferView
+      : addView(Uint32Array.from(provenance), { target: 34962, byteStride: 4 });
     attributes._PROVENANCE = accessors.length;
     const { extras } = from.accessors[from.meshes[0].primitives[0].attributes._PROVENANCE];
-    accessors.push({ bufferView: addView(padded, { target: 34962, byteStride: 4 }), componentType: 5121, count, type: 'SCALAR', extras });
+    accessors.push({ bufferView, byteOffset: texcoords ? 4 : 0, componentType: 5121, count, type: 'SCALAR', extras });
   }
   const extensionsUsed = (from.extensionsUsed ?? []).filter((name) => name === 'KHR_materials_unlit' || name === 'EXT_texture_webp');
   const material = structuredClone(from.materials[0]);
