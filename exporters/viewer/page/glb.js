@@ -90,7 +90,7 @@ function endWithProvenance(texcoords, provenance) {
   });
 }
 
-// The finest level as a GLB without extensions that a reader must know: floats, 32 bits an index, the same material and
+// The finest level as a GLB without extensions that a reader must know, as the exporter writes it: floats, the same material and
 // picture.
 export function writePlainGlb(bytes) {
   const { levels: [{ positions, texcoords, provenance, indices }], image, json: from, picture } = readGlb(bytes);
@@ -110,9 +110,11 @@ export function writePlainGlb(bytes) {
     high[i % 3] = Math.max(high[i % 3], value);
   });
   const count = positions.length / 3;
+  const [componentType, IndexArray] = count <= 65535 ? [5123, Uint16Array] : [5125, Uint32Array];
+  const indexView = addView(IndexArray.from(indices), { target: 34963 });
   const accessors = [
     { bufferView: addView(positions, { target: 34962 }), componentType: 5126, count, type: 'VEC3', min: low, max: high },
-    { bufferView: addView(Uint32Array.from(indices), { target: 34963 }), componentType: 5125, count: indices.length, type: 'SCALAR' },
+    { bufferView: indexView, componentType, count: indices.length, type: 'SCALAR' },
   ];
   const attributes = { POSITION: 0 };
   if (texcoords) {
@@ -132,8 +134,9 @@ export function writePlainGlb(bytes) {
   const material = structuredClone(from.materials[0]);
   const base = material.pbrMetallicRoughness?.baseColorTexture;
   if (base) delete base.extensions; // texture coordinates are scaled already
+  const nodes = [{ name: 'relief', mesh: 0 }, ...from.nodes.filter((node) => node.camera !== undefined)];
   const json = {
-    asset: from.asset, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ name: 'relief', mesh: 0 }],
+    asset: from.asset, scene: 0, scenes: [{ nodes: [...nodes.keys()] }], nodes, cameras: from.cameras,
     meshes: [{ name: 'relief', primitives: [{ attributes, indices: 1, material: 0 }] }], materials: [material],
     accessors, bufferViews,
     ...(extensionsUsed.length > 0 && { extensionsUsed }),

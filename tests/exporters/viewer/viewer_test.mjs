@@ -300,6 +300,8 @@ await check('the mesh is saved as a GLB that needs no extension', async () => {
   assert.equal(json.accessors[indices].count, 3 * levels[0].triangles);
   assert.equal(json.accessors[attributes.POSITION].count, levels[0].vertices);
   assert.equal(json.images.length, 1);
+  assert.equal(json.nodes[1].camera, 0);
+  assert.equal(json.cameras.length, 1);
 });
 
 await check('the relief sways at first sight, until it is touched', async () => {
