@@ -63,13 +63,17 @@ bool run_png(png_structp png, png_infop info, const Image& image) {
 }
 
 // The same step for all frequencies, which leaves the least mean square error for its bytes: textures are
-// looked at from near as well. libjpeg's tables have larger ones for high frequencies.
+// looked at from near as well. libjpeg's tables have larger ones for high frequencies. A block's mean, whose
+// unit is an eighth of a level, is at most one level off: smooth skies show no blocks.
 void set_quality(jpeg_compress_struct& jpeg, int quality) {
     constexpr unsigned kSteps[] = {35, 50};  // of brightness and of colours, at quality 50
+    constexpr UINT16 kMostOfMeans = 16;
     for (int table = 0; table < 2; ++table) {
         std::array<unsigned, DCTSIZE2> steps;
         steps.fill(kSteps[table]);
         jpeg_add_quant_table(&jpeg, table, steps.data(), jpeg_quality_scaling(quality), TRUE);
+        UINT16& means = jpeg.quant_tbl_ptrs[table]->quantval[0];
+        means = std::min(means, kMostOfMeans);
     }
     for (int i = 0; i < jpeg.num_components; ++i) {  // 4:4:4, no chroma subsampling
         jpeg.comp_info[i].h_samp_factor = 1;

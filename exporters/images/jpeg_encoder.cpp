@@ -169,6 +169,11 @@ JpegSymbols symbols_of(const Image& picture, const PixelRect& part, int first_ro
 
 std::vector<std::uint8_t> encode_baseline_jpeg(const Image& picture, const PixelRect& part,
                                                const JpegSettings& settings, int threads) {
+    if (part.height > JPEG_MAX_DIMENSION) {  // no strip is
+        Encoder tall;
+        header_step(tall, picture, part, settings, {});
+        tall.fail();
+    }
     const std::size_t strips = (part.height + kStripRows - 1) / kStripRows;
     ThreadPool pool(std::min(threads, static_cast<int>(strips)));
     std::vector<JpegSymbols> symbols(strips, JpegSymbols(0));

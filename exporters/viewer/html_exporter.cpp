@@ -54,7 +54,6 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
 ExportConfig page_config(ExportConfig config) {
     config.normals = NormalsKind::never;
     config.material = MaterialKind::unlit;
-    config.camera = false;
     config.lod_storage = LevelStorage::inside;
     config.compression = Compression::meshopt;
     return config;

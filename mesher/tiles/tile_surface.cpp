@@ -170,21 +170,17 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
     surface.mesh.disparities.reserve(all.points.size());
     surface.mesh.triangles.reserve(all.triangles.size());
     surface.seam_edges = edges_between(all, owned, kinds, corners);
-    constexpr std::uint32_t kNone = 0xffffffffu;
-    std::vector<std::uint32_t> numbers(all.points.size(), kNone);
+    std::vector<std::uint32_t> numbers(all.points.size());
+    for (std::size_t v = 0; v < all.points.size(); ++v) {
+        if (!(kinds[v] & kOwned)) continue;
+        numbers[v] = static_cast<std::uint32_t>(surface.mesh.points.size());
+        surface.mesh.points.push_back(all.points[v]);
+        surface.mesh.disparities.push_back(all.disparities[v]);
+    }
     for (std::size_t t = 0; t < all.triangles.size(); ++t) {
-        if (!owned[t]) continue;
-        Triangle triangle{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            std::uint32_t& number = numbers[all.triangles[t][k]];
-            if (number == kNone) {
-                number = static_cast<std::uint32_t>(surface.mesh.points.size());
-                surface.mesh.points.push_back(all.points[all.triangles[t][k]]);
-                surface.mesh.disparities.push_back(all.disparities[all.triangles[t][k]]);
-            }
-            triangle[k] = number;
-        }
-        surface.mesh.triangles.push_back(triangle);
+        const Triangle& corner = all.triangles[t];
+        if (owned[t])
+            surface.mesh.triangles.push_back({numbers[corner[0]], numbers[corner[1]], numbers[corner[2]]});
     }
     return surface;
 }

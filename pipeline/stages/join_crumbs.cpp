@@ -43,12 +43,13 @@ struct Components {
     std::vector<std::uint32_t> of_vertices;  // a component is named by its first vertex
     std::vector<int> triangles;
 
-    explicit Components(const DisparityMesh& mesh)
+    Components(const DisparityMesh& mesh, const std::vector<std::uint32_t>& held)
         : of_vertices(mesh.points.size()), triangles(mesh.points.size()) {
         UnionFind sets(mesh.points.size());
         for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
         for (std::uint32_t i = 0; i < of_vertices.size(); ++i) of_vertices[i] = sets.find(i);
         for (const Triangle& t : mesh.triangles) ++triangles[of_vertices[t[0]]];
+        for (const std::uint32_t v : held) triangles[of_vertices[v]] = kCrumb;
     }
     bool is_crumb(std::uint32_t vertex) const { return triangles[of_vertices[vertex]] < kCrumb; }
 };
@@ -96,8 +97,8 @@ double cost_of(const DisparityMesh& mesh, const Triangle& t, const double (&by)[
 // Joins crumbs to larger components; those beside the ones that were joined may be next. Returns whether any
 // was.
 bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, double most_px2,
-               double least_px) {
-    const Components components(mesh);
+               double least_px, const std::vector<std::uint32_t>& held) {
+    const Components components(mesh, held);
     const std::vector<Seam> seams = find_seams(mesh, places, components);
     if (seams.empty()) return false;
     std::vector<std::vector<Triangle>> crumbs(mesh.points.size());
@@ -149,9 +150,10 @@ bool join_once(DisparityMesh& mesh, const std::vector<std::uint32_t>& places, do
 
 }  // namespace
 
-void join_crumbs(DisparityMesh& mesh, double cell_px, double least_px) {
+void join_crumbs(DisparityMesh& mesh, double cell_px, double least_px,
+                 const std::vector<std::uint32_t>& held) {
     const std::vector<std::uint32_t> places = places_of(mesh.points);
-    while (join_once(mesh, places, kMost_px2 * cell_px, least_px)) mesh.has_one_fan_per_vertex = false;
+    while (join_once(mesh, places, kMost_px2 * cell_px, least_px, held)) mesh.has_one_fan_per_vertex = false;
 }
 
 }  // namespace hexrelief::stages

@@ -1,6 +1,9 @@
 // Crumbs: parts of a cut mesh that are too small to be things of their own.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "pipeline/data/disparity_mesh.h"
 
 namespace hexrelief::stages {
@@ -11,7 +14,9 @@ namespace hexrelief::stages {
 // which has cell_px pixels: a triangle on two surfaces that costs no more is not cut. Smaller ones join
 // whatever it costs, and the rest of their corners take the mean of the joined corners' new disparities, a
 // corner counted once for each end of a joined edge there. Triangles and points stay. The joined mesh may
-// have vertices without triangles.
-void join_crumbs(DisparityMesh& mesh, double cell_px, double least_px = 0);
+// have vertices without triangles. Components with a vertex of `held` count as large. Copies of a vertex are
+// adjacent to it.
+void join_crumbs(DisparityMesh& mesh, double cell_px, double least_px = 0,
+                 const std::vector<std::uint32_t>& held = {});
 
 }  // namespace hexrelief::stages

@@ -119,6 +119,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
         mesh_tiles::cut_tile(context.tiling, tile.i, tile.j, block, input, plan.config.surface,
                              context.threads, context.workers.cut),
         window);
+    join_crumbs(mesh, window, input.whole.cell_px);
     drop_specks(mesh, plan.config.surface.min_component);
     TileReport report;
     const TileScene scene = tile_scene(plan, mesh, window);

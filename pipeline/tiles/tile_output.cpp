@@ -11,6 +11,7 @@
 #include "pipeline/data/union_find.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/stamp/stamp.h"
+#include "pipeline/stages/join_crumbs.h"
 #include "pipeline/stages/surface.h"
 #include "pipeline/stages/surface_topology.h"
 #include "pipeline/tiles/tile_files.h"
@@ -43,6 +44,16 @@ DisparityMesh in_picture(const mesh_tiles::TileMesh& mesh, const mesh_tiles::Map
     }
     seen.triangles = mesh.triangles;
     return seen;
+}
+
+// Returns the corners on edges that the tile shares with others.
+std::vector<std::uint32_t> at_seams(const mesh_tiles::TileMesh& mesh) {
+    std::set<mesh_tiles::TileCorner> shared;
+    for (const auto& edge : mesh.seam_edges) shared.insert(edge.begin(), edge.end());
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t v = 0; v < mesh.corners.size(); ++v)
+        if (shared.contains(mesh.corners[v])) found.push_back(v);
+    return found;
 }
 
 }  // namespace
@@ -89,6 +100,12 @@ TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
     return scene;
 }
 
+void join_crumbs(mesh_tiles::TileMesh& mesh, const mesh_tiles::MapRect& window, double cell_px) {
+    DisparityMesh seen = in_picture(mesh, window);
+    stages::join_crumbs(seen, cell_px, 0, at_seams(mesh));
+    mesh.triangles = std::move(seen.triangles);
+}
+
 void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles) {
     if (min_triangles <= 1 || mesh.empty()) return;
     UnionFind parts(mesh.corners.size());
@@ -96,12 +113,10 @@ void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles) {
         for (const std::uint32_t corner : t) parts.join(t[0], corner);
     std::vector<int> triangles(mesh.corners.size(), 0);
     for (const Triangle& t : mesh.triangles) ++triangles[parts.find(t[0])];
-    std::set<mesh_tiles::TileCorner> at_seams;
-    for (const auto& edge : mesh.seam_edges) at_seams.insert(edge.begin(), edge.end());
     std::vector<bool> stays(mesh.corners.size());
     for (std::uint32_t v = 0; v < mesh.corners.size(); ++v)
-        if (triangles[parts.find(v)] >= min_triangles || at_seams.contains(mesh.corners[v]))
-            stays[parts.find(v)] = true;
+        if (triangles[parts.find(v)] >= min_triangles) stays[parts.find(v)] = true;
+    for (const std::uint32_t v : at_seams(mesh)) stays[parts.find(v)] = true;
     std::erase_if(mesh.triangles, [&](const Triangle& t) { return !stays[parts.find(t[0])]; });
 }
 

@@ -27,6 +27,10 @@ struct TileScene {
 TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
                      const mesh_tiles::MapRect& window);
 
+// Joins crumbs to what is beside them, as stages::join_crumbs() does, but none with seam edges. `window`
+// contains the tile, whose lattice has cells of cell_px pixels.
+void join_crumbs(mesh_tiles::TileMesh& mesh, const mesh_tiles::MapRect& window, double cell_px);
+
 // Drops components of fewer than min_triangles triangles without seam edges, which are therefore complete.
 void drop_specks(mesh_tiles::TileMesh& mesh, int min_triangles);
 

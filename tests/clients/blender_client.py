@@ -50,7 +50,7 @@ try:
     scene.render.engine = "CYCLES"
     scene.cycles.samples = 8
     scene.cycles.use_denoising = False
-    scene.render.resolution_x, scene.render.resolution_y = 400, 300
+    scene.render.resolution_x, scene.render.resolution_y = 320, 240
     scene.view_settings.view_transform = "Standard"
     scene.render.filepath = picture
     bpy.ops.render.render(write_still=True)

@@ -50,7 +50,7 @@ PICTURED = {  # program -> formats, Debian's package, command
     "VTK": (r"glb|gltf|obj|ply|stl", "python3-vtk9", [PYTHON, HERE / "vtk_client.py", "FILE", "PICTURE"]),
 }
 LEAST_COVERED, LEAST_CHROMA = 0.02, 20  # share of the picture; of 255
-WITH_FILES_CAMERA = ("three.js", "Cesium", "Babylon.js", "Blender")
+WITH_FILES_CAMERA = ("three.js", "model-viewer", "Cesium", "Babylon.js", "Blender")  # model-viewer: given it by the page
 
 
 def colours(picture):

@@ -57,6 +57,10 @@ try {
     const loaded = await load();
     world.add(loaded.scene);
     const camera = loaded.cameras[0] ?? new THREE.PerspectiveCamera(45, 4 / 3, 0.01, 1000);
+    if (/usdz$/.test(file)) {  // stands on its base, not before the camera
+        const { center, radius } = new THREE.Box3().setFromObject(loaded.scene).getBoundingSphere(new THREE.Sphere());
+        camera.position.copy(center).z += 2 * radius;
+    }
     camera.aspect = 4 / 3;
     camera.updateProjectionMatrix();
     await new Promise((done) => setTimeout(done, 300));  // textures decode on their own time
@@ -79,12 +83,12 @@ const file = decodeURIComponent(location.hash.slice(1));
 await customElements.whenDefined('model-viewer');
 const v = document.createElement('model-viewer');
 v.id = 'v';
-v.style.cssText = 'display:block;background-color:#333355';
+v.style.cssText = 'display:block;background-color:#333355;--progress-bar-height:0px';
 // The sample's camera, which model-viewer does not read from the file: it looks along -z with 240 rows at 320 px.
 v.setAttribute('camera-orbit', '0deg 90deg 2m');
 v.setAttribute('camera-target', '0m 0m -2m');
 v.setAttribute('min-camera-orbit', 'auto auto 0m');
-v.setAttribute('min-field-of-view', '10deg');
+v.setAttribute('max-field-of-view', '60deg');
 v.setAttribute('field-of-view', 2 * Math.atan(120 / 320) * 180 / Math.PI + 'deg');
 v.setAttribute('interpolation-decay', '1');
 v.setAttribute('interaction-prompt', 'none');
@@ -109,7 +113,10 @@ try {
     await BABYLON.SceneLoader.AppendAsync('/s/', file, scene);
     new BABYLON.HemisphericLight('sky', new BABYLON.Vector3(0, 1, 0.5), scene);
     if (scene.cameras.length > 0) scene.activeCamera = scene.cameras[0];
-    else scene.createDefaultCamera(true, true, false);
+    else {
+        scene.createDefaultCamera(true, true, false);
+        scene.activeCamera.alpha += Math.PI;  // it looks at the back, which it does not draw
+    }
     await scene.whenReadyAsync();
     for (let i = 0; i < 3; i++) scene.render();
     const triangles = scene.meshes.reduce((sum, mesh) => sum + mesh.getTotalIndices() / 3, 0);

@@ -81,7 +81,16 @@ export function readGlb(bytes) {
   return { levels, image: picture ? new Blob([picture], { type: image.mimeType }) : null, json, picture };
 }
 
-// The finest level as a GLB without extensions that a reader must know: floats, 32 bits an index, the same material and
+// Ends each second texture coordinate with a provenance, as the exporter does.
+function endWithProvenance(texcoords, provenance) {
+  const bits = new Uint32Array(texcoords.buffer), one = 0x3f800000;
+  provenance.forEach((value, i) => {
+    const near = (bits[2 * i + 1] + 0x7f - value & ~0xff) + value;
+    bits[2 * i + 1] = near > one ? near - 0x100 : near;
+  });
+}
+
+// The finest level as a GLB without extensions that a reader must know, as the exporter writes it: floats, the same material and
 // picture.
 export function writePlainGlb(bytes) {
   const { levels: [{ positions, texcoords, provenance, indices }], image, json: from, picture } = readGlb(bytes);
@@ -101,28 +110,33 @@ export function writePlainGlb(bytes) {
     high[i % 3] = Math.max(high[i % 3], value);
   });
   const count = positions.length / 3;
+  const [componentType, IndexArray] = count <= 65535 ? [5123, Uint16Array] : [5125, Uint32Array];
+  const indexView = addView(IndexArray.from(indices), { target: 34963 });
   const accessors = [
     { bufferView: addView(positions, { target: 34962 }), componentType: 5126, count, type: 'VEC3', min: low, max: high },
-    { bufferView: addView(Uint32Array.from(indices), { target: 34963 }), componentType: 5125, count: indices.length, type: 'SCALAR' },
+    { bufferView: indexView, componentType, count: indices.length, type: 'SCALAR' },
   ];
   const attributes = { POSITION: 0 };
   if (texcoords) {
+    if (provenance) endWithProvenance(texcoords, provenance);
     attributes.TEXCOORD_0 = accessors.length;
-    accessors.push({ bufferView: addView(texcoords, { target: 34962 }), componentType: 5126, count, type: 'VEC2' });
+    accessors.push({ bufferView: addView(texcoords, { target: 34962, byteStride: 8 }), componentType: 5126, count, type: 'VEC2' });
   }
   if (provenance) {
-    const padded = new Uint8Array(4 * count); // each element begins at a multiple of 4
-    provenance.forEach((value, i) => { padded[4 * i] = value; });
+    // Without texture coordinates each begins at a multiple of 4.
+    const bufferView = texcoords ? accessors[attributes.TEXCOORD_0].bufferView
+      : addView(Uint32Array.from(provenance), { target: 34962, byteStride: 4 });
     attributes._PROVENANCE = accessors.length;
     const { extras } = from.accessors[from.meshes[0].primitives[0].attributes._PROVENANCE];
-    accessors.push({ bufferView: addView(padded, { target: 34962, byteStride: 4 }), componentType: 5121, count, type: 'SCALAR', extras });
+    accessors.push({ bufferView, byteOffset: texcoords ? 4 : 0, componentType: 5121, count, type: 'SCALAR', extras });
   }
   const extensionsUsed = (from.extensionsUsed ?? []).filter((name) => name === 'KHR_materials_unlit' || name === 'EXT_texture_webp');
   const material = structuredClone(from.materials[0]);
   const base = material.pbrMetallicRoughness?.baseColorTexture;
   if (base) delete base.extensions; // texture coordinates are scaled already
+  const nodes = [{ name: 'relief', mesh: 0 }, ...from.nodes.filter((node) => node.camera !== undefined)];
   const json = {
-    asset: from.asset, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ name: 'relief', mesh: 0 }],
+    asset: from.asset, scene: 0, scenes: [{ nodes: [...nodes.keys()] }], nodes, cameras: from.cameras,
     meshes: [{ name: 'relief', primitives: [{ attributes, indices: 1, material: 0 }] }], materials: [material],
     accessors, bufferViews,
     ...(extensionsUsed.length > 0 && { extensionsUsed }),

@@ -97,6 +97,15 @@ TEST(ImageWriter, QualityDecidesSize) {
     EXPECT_LT(encode_jpeg(image, 30).size(), encode_jpeg(image, 95).size());
 }
 
+TEST(ImageWriter, SmoothBlocksKeepTheirLevel) {
+    Image image{256 * 8, 8, 1, {}};
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) image.pixels.push_back(static_cast<std::uint8_t>(x / 8));
+    const Image decoded = decode_jpeg(encode_jpeg(image, 30)).image;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        ASSERT_NEAR(decoded.pixels[i], image.pixels[i], 1) << i;
+}
+
 TEST(ImageWriter, TooWideForJpegIsErrorThatNamesPng) {
     const Image image{70000, 1, 1, std::vector<std::uint8_t>(70000, 1)};
     try {

@@ -300,6 +300,8 @@ await check('the mesh is saved as a GLB that needs no extension', async () => {
   assert.equal(json.accessors[indices].count, 3 * levels[0].triangles);
   assert.equal(json.accessors[attributes.POSITION].count, levels[0].vertices);
   assert.equal(json.images.length, 1);
+  assert.equal(json.nodes[1].camera, 0);
+  assert.equal(json.cameras.length, 1);
 });
 
 await check('the relief sways at first sight, until it is touched', async () => {
@@ -340,6 +342,16 @@ await check('what no camera saw is shown and left open', async () => {
   for (let i = 0; i < 8; ++i) await other.page.keyboard.press('ArrowLeft');
   const without = await picture(), shown = await set(true);
   assert.ok(share(without, shown) > 0.002, `${share(without, shown)} of the view is what no camera saw`);
+  const [download] = await Promise.all(
+    [other.page.waitForEvent('download'), other.page.evaluate(() => document.getElementById('mesh-file').click())]);
+  const glb = readFileSync(await download.path()), begin = 20 + glb.readUInt32LE(12);
+  const { accessors, bufferViews, meshes } = JSON.parse(glb.subarray(20, begin).toString());
+  const { TEXCOORD_0, _PROVENANCE } = meshes[0].primitives[0].attributes;
+  const { bufferView, byteOffset, count, extras } = accessors[_PROVENANCE];
+  assert.equal(bufferView, accessors[TEXCOORD_0].bufferView); // the second coordinate's last byte
+  const counts = [0, 0, 0, 0];
+  for (let i = 0; i < count; ++i) ++counts[glb[begin + 8 + bufferViews[bufferView].byteOffset + byteOffset + 8 * i]];
+  assert.deepEqual(counts, ['both', 'left', 'right', 'nobody'].map((name) => extras[name] ?? 0));
   assert.deepEqual(other.complaints, []);
   rmSync(whole);
 });

@@ -99,6 +99,12 @@ TEST(JoinCrumbs, LargeComponentsStay) {
     DisparityMesh mesh = halves;
     join_crumbs(mesh, 1000);
     EXPECT_EQ(mesh.triangles, halves.triangles);
+    const auto crumbs = mesh_of([](int x, int y) { return y == 6 && (x == 2 || x == 8) ? 11.0f : 10.0f; });
+    mesh = crumbs;
+    const std::uint32_t held = mesh.triangles[2 * (6 * kSide + 2)][0];
+    join_crumbs(mesh, 1000, 0, {held});
+    EXPECT_EQ(disparities_at(mesh, 2, 6), std::set<float>{11}) << "counts as large";
+    EXPECT_EQ(disparities_at(mesh, 8, 6), std::set<float>{10});
     const auto crumb_alone = mesh_of([](int, int) { return 10.0f; });
     mesh = {crumb_alone.points, crumb_alone.disparities, {crumb_alone.triangles[0]}, true};
     join_crumbs(mesh, 1000);
