@@ -19,9 +19,9 @@ namespace {
 
 // Levels that the means of 3x3 pixels beside a pixel, or above and below it, differ by at most on a patch.
 constexpr int kMeanOf = 9, kLargestStep = 4 * kMeanOf;
-constexpr std::size_t kLeastPatchShare = 1500;  // of the picture
-constexpr int kLeastRun_px = 3;                 // in a row: narrower bridges join no patches
-constexpr double kMatchedShare = 0.9;           // of a patch: beyond that it needs no plane
+constexpr std::size_t kLeastPatchShare = 150;  // of the picture
+constexpr int kLeastRun_px = 3;                // in a row: narrower bridges join no patches
+constexpr double kMatchedShare = 0.4;          // of a patch: beyond that it needs no plane
 constexpr std::size_t kLeastSamples = 24;
 constexpr int kCellsAcross = 12, kCellSamples = 6;  // a cell's side is at least kLeastCell_px
 constexpr double kLeastCell_px = 4;

@@ -33,34 +33,38 @@ struct Columns {
     }
 };
 
-struct Score {
-    float soft = 0;   // the weight of samples within 1 px, which falls with the square of their distance
-    float share = 0;  // their weight
-};
+using Column = const float* __restrict;
 
-HEXRELIEF_VECTORS Score score_of(const float* __restrict x, const float* __restrict y,
-                                 const float* __restrict disparity, const float* __restrict weight,
-                                 std::size_t count, float x_slope, float y_slope, float at_origin) {
-    float soft[kLanes] = {}, share[kLanes] = {};
+// Returns the weight of the samples within kOnPlane_px. `soft`: each counts less the farther it is off.
+template <bool soft>
+HEXRELIEF_INLINED float share_of(Column x, Column y, Column disparity, Column weight, std::size_t count,
+                                 float x_slope, float y_slope, float at_origin) {
+    constexpr auto kLargest = static_cast<float>(kOnPlane_px * kOnPlane_px);
+    float sums[kLanes] = {};
     for (std::size_t i = 0; i < count; i += kLanes)
         for (std::size_t k = 0; k < kLanes; ++k) {
             const float off = x_slope * x[i + k] + y_slope * y[i + k] + at_origin - disparity[i + k];
-            const float rest = 1.0f - off * off;
-            soft[k] += (rest > 0 ? rest : 0.0f) * weight[i + k];
-            share[k] += rest > 0 ? weight[i + k] : 0.0f;
+            const float rest = kLargest - off * off, own = weight[i + k];
+            sums[k] += soft ? (rest > 0 ? rest : 0.0f) * own : rest > 0 ? own : 0.0f;
         }
-    Score score;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-        score.soft += soft[k];
-        score.share += share[k];
-    }
-    return score;
+    float sum = 0;
+    for (const float lane : sums) sum += lane;
+    return sum;
+}
+HEXRELIEF_VECTORS float soft_share(Column x, Column y, Column disparity, Column weight, std::size_t count,
+                                   float x_slope, float y_slope, float at_origin) {
+    return share_of<true>(x, y, disparity, weight, count, x_slope, y_slope, at_origin);
+}
+HEXRELIEF_VECTORS float hard_share(Column x, Column y, Column disparity, Column weight, std::size_t count,
+                                   float x_slope, float y_slope, float at_origin) {
+    return share_of<false>(x, y, disparity, weight, count, x_slope, y_slope, at_origin);
 }
 
-Score score_of(const Columns& c, const DisparityPlane& plane) {
-    return score_of(c.x.data(), c.y.data(), c.disparity.data(), c.weight.data(), c.x.size(),
-                    static_cast<float>(plane.x_slope), static_cast<float>(plane.y_slope),
-                    static_cast<float>(plane.at_origin));
+template <class Share>
+float share_of(const Columns& c, const DisparityPlane& plane, const Share& share) {
+    return share(c.x.data(), c.y.data(), c.disparity.data(), c.weight.data(), c.x.size(),
+                 static_cast<float>(plane.x_slope), static_cast<float>(plane.y_slope),
+                 static_cast<float>(plane.at_origin));
 }
 
 std::vector<DisparityPlane> candidates_of(const std::vector<PlaneSample>& samples) {
@@ -136,18 +140,18 @@ std::optional<PlaneFit> fit_plane(const std::vector<PlaneSample>& samples, doubl
     float best = -1;
     PlaneFit fit;
     for (const DisparityPlane& plane : planes)
-        if (const float soft = score_of(columns, plane).soft; soft > best) {
+        if (const float soft = share_of(columns, plane, soft_share); soft > best) {
             best = soft;
             fit.plane = plane;
         }
     fit.plane = moved_to_samples(fit.plane, samples);
-    fit.share = score_of(columns, fit.plane).share;
+    fit.share = share_of(columns, fit.plane, hard_share);
     if (fit.share < least_share) return {};
     for (std::size_t i = 0; i < samples.size(); ++i)
         if (std::abs(fit.plane.at(samples[i].x, samples[i].y) - samples[i].disparity) <= kOffPlane_px)
             columns.weight[i] = 0;
     for (const DisparityPlane& plane : planes)
-        fit.second_share = std::max<double>(fit.second_share, score_of(columns, plane).share);
+        fit.second_share = std::max<double>(fit.second_share, share_of(columns, plane, hard_share));
     return fit;
 }
 
