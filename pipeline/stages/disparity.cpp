@@ -6,6 +6,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"
+#include "pipeline/stages/dequantize/bare_planes.h"
 #include "pipeline/stages/dequantize/mixed_pixels.h"
 #include "pipeline/stages/sgbm.h"
 
@@ -149,7 +150,7 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
         matching_config(config), threads);
 }
 
-DisparityMap to_pixels(matching::MatchedMap matched, const Image& left, const DisparityConfig& config,
+DisparityMap to_pixels(matching::MatchedMap matched, const StereoPair& pair, const DisparityConfig& config,
                        int threads) {
     matching::continue_beyond_frame(matched, config.min_disparity_px);
     const std::size_t count = matched.disparities.size();
@@ -165,7 +166,8 @@ DisparityMap to_pixels(matching::MatchedMap matched, const Image& left, const Di
             map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
         }
     });
-    map = without_mixed_pixels(std::move(map), left, Scraps::stay);
+    if (!gives_maps(config.method)) map = with_planes_on_bare_patches(std::move(map), pair, threads);
+    map = without_mixed_pixels(std::move(map), pair.left, Scraps::stay);
     if (config.fill == DisparityFill::none)
         for (std::size_t i = 0; i < count; ++i) {
             if (map.origins[i] != PixelOrigin::filled) continue;
@@ -233,9 +235,9 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
     switch (config.method) {
         case DisparityMethod::sgm:
-            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair.left, config, threads);
+            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair, config, threads);
         case DisparityMethod::sgbm:
-            return to_pixels(refine_sgbm(pair, ranged, threads), pair.left, config, threads);
+            return to_pixels(refine_sgbm(pair, ranged, threads), pair, config, threads);
         case DisparityMethod::command:
         case DisparityMethod::onnx:
             break;
@@ -263,7 +265,7 @@ DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const Di
                                             {above_least(views.left, ranged.min_disparity_px),
                                              above_least(views.right, ranged.min_disparity_px)},
                                             matching_config(ranged), threads),
-                     pair.left, ranged, threads);
+                     pair, ranged, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
