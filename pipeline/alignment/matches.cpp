@@ -25,24 +25,16 @@ struct Sums {
     std::int32_t* row(int y) { return values.data() + static_cast<std::size_t>(y) * width; }
 };
 
-// Calls body(y) for each row.
-template <typename Body>
-void for_rows(int height, ThreadPool& pool, const Body& body) {
-    pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t first, std::size_t last) {
-        for (std::size_t y = first; y < last; ++y) body(static_cast<int>(y));
-    });
-}
-
 // Returns sums over 5 x 5 px of value(x, y); those within 2 px of the border are not set.
 template <typename Value>
 Sums box_sums(int width, int height, ThreadPool& pool, const Value& value) {
     Sums across(width, height), out(width, height);
-    for_rows(height, pool, [&](int y) {
+    pool.parallel_for_each(height, [&](int y) {
         std::int32_t* const to = across.row(y);
         for (int x = 2; x < width - 2; ++x)
             to[x] = value(x - 2, y) + value(x - 1, y) + value(x, y) + value(x + 1, y) + value(x + 2, y);
     });
-    for_rows(height, pool, [&](int y) {
+    pool.parallel_for_each(height, [&](int y) {
         if (y < 2 || y >= height - 2) return;
         std::int32_t* const to = out.row(y);
         const std::int32_t *const a = across.row(y - 2), *const b = across.row(y - 1),
@@ -57,7 +49,7 @@ Sums box_sums(int width, int height, ThreadPool& pool, const Value& value) {
 RawVector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& pool) {
     const int width = picture.width, height = picture.height;
     Sums gx(width, height), gy(width, height);
-    for_rows(height, pool, [&](int y) {
+    pool.parallel_for_each(height, [&](int y) {
         const bool is_border = y == 0 || y == height - 1;
         for (Sums* const to : {&gx, &gy}) {
             if (is_border)
@@ -78,7 +70,7 @@ RawVector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& poo
     };
     const Sums xx = product(gx, gx), yy = product(gy, gy), xy = product(gx, gy);
     RawVector<std::int64_t> strengths(picture.values.size());
-    for_rows(height, pool, [&](int y) {
+    pool.parallel_for_each(height, [&](int y) {
         std::fill_n(strengths.data() + static_cast<std::size_t>(y) * width, width, 0);
         if (y < kBorder_px || y >= height - kBorder_px) return;
         for (int x = kBorder_px; x < width - kBorder_px; ++x) {
@@ -263,7 +255,7 @@ std::vector<Corner> find_corners(const GreyPicture& picture, int count, ThreadPo
     if (std::min(width, height) <= 2 * kBorder_px) return {};
     const RawVector<std::int64_t> strengths = strengths_of(picture, pool);
     std::vector<std::vector<Peak>> cells(std::size_t{kCells} * kCells);
-    for_rows(kCells, pool, [&](int row) {
+    pool.parallel_for_each(kCells, [&](int row) {
         const auto begin_of = [&](int r) { return (r * height + kCells - 1) / kCells; };
         for (int y = std::max(kBorder_px, begin_of(row));
              y < std::min(height - kBorder_px, begin_of(row + 1)); ++y)

@@ -36,6 +36,13 @@ class ThreadPool {
     void parallel_for(std::size_t count, const Body& body) {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
+    // The same, as body(i) for each i of [0, count).
+    template <typename Body>
+    void parallel_for_each(int count, const Body& body) {
+        parallel_for(static_cast<std::size_t>(count), [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) body(static_cast<int>(i));
+        });
+    }
     // Runs body(first, last) on chunks of [0, count), count < 2^31. A thread first takes the chunks of its
     // own share, whose data the preceding loop left in its core's cache, and then chunks from the far end of
     // other threads' shares. The result must not depend on which thread runs a chunk.

@@ -6,8 +6,8 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"
-#include "pipeline/stages/dequantize/bare_planes.h"
-#include "pipeline/stages/dequantize/mixed_pixels.h"
+#include "pipeline/stages/by_colour/bare_planes.h"
+#include "pipeline/stages/by_colour/mixed_pixels.h"
 #include "pipeline/stages/sgbm.h"
 
 namespace hexrelief::stages {

@@ -62,7 +62,7 @@ bool are_apart(const DisparityMap& map, std::size_t i, std::size_t other) {
 // Returns 1 for pixels beside a discontinuity.
 std::vector<std::uint8_t> find_ends(const DisparityMap& map, ThreadPool& pool) {
     std::vector<std::uint8_t> is_end(map.values.size());
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x) {
             const auto width = static_cast<std::size_t>(map.width);
             const std::size_t i = y * width + x;
@@ -113,7 +113,7 @@ PyramidLevel level_of(const DisparityMap& map, const Evidence& evidence, float v
     mark_short_steps(map, is_unsure, pool);
     PyramidLevel level(map.width, map.height);
     level.pull.resize(level.given.size());
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x) {
             const std::size_t i = y * width + x, at = level.at(x, y);
             if (!DisparityMap::known(map.values[i])) continue;
@@ -124,7 +124,7 @@ PyramidLevel level_of(const DisparityMap& map, const Evidence& evidence, float v
             level.pull[at] = variance * std::max(certainty, kOfUnsure);
         }
     });
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x) {
             const std::size_t i = y * width + x;
             const auto joins = [&](std::size_t other) {
@@ -164,7 +164,7 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
         relax(pyramid[level], pulls[level], half_px, pool);
     }
     const PyramidLevel& fine = pyramid.front();
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x)
             if (fine.flags[fine.at(x, y)] & kIsSmoothed) result.at(x, y) = fine.smooth[fine.at(x, y)];
     });
@@ -193,7 +193,7 @@ DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair,
         pyramid.push_back(level_of(result, evidence, variance, raise, pool));
         smooth(pyramid, pool);
         const PyramidLevel& fine = pyramid.front();
-        for_rows(pool, map.height, [&](int y) {
+        pool.parallel_for_each(map.height, [&](int y) {
             for (int x = 0; x < map.width; ++x)
                 if (fine.flags[fine.at(x, y)] & kIsSmoothed)
                     result.at(x, y) = std::clamp(fine.smooth[fine.at(x, y)] - raise, least, most);

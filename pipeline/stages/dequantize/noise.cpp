@@ -97,7 +97,7 @@ constexpr float kDeviationOfMedian = 1.4826f;
 
 Plane grey_of(const Image& image, ThreadPool& pool) {
     Plane grey(image.width, image.height);
-    for_rows(pool, image.height, [&](int y) {
+    pool.parallel_for_each(image.height, [&](int y) {
         for (int x = 0; x < image.width; ++x) {
             const std::uint8_t* const c = image.at(x, y);
             grey.row(y)[x] = image.channels < 3 ? c[0] : 0.25f * static_cast<float>(c[0] + 2 * c[1] + c[2]);
@@ -110,7 +110,7 @@ Plane grey_of(const Image& image, ThreadPool& pool) {
 Plane box_sums(const Plane& plane, int radius, ThreadPool& pool) {
     Plane across(plane.width, plane.height), sums(plane.width, plane.height);
     const int last = plane.width - 1;
-    for_rows(pool, plane.height, [&](int y) {
+    pool.parallel_for_each(plane.height, [&](int y) {
         const float* const in = plane.row(y);
         float* const out = across.row(y);
         double sum = 0;
@@ -120,7 +120,7 @@ Plane box_sums(const Plane& plane, int radius, ThreadPool& pool) {
             sum += static_cast<double>(in[std::min(x + radius + 1, last)]) - in[std::max(x - radius, 0)];
         }
     });
-    for_rows(pool, plane.height, [&](int y) {
+    pool.parallel_for_each(plane.height, [&](int y) {
         float* const out = sums.row(y);
         for (int j = -radius; j <= radius; ++j) {
             const float* const in = across.row(std::clamp(y + j, 0, plane.height - 1));
@@ -148,7 +148,7 @@ float level_at(const float* row, int width, float x) {
 Plane slopes_of(const Plane& left, const Plane& right, ThreadPool& pool) {
     Plane slopes(left.width, left.height);
     const int last_x = left.width - 1, last_y = left.height - 1;
-    for_rows(pool, left.height, [&](int y) {
+    pool.parallel_for_each(left.height, [&](int y) {
         for (int x = 0; x <= last_x; ++x) {
             const auto rise = [&](int v) {
                 v = std::clamp(v, 0, last_y);
@@ -225,7 +225,7 @@ Evidence PairLevels::evidence_for(const DisparityMap& map, ThreadPool& pool) con
     const int width = map.width, height = map.height;
     std::vector<std::uint8_t> is_seen(map.values.size());
     Plane seen = left_;  // what the right picture shows of each pixel
-    for_rows(pool, height, [&](int y) {
+    pool.parallel_for_each(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             const std::size_t i = static_cast<std::size_t>(y) * width + x;
             if (map.origins[i] != PixelOrigin::matched) continue;
@@ -246,7 +246,7 @@ Evidence PairLevels::evidence_for(const DisparityMap& map, ThreadPool& pool) con
     const float miss = std::max(kLeastMiss, kDeviationOfMedian * median_of(is_seen.size(), pool, miss_at));
 
     Evidence evidence{Plane(width, height), Plane(width, height), Plane(0, 0), miss};
-    for_rows(pool, height, [&](int y) {
+    pool.parallel_for_each(height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             const std::size_t i = static_cast<std::size_t>(y) * width + x;
             if (!is_seen[i]) continue;

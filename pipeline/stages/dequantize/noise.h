@@ -110,11 +110,4 @@ float median_of(std::size_t count, ThreadPool& pool, const Value& value) {
     return *middle;
 }
 
-template <typename Body>
-void for_rows(ThreadPool& pool, int height, const Body& body) {
-    pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t first, std::size_t end) {
-        for (std::size_t y = first; y < end; ++y) body(static_cast<int>(y));
-    });
-}
-
 }  // namespace hexrelief::stages

@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/bare_borders.h"
+#include "pipeline/stages/by_colour/bare_borders.h"
 
 #include <algorithm>
 #include <array>

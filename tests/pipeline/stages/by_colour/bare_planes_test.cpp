@@ -1,5 +1,5 @@
 // Tests that bare patches follow planes through their matches, if enough of these lie on one.
-#include "pipeline/stages/dequantize/bare_planes.h"
+#include "pipeline/stages/by_colour/bare_planes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pipeline/stages/dequantize/robust_plane.h"
+#include "pipeline/stages/by_colour/robust_plane.h"
 
 namespace hexrelief::stages {
 namespace {

@@ -1,5 +1,5 @@
 // Tests that pixels between two surfaces are given to one of these.
-#include "pipeline/stages/dequantize/mixed_pixels.h"
+#include "pipeline/stages/by_colour/mixed_pixels.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/mixed_pixels.h"
+#include "pipeline/stages/by_colour/mixed_pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,6 @@
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
-#include "pipeline/stages/dequantize/noise.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -146,14 +145,14 @@ DisparityMap with_wider_near(DisparityMap map, int threads) {
     const auto stride = static_cast<std::ptrdiff_t>(map.width) + 2;
     std::vector<float> now(static_cast<std::size_t>(stride) * (map.height + 2), kNone), next = now;
     const auto row_of = [&](std::vector<float>& values, int y) { return &values[stride * (y + 1) + 1]; };
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x)
             if (DisparityMap::known(map.at(x, y))) row_of(now, y)[x] = map.at(x, y);
     });
     // A pixel a round, every other round without the corners: an octagon.
     for (int round = 0; round < rounds; ++round) {
         const bool is_diagonal = round % 2 > 0;
-        for_rows(pool, map.height, [&](int y) {
+        pool.parallel_for_each(map.height, [&](int y) {
             const float* const own = row_of(now, y);
             float* const out = row_of(next, y);
             for (int x = 0; x < map.width; ++x) {
@@ -167,7 +166,7 @@ DisparityMap with_wider_near(DisparityMap map, int threads) {
         });
         now.swap(next);
     }
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         for (int x = 0; x < map.width; ++x)
             if (DisparityMap::known(map.at(x, y))) map.at(x, y) = row_of(now, y)[x];
     });

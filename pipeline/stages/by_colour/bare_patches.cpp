@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/bare_patches.h"
+#include "pipeline/stages/by_colour/bare_patches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/four_neighbours.h"
-#include "pipeline/stages/dequantize/noise.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -32,7 +32,7 @@ class Sums {
     template <class Value>
     Sums(int width, int height, ThreadPool& pool, const Value& value)
         : width_(width), height_(height), sums_((width + std::size_t{1}) * (height + std::size_t{1})) {
-        for_rows(pool, height, [&](int y) {
+        pool.parallel_for_each(height, [&](int y) {
             double row = 0;
             for (int x = 0; x < width; ++x)
                 sums_[index(x + 1, y + 1)] = row += value(static_cast<std::size_t>(y) * width + x);
@@ -197,14 +197,14 @@ DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
     std::vector<std::uint8_t> sure = sure_pixels(map, pool);
     for (std::size_t i = 0; i < sure.size(); ++i) sure[i] &= is_matched[i];
     std::vector<std::uint8_t> is_rim(sure.size());
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         for (int x = map.width - 1; x >= 0 && !sure[row + x]; --x) is_rim[row + x] = 1;
     });
     const std::vector<std::uint32_t> source =
         flood(map, sure, left, kAnyColour, [&](std::size_t i) { return is_rim[i] != 0; });
     const int margin = std::max(map.width, map.height) / kMarginShare;
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         int last = map.width - 1;
         while (!is_seen.empty() && last >= 0 && !is_seen[row + last]) --last;

@@ -1,5 +1,5 @@
 // Tests that bare patches follow the farther surface that their colours lead to.
-#include "pipeline/stages/dequantize/bare_patches.h"
+#include "pipeline/stages/by_colour/bare_patches.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests that surfaces go on beyond the right picture's end.
-#include "pipeline/stages/dequantize/bare_patches.h"
+#include "pipeline/stages/by_colour/bare_patches.h"
 
 #include <gtest/gtest.h>
 

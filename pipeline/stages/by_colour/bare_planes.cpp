@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/bare_planes.h"
+#include "pipeline/stages/by_colour/bare_planes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,7 @@
 #include "pipeline/base/simd.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/union_find.h"
-#include "pipeline/stages/dequantize/noise.h"
-#include "pipeline/stages/dequantize/robust_plane.h"
+#include "pipeline/stages/by_colour/robust_plane.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -168,7 +167,7 @@ std::vector<Patch> find_patches(const ColorSums& sums, int height, ThreadPool& p
 std::vector<float> nearest_matches(const DisparityMap& map, const std::vector<std::uint8_t>& is_wanted,
                                    ThreadPool& pool) {
     std::vector<float> nearest(map.values.size(), -1);
-    for_rows(pool, map.height, [&](int y) {
+    pool.parallel_for_each(map.height, [&](int y) {
         if (!is_wanted[y]) return;
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         for (int x = 0; x < map.width; ++x) {

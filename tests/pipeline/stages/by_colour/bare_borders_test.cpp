@@ -1,5 +1,5 @@
 // Tests that bare bands beside nearer things are given back, and that nothing else is.
-#include "pipeline/stages/dequantize/bare_borders.h"
+#include "pipeline/stages/by_colour/bare_borders.h"
 
 #include <gtest/gtest.h>
 

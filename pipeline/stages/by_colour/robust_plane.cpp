@@ -1,4 +1,4 @@
-#include "pipeline/stages/dequantize/robust_plane.h"
+#include "pipeline/stages/by_colour/robust_plane.h"
 
 #include <algorithm>
 #include <cmath>
