@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "pipeline/base/opencv_squares.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/four_neighbours.h"
 
@@ -122,19 +123,15 @@ std::vector<std::uint32_t> flood(const DisparityMap& map, const std::vector<std:
     return source;
 }
 
-// Returns which pixels are matched and lie in regions of such ones of a thousandth of the picture or more.
-std::vector<std::uint8_t> matched_regions(const DisparityMap& map) {
-    std::vector<std::uint8_t> is_matched(map.origins.size());
-    std::transform(map.origins.begin(), map.origins.end(), is_matched.begin(),
-                   [](PixelOrigin origin) { return origin == PixelOrigin::matched; });
+// Sets pixels to 0 that lie in regions of fewer than a thousandth of the picture.
+void remove_small_regions(std::vector<std::uint8_t>& pixels, int width, int height) {
     cv::Mat labels, figures, centres;
-    cv::connectedComponentsWithStats(cv::Mat(map.height, map.width, CV_8U, is_matched.data()), labels,
-                                     figures, centres, 4);
-    for (std::size_t i = 0; i < is_matched.size(); ++i) {
+    cv::connectedComponentsWithStats(cv::Mat(height, width, CV_8U, pixels.data()), labels, figures, centres,
+                                     4);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
         const int area = figures.at<int>(labels.ptr<int>()[i], cv::CC_STAT_AREA);
-        if (static_cast<std::size_t>(area) * kPatchShare < is_matched.size()) is_matched[i] = 0;
+        if (static_cast<std::size_t>(area) * kPatchShare < pixels.size()) pixels[i] = 0;
     }
-    return is_matched;
 }
 
 }  // namespace
@@ -193,9 +190,10 @@ DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
                                     const std::vector<std::uint8_t>& is_seen, int threads) {
     if (map.origins.empty() || left.empty()) return map;
     ThreadPool pool(threads);
-    const std::vector<std::uint8_t> is_matched = matched_regions(map);
     std::vector<std::uint8_t> sure = sure_pixels(map, pool);
-    for (std::size_t i = 0; i < sure.size(); ++i) sure[i] &= is_matched[i];
+    remove_small_regions(sure, map.width, map.height);
+    std::vector<std::uint8_t> is_near_sure = sure;
+    take_largest(is_near_sure, map.width, map.height, std::max(map.width, map.height) / kSureShare);
     std::vector<std::uint8_t> is_rim(sure.size());
     pool.parallel_for_each(map.height, [&](int y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
@@ -210,7 +208,8 @@ DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
         while (!is_seen.empty() && last >= 0 && !is_seen[row + last]) --last;
         for (int x = 0; x < map.width; ++x) {
             const std::size_t i = row + x;
-            if (!is_rim[i] || is_matched[i] || source[i] == kNoSource) continue;
+            const bool stays = map.origins[i] == PixelOrigin::matched && is_near_sure[i] != 0;
+            if (!is_rim[i] || stays || source[i] == kNoSource) continue;
             const float d = map.values[source[i]];
             if (static_cast<float>(x) - d > static_cast<float>(last - margin)) map.values[i] = d;
         }

@@ -23,8 +23,8 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int t
 // nearer things. Here what lies right of its row's last surely matched pixel is flooded from such pixels
 // along the smallest differences of colour, and takes the disparity that it is led from where that lies
 // beyond the right picture, or within a 20th of the longer side of its end. left: as above. is_seen: of the
-// right picture, the map's size, 1 = shows something; empty = all. Maps without origins and unknown pixels
-// stay.
+// right picture, the map's size, 1 = shows something; empty = all. Maps without origins, unknown pixels,
+// and matched ones beside sure ones stay.
 DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
                                     const std::vector<std::uint8_t>& is_seen, int threads);
 
