@@ -60,6 +60,9 @@ enum class MaterialKind { emissive, unlit, lit };
 // is emissive or unlit.
 enum class NormalsKind { automatic, always, never };
 
+// What vertices tell of where their depth comes from.
+enum class ProvenanceKind { cameras, matches };
+
 enum class TextureFormat { none, jpeg, png, webp };
 
 // The field table of pipeline/config has the ranges.
@@ -81,6 +84,7 @@ struct ExportConfig {
     bool texture_crop = true;  // crops the texture to the part that the mesh shows
     bool camera = true;        // writes the left camera to glTF if the image's size is known
     FileOrigin origin = FileOrigin::automatic;
+    ProvenanceKind provenance = ProvenanceKind::cameras;
     std::string copyright;  // for glTF's asset.copyright; may be empty
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/data/geometry.h"
+#include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief::inspect {
 
@@ -25,7 +26,7 @@ struct MeshDescription {
     bool texcoords = false;
     bool colors = false;
     // Vertices by the cameras that saw them, as Provenance; all 0 = the file does not tell.
-    std::array<long long, 4> provenance = {};
+    std::array<long long, kProvenanceNames.size()> provenance = {};
     std::string compression = "none";  // of the geometry, in the terms of export.compression
     // "POSITION" .. "indices", or one entry "Draco"
     std::vector<std::pair<std::string, long long>> geometry_bytes;

@@ -61,6 +61,7 @@ void tell_mesh(const inspect::MeshDescription& mesh, Text& text) {
         std::string shares;
         Json by_name;
         for (std::size_t k = 0; k < mesh.provenance.size(); ++k) {
+            if (mesh.provenance[k] == 0 && k == static_cast<std::size_t>(Provenance::filled)) continue;
             const double percent =
                 100.0 * static_cast<double>(mesh.provenance[k]) / static_cast<double>(seen);
             shares += (k == 0 ? "" : ", ") + std::string(kProvenanceNames[k]) + " " +

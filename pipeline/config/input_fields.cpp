@@ -148,6 +148,10 @@ std::vector<Field> export_fields() {
                "where files have their origin: camera = the left camera; base = below the middle of the "
                "mesh, as low as its lowest point; auto = base in .usdz, which phones put onto the floor; "
                ".drc, .stl, .3mf and .html always have the camera's"),
+        choice("export.provenance", MEMBER(exporting.provenance), {"cameras", "matches"},
+               "what vertices tell in .glb, .gltf, .html and .ply: cameras = which cameras saw them, if the "
+               "mesh has more than the left view's part; matches = also which of the left view's were "
+               "filled, because nothing matched or was measured there"),
         text("export.copyright", MEMBER(exporting.copyright),
              "of the photograph or the mesh, for .glb and .gltf"),
         choice("export.stl_unit", MEMBER(exporting.stl_unit), {"m", "mm"},

@@ -1,6 +1,7 @@
 // The triangle mesh in space that the exporters write.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,9 +19,10 @@ struct MeshPart {
     std::size_t vertices = 0, triangles = 0;  // how many
 };
 
-// The cameras that saw a vertex. Files hold these numbers.
-enum class Provenance : std::uint8_t { both, left, right, nobody };
-inline constexpr const char* kProvenanceNames[] = {"both", "left", "right", "nobody"};
+// The cameras that saw a vertex; filled, where that is asked for: the left one saw it, and no match or
+// measurement supports its depth. Files hold these numbers.
+enum class Provenance : std::uint8_t { both, left, right, nobody, filled };
+inline constexpr std::array<const char*, 5> kProvenanceNames = {"both", "left", "right", "nobody", "filled"};
 
 // Coordinates are glTF's: camera at the origin, +X right, +Y up, looking along -Z; metres, or relative units
 // if the calibration is not metric. Triangles are counter-clockwise seen from the camera. All per-vertex

@@ -39,6 +39,19 @@ HexMesh2D solve_lattice(const LeftView& view, const MeshConfig& config, Backend&
     return lattice;
 }
 
+// Tells the left view's vertices that were filled, if this is asked for and the map knows.
+void tell_filled(SurfaceMesh& mesh, const DisparityMap& map, exporters::ProvenanceKind kind) {
+    if (kind != exporters::ProvenanceKind::matches || map.origins.empty()) return;
+    mesh.provenance.resize(mesh.positions.size(), Provenance::left);
+    for (std::size_t i = 0; i < mesh.left_vertices(); ++i) {
+        const Vec2f& point = mesh.image_points[i];
+        const int x = std::clamp(static_cast<int>(std::lround(point.x)), 0, map.width - 1);
+        const int y = std::clamp(static_cast<int>(std::lround(point.y)), 0, map.height - 1);
+        if (map.origins[static_cast<std::size_t>(y) * map.width + x] == PixelOrigin::filled)
+            mesh.provenance[i] = Provenance::filled;
+    }
+}
+
 SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config& config,
                           const SurfaceResult& finest, Backend& backend, const RunLog& log) {
     const int levels = config.exporting.lod;
@@ -49,6 +62,7 @@ SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config&
         SurfaceMesh mesh =
             surface_of(cut_lattice(lattice, view, config.surface, backend, log), view, config.surface);
         add_other_views(mesh, finest, view, config, backend, log);
+        tell_filled(mesh, view.disparity, config.exporting.provenance);
         return mesh;
     } catch (const Error& error) {
         throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
@@ -245,6 +259,7 @@ SurfaceResult make_surface(const LeftView& view, const config::Config& config, B
         result.left_bounds = bounds_of(result.mesh.positions);
         if (config.surface.views == SurfaceViews::both && view.is_whole)
             add_other_views(result, view, config, backend, log);
+        tell_filled(result.mesh, view.disparity, config.exporting.provenance);
         result.bounds = bounds_of(result.mesh.positions);
         log.decide("depth: " + fixed(result.nearest(), 3) + " to " + fixed(result.farthest(), 3) +
                    (view.calibration.metric ? " m" : " (relative)"));

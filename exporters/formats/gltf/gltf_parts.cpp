@@ -171,9 +171,12 @@ void set_bounds(tinygltf::Accessor& accessor, const Vec3f& low, const Vec3f& hig
 
 void describe_provenance(tinygltf::Accessor& accessor, const std::vector<Provenance>& provenance) {
     tinygltf::Value::Object extras;
-    for (std::size_t k = 0; k < std::size(kProvenanceNames); ++k)
-        extras[kProvenanceNames[k]] = tinygltf::Value(
-            static_cast<int>(std::count(provenance.begin(), provenance.end(), static_cast<Provenance>(k))));
+    for (std::size_t k = 0; k < kProvenanceNames.size(); ++k) {
+        const auto kind = static_cast<Provenance>(k);
+        const auto vertices = static_cast<int>(std::count(provenance.begin(), provenance.end(), kind));
+        if (vertices > 0 || kind != Provenance::filled)
+            extras[kProvenanceNames[k]] = tinygltf::Value(vertices);
+    }
     accessor.extras = tinygltf::Value(std::move(extras));
 }
 

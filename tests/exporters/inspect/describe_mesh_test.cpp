@@ -63,7 +63,7 @@ TEST(Describe, TellsWhichCamerasSawTheVertices) {
     using exporters::Compression;
     const exporters::TemporaryFolder folder;
     SurfaceMesh mesh = exporters::sample_mesh(24, 18);
-    const std::array<long long, 4> none = {}, wanted = {216, 72, 72, 72};
+    const decltype(inspect::MeshDescription::provenance) none = {}, wanted = {216, 72, 72, 71, 1};
     for (const auto compression : {Compression::none, Compression::quantized, Compression::meshopt})
         for (const char* const name : {"a.glb", "a.ply"}) {
             exporters::ExportConfig config;
@@ -72,6 +72,8 @@ TEST(Describe, TellsWhichCamerasSawTheVertices) {
             exporters::export_scene({&mesh, nullptr, exporters::kGenerator, "{}"}, config, folder / name);
             EXPECT_EQ(exporters::describe_mesh(folder / name).provenance, none) << name;
             exporters::add_provenance(mesh);
+            *std::find(mesh.provenance.begin(), mesh.provenance.end(), Provenance::nobody) =
+                Provenance::filled;
             exporters::export_scene({&mesh, nullptr, exporters::kGenerator, "{}"}, config, folder / name);
             EXPECT_EQ(exporters::describe_mesh(folder / name).provenance, wanted) << name;
         }

@@ -184,6 +184,25 @@ TEST_F(WholeMap, VerticesTellWhichCamerasSawThem) {
     EXPECT_TRUE(run({"surface.views=left"}).relief->surface.mesh.provenance.empty());
 }
 
+TEST_F(WholeMap, VerticesTellWhatWasFilledIfAsked) {
+    const auto is_unknown = [](float x, float y) { return x > 19.5f && x < 40.5f && y > 9.5f && y < 30.5f; };
+    for (int y = 10; y <= 30; ++y)
+        for (int x = 20; x <= 40; ++x) scene_.left[y * kWidth + x] = 0;
+    for (const std::string views : {"left", "both"}) {
+        const std::vector<std::string> settings = {"surface.views=" + views, "export.provenance=matches"};
+        const SurfaceMesh mesh = run(settings).relief->surface.mesh;
+        ASSERT_EQ(mesh.provenance.size(), mesh.positions.size());
+        for (std::size_t i = 0; i < mesh.left_vertices(); ++i)
+            EXPECT_EQ(mesh.provenance[i] == Provenance::filled,
+                      is_unknown(mesh.image_points[i].x, mesh.image_points[i].y));
+        EXPECT_GT(std::count(mesh.provenance.begin(), mesh.provenance.end(), Provenance::filled), 4);
+        EXPECT_EQ(std::count(mesh.provenance.begin(), mesh.provenance.end(), Provenance::nobody) > 0,
+                  views == "both");
+    }
+    const SurfaceMesh mesh = run({}).relief->surface.mesh;
+    EXPECT_EQ(std::count(mesh.provenance.begin(), mesh.provenance.end(), Provenance::filled), 0);
+}
+
 TEST_F(WholeMap, WithoutPicturesTheSurfaceIsTheSame) {
     const SurfaceMesh mesh = run({}, false, false).relief->surface.mesh;
     EXPECT_LT(holes(mesh, 1), 0.002);
