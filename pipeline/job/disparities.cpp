@@ -201,7 +201,8 @@ void check_matches(bool has_any) {
 DisparityResult disparities_of_pair(const InputPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend) {
     check_detail(checks::is_blank(pair.views.left), checks::is_blank(pair.views.right));
-    const auto pictures = pair.alignment ? stages::Pictures::photographs : stages::Pictures::rectified;
+    const bool is_of_points = pair.alignment && has_camera_of_points(*pair.alignment);
+    const auto pictures = is_of_points ? stages::Pictures::photographs : stages::Pictures::rectified;
     DisparityResult result{stages::match_range(corrected, searched, backend, backend.threads(), pictures),
                            searched};
     check_any_match(result.map);
