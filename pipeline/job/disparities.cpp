@@ -198,10 +198,13 @@ void check_matches(bool has_any) {
             "are two views of one scene, rectified and not blank");
 }
 
-DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& corrected,
+DisparityResult disparities_of_pair(const InputPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend) {
-    check_detail(checks::is_blank(pair.left), checks::is_blank(pair.right));
-    DisparityResult result{stages::match_range(corrected, searched, backend, backend.threads()), searched};
+    check_detail(checks::is_blank(pair.views.left), checks::is_blank(pair.views.right));
+    const bool is_of_points = pair.alignment && has_camera_of_points(*pair.alignment);
+    const auto pictures = is_of_points ? stages::Pictures::photographs : stages::Pictures::rectified;
+    DisparityResult result{stages::match_range(corrected, searched, backend, backend.threads(), pictures),
+                           searched};
     check_any_match(result.map);
     return result;
 }

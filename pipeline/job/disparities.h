@@ -29,7 +29,7 @@ void check_matches(bool has_any);
 
 // Matches the corrected pair in the range found. Throws as check_detail(), which looks
 // at `pair`, and check_matches().
-DisparityResult disparities_of_pair(const StereoPair& pair, const StereoPair& corrected,
+DisparityResult disparities_of_pair(const InputPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend);
 
 // Returns the disparities of a pair by both views' maps of a program of the user's. Throws as check_detail()

@@ -198,7 +198,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
         relief.disparity = log.stage("disparity", [&] {
             DisparityResult matched =
                 by_program ? disparities_of_program(pair->views, *by_program, range.config, threads)
-                           : disparities_of_pair(pair->views, as_matched, range.config, *relief.backend);
+                           : disparities_of_pair(*pair, as_matched, range.config, *relief.backend);
             hide(matched.map, input.mask);
             judge_support(matched, *pair, input.mask, config.run.strict, threads, log);
             return matched;

@@ -151,7 +151,7 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
 }
 
 DisparityMap to_pixels(matching::MatchedMap matched, const StereoPair& pair, const DisparityConfig& config,
-                       int threads) {
+                       Pictures pictures, int threads) {
     matching::continue_beyond_frame(matched, config.min_disparity_px);
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
@@ -166,7 +166,8 @@ DisparityMap to_pixels(matching::MatchedMap matched, const StereoPair& pair, con
             map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
         }
     });
-    if (!gives_maps(config.method)) map = with_planes_on_bare_patches(std::move(map), pair, threads);
+    if (!gives_maps(config.method))
+        map = with_planes_on_bare_patches(std::move(map), pair, pictures, threads);
     map = without_mixed_pixels(std::move(map), pair.left, Scraps::stay);
     if (config.fill == DisparityFill::none)
         for (std::size_t i = 0; i < count; ++i) {
@@ -229,15 +230,16 @@ StereoPair corrected(StereoPair pair, const PairCorrection& correction, int thre
 }
 
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
-                         int threads) {
+                         int threads, Pictures pictures) {
     check(pair, config);
     DisparityConfig ranged = config;
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
     switch (config.method) {
         case DisparityMethod::sgm:
-            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair, config, threads);
+            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair, config, pictures,
+                             threads);
         case DisparityMethod::sgbm:
-            return to_pixels(refine_sgbm(pair, ranged, threads), pair, config, threads);
+            return to_pixels(refine_sgbm(pair, ranged, threads), pair, config, pictures, threads);
         case DisparityMethod::command:
         case DisparityMethod::onnx:
             break;
@@ -265,7 +267,7 @@ DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const Di
                                             {above_least(views.left, ranged.min_disparity_px),
                                              above_least(views.right, ranged.min_disparity_px)},
                                             matching_config(ranged), threads),
-                     pair, ranged, threads);
+                     pair, ranged, Pictures::photographs, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,

@@ -18,9 +18,12 @@ namespace {
 
 // Levels that the means of 3x3 pixels beside a pixel, or above and below it, differ by at most on a patch.
 constexpr int kMeanOf = 9, kLargestStep = 4 * kMeanOf;
-constexpr std::size_t kLeastPatchShare = 150;  // of the picture
-constexpr int kLeastRun_px = 3;                // in a row: narrower bridges join no patches
-constexpr double kMatchedShare = 0.4;          // of a patch: beyond that it needs no plane
+constexpr int kLeastRun_px = 3;  // in a row: narrower bridges join no patches
+struct PatchLimits {
+    std::size_t least_share;  // a patch has one pixel of so many of the picture's
+    double matched_share;     // of a patch: beyond that it needs no plane
+};
+constexpr PatchLimits kOfRectified{500, 0.9}, kOfPhotographs{150, 0.4};
 constexpr std::size_t kLeastSamples = 24;
 constexpr int kCellsAcross = 12, kCellSamples = 6;  // a cell's side is at least kLeastCell_px
 constexpr double kLeastCell_px = 4;
@@ -128,7 +131,8 @@ std::vector<std::vector<Run>> bare_runs(const ColorSums& sums, int height, Threa
     return runs;
 }
 
-std::vector<Patch> find_patches(const ColorSums& sums, int height, ThreadPool& pool) {
+std::vector<Patch> find_patches(const ColorSums& sums, int height, std::size_t least_share,
+                                ThreadPool& pool) {
     const std::vector<std::vector<Run>> rows = bare_runs(sums, height, pool);
     std::vector<Run> runs;
     std::size_t above = 0;
@@ -152,7 +156,7 @@ std::vector<Patch> find_patches(const ColorSums& sums, int height, ThreadPool& p
     std::vector<Patch> patches;
     for (std::size_t i = 0; i < runs.size(); ++i) {
         const std::size_t root = sets.find(static_cast<std::uint32_t>(i));
-        if (pixels[root] * kLeastPatchShare < all) continue;
+        if (pixels[root] * least_share < all) continue;
         if (root == i) {
             patch_of[i] = patches.size();
             patches.push_back({{}, pixels[i]});
@@ -195,7 +199,7 @@ struct Box {
 // Finds the plane that a patch's matches support.
 class PlaneFinder {
   public:
-    explicit PlaneFinder(const DisparityMap& map) : map_(map) {}
+    PlaneFinder(const DisparityMap& map, double matched_share) : map_(map), matched_share_(matched_share) {}
 
     std::optional<DisparityPlane> plane_of(const Patch& patch) const {
         std::size_t matched = 0;
@@ -206,7 +210,7 @@ class PlaneFinder {
             for (int x = run.first; x < run.end; ++x) matched += is_matched(run.y, x);
         }
         if (matched < kLeastSamples ||
-            static_cast<double>(matched) > kMatchedShare * static_cast<double>(patch.pixels))
+            static_cast<double>(matched) > matched_share_ * static_cast<double>(patch.pixels))
             return {};
         const std::vector<PlaneSample> samples = samples_of(patch, box);
         if (samples.size() < kLeastSamples) return {};
@@ -262,6 +266,7 @@ class PlaneFinder {
     }
 
     const DisparityMap& map_;
+    double matched_share_;
 };
 
 // Compares a patch's colours in both pictures.
@@ -338,21 +343,23 @@ void put_on_plane(const Patch& patch, const DisparityPlane& plane, DisparityMap&
 
 }  // namespace
 
-DisparityMap with_planes_on_bare_patches(DisparityMap map, const StereoPair& pair, int threads) {
+DisparityMap with_planes_on_bare_patches(DisparityMap map, const StereoPair& pair, Pictures pictures,
+                                         int threads) {
+    const PatchLimits limits = pictures == Pictures::rectified ? kOfRectified : kOfPhotographs;
     constexpr int kLeastColumns = 3;
     const bool is_alike = pair.left.channels == pair.right.channels && pair.left.width == map.width;
     if (map.origins.empty() || !is_alike || map.width < kLeastColumns) return map;
     ThreadPool pool(threads);
     const auto height = static_cast<std::size_t>(map.height);
     const ColorSums left = sums_of(pair.left, std::vector<std::uint8_t>(height, 1), pool);
-    const std::vector<Patch> patches = find_patches(left, map.height, pool);
+    const std::vector<Patch> patches = find_patches(left, map.height, limits.least_share, pool);
     std::vector<std::optional<DisparityPlane>> planes(patches.size());
     const auto for_patches = [&](const auto& take) {
         pool.parallel_for_chunks(patches.size(), [&](std::size_t first, std::size_t end) {
             for (std::size_t i = first; i < end; ++i) take(patches[i], planes[i]);
         });
     };
-    const PlaneFinder finder(map);
+    const PlaneFinder finder(map, limits.matched_share);
     for_patches([&](const Patch& patch, auto& plane) { plane = finder.plane_of(patch); });
     std::vector<std::uint8_t> is_wanted(height);
     for (std::size_t i = 0; i < patches.size(); ++i)

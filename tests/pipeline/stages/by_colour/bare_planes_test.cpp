@@ -57,7 +57,7 @@ bool is_at_rim(int x, int y) {
 
 TEST(BarePlanes, AWallThatMatchedAtItsRimFollowsItsPlane) {
     const BareScene scene(slanted, is_at_rim);
-    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, 2);
+    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2);
     for (int y = 0; y < kBareHeight; ++y)
         for (int x = 0; x < kBareWidth; ++x) {
             constexpr int kMargin_px = 3;  // squares of both surfaces' colours
@@ -69,7 +69,8 @@ TEST(BarePlanes, AWallThatMatchedAtItsRimFollowsItsPlane) {
             }
         }
     EXPECT_EQ(result.origins, scene.map.origins);
-    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, 1).values, result.values);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 1).values,
+              result.values);
 }
 
 TEST(BarePlanes, WrongMatchesOfAFifthOfTheRimDoNotMatter) {
@@ -77,7 +78,7 @@ TEST(BarePlanes, WrongMatchesOfAFifthOfTheRimDoNotMatter) {
         return x >= kRight - 6 && y > 45 ? 35.0f + 0.5f * static_cast<float>(y % 9) : slanted(x, y);
     };
     const BareScene scene(wrong, is_at_rim);
-    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, 2);
+    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2);
     EXPECT_NEAR(result.at(110, 75), slanted(110, 75), 1);
 }
 
@@ -89,7 +90,8 @@ TEST(BarePlanes, ABowlThatMatchedInsideIsNotFlattened) {
     };
     const auto at_rim_and_specks = [](int x, int y) { return is_at_rim(x, y) || (x % 20 < 6 && y % 20 < 6); };
     const BareScene scene(bowl, at_rim_and_specks);
-    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, 2).values, scene.map.values);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
+              scene.map.values);
 }
 
 TEST(BarePlanes, APatchWhoseMatchesDisagreeKeepsItsFilling) {
@@ -97,13 +99,15 @@ TEST(BarePlanes, APatchWhoseMatchesDisagreeKeepsItsFilling) {
         return slanted(x, y) + static_cast<float>((x / 8 + y / 8) % 3 * 4);
     };
     const BareScene scene(scattered, is_at_rim);
-    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, 2).values, scene.map.values);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
+              scene.map.values);
 }
 
 TEST(BarePlanes, MatchesInACornerOfAPatchSayNothingAboutTheRest) {
     const auto in_corner = [](int x, int y) { return is_at_rim(x, y) && x < 110 && y < 75; };
     const BareScene scene(slanted, in_corner);
-    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, 2).values, scene.map.values);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
+              scene.map.values);
 }
 
 TEST(BarePlanes, APlaneThatTheRightPictureContradictsIsRefused) {
@@ -113,18 +117,29 @@ TEST(BarePlanes, APlaneThatTheRightPictureContradictsIsRefused) {
     for (int y = kTop; y < kBottom; ++y)
         for (int x = kLeft; x < kRight; ++x)
             if (is_at_rim(x, y)) scene.map.at(x, y) = 20;
-    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, 2).values, scene.map.values);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
+              scene.map.values);
 }
 
 TEST(BarePlanes, MapsWithoutOriginsAndUnknownPixelsStay) {
     BareScene scene(slanted, is_at_rim);
     scene.map.at(100, 70) = kUnknownDisparity;
     scene.map.origins[scene.map.width * 70 + 100] = PixelOrigin::unknown;
-    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, 2);
+    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2);
     EXPECT_EQ(result.at(100, 70), kUnknownDisparity);
     EXPECT_NEAR(result.at(101, 70), slanted(101, 70), 1);
     scene.map.origins.clear();
-    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, 2).values, scene.map.values);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
+              scene.map.values);
+}
+
+TEST(BarePlanes, APatchThatMatchedMostlyFollowsItsPlaneInRectifiedPairsOnly) {
+    const auto but_in_stripes = [](int x, int) { return x % 3 != 0; };
+    const BareScene scene(slanted, but_in_stripes);
+    EXPECT_NEAR(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::rectified, 2).at(111, 75),
+                slanted(111, 75), 1);
+    EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
+              scene.map.values);
 }
 
 TEST(BarePlanes, FitIsThatOfTheTrueSamples) {
