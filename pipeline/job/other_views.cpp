@@ -62,19 +62,12 @@ bool is_without_background(const LeftView& view) {
 // The left view with nothing missing yet. Its texture is smaller, as what continues is smooth.
 OtherView copy_of_left(const LeftView& view, int threads) {
     OtherView left{left_place(view), {}, {}, view.color};
+    left.missing = {left.place.width, left.place.height,
+                    std::vector<float>(view.disparity.values.size(), kUnknownDisparity)};
     const int reduced = view.is_by_points ? kReducedOfPhotographs : kReduced;
     const int width = view.color.width / reduced, height = view.color.height / reduced;
     if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height, threads);
     return left;
-}
-
-// Sets the view's map to the surface, of which nothing is missing yet.
-void show(OtherView& view, const stages::SeenSurface& here) {
-    view.map = view.missing = {view.place.width, view.place.height,
-                               std::vector<float>(here.disparities.size(), kUnknownDisparity)};
-    for (std::size_t i = 0; i < here.disparities.size(); ++i)
-        if (here.disparities[i] != stages::kNotCovered)
-            view.map.values[i] = static_cast<float>(here.disparities[i]);
 }
 
 void drop_background(OtherView& right, float background_px) {
@@ -256,6 +249,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             drop_background(missing, view.density.background_px);
         }
         stages::find_missing(missing, visible.seen[1], visible.seen[0], view.is_by_points, threads);
+        missing.map = {};
         std::tie(missing.color, missing.picture) = copying_right.get();
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
@@ -270,7 +264,6 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             return view.is_by_points ? stages::backing_of(here, view.color, behind) : OtherView();
         });
         OtherView left = copy_of_left(view, threads);
-        show(left, here);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
                                 visible, threads);
         stages::join_to_surface(left, here, threads);

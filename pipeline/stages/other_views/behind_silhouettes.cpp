@@ -186,8 +186,9 @@ void for_silhouettes(const Disparities& front, int width, int height, const Beyo
 Continued continued_in(const Disparities& front, const OtherView& view, const Beyond& beyond,
                        ThreadPool& pool) {
     const int width = view.place.width, height = view.place.height;
-    std::vector<Purity> colours(front.size(), Purity::clean);
-    if (beyond.mixed_px > kMixed)
+    const bool is_photograph = Side{0, beyond.mixed_px}.is_photograph();
+    std::vector<Purity> colours(is_photograph ? front.size() : 0, Purity::clean);
+    if (is_photograph)
         for_silhouettes(front, width, height, {1, 1, 1, 1}, pool, [&](const Line& line, int end, double) {
             mark_mixed(front, view.color, line, end, beyond.mixed_px, colours);
         });
@@ -341,17 +342,24 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                      const VisibleSurface& visible, int threads) {
     const ViewPlace& place = view.place;
     ThreadPool pool(threads);
-    DisparityMap seen = view.missing;
-    if (beyond.mixed_px > kMixed) {
-        for (const std::uint32_t i : cracks_of(view.missing, here.disparities))
-            view.missing.values[i] = kUnknownDisparity;
-        merge_specks(seen);
+    const std::vector<float>& missing = view.missing.values;
+    Disparities both;  // what the surface shows and what is missing
+    if (std::any_of(missing.begin(), missing.end(), DisparityMap::known)) {
+        DisparityMap merged;
+        if (beyond.mixed_px > kMixed) {
+            merged = view.missing;
+            merge_specks(merged);
+            for (const std::uint32_t i : cracks_of(view.missing, here.disparities))
+                view.missing.values[i] = kUnknownDisparity;
+        }
+        const std::vector<float>& added = merged.values.empty() ? missing : merged.values;
+        both.resize(added.size());
+        pool.parallel_for(both.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                both[i] = DisparityMap::known(added[i]) ? added[i] : here.disparities[i];
+        });
     }
-    Disparities front(here.disparities.size());
-    pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            front[i] = DisparityMap::known(seen.values[i]) ? seen.values[i] : here.disparities[i];
-    });
+    const Disparities& front = both.empty() ? here.disparities : both;
     Continued continued = continued_in(front, view, beyond, pool);
     if (beyond.mixed_px > kMixed)
         give_scraps_away(continued, front, place,
@@ -362,7 +370,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
             const std::uint32_t pixel = continued.pixels[i];
             if (continued.distances[pixel] == 0) continue;
             const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
-            view.missing.values[pixel] = view.map.values[pixel] =
+            view.missing.values[pixel] =
                 behind({x + 0.5, y + 0.5, continued.disparities[pixel]}, place, visible);
         }
     });

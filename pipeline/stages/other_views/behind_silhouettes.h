@@ -21,8 +21,8 @@ struct Beyond {
 // of the two surfaces at a silhouette continues behind the nearer one along its slope, as far as the
 // outermost of these cameras sees. It stays behind `visible`, and is no more than an eighth of the view long,
 // in photographs a sixteenth.
-// The view's map and texture show what continues, in the farther surface's mirrored colours, in place of
-// what hides it. here: the surface as the view shows it. Nothing continues behind a border of the surface
+// The view's texture shows what continues, in the farther surface's mirrored colours, in place of what hides
+// it. here: the surface as the view shows it. Nothing continues behind a border of the surface
 // that has nothing behind it. The same for any number of threads.
 void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
                      const VisibleSurface& visible, int threads);

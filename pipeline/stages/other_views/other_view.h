@@ -13,7 +13,7 @@ namespace hexrelief::stages {
 // A view with the part of it that is missing in a surface. All members but the picture have the view's size.
 struct OtherView {
     ViewPlace place;
-    DisparityMap map;           // of the whole view; empty = that of the surface, map_by_surface()
+    DisparityMap map;           // of the whole view, for find_missing(); empty = by map_by_surface()
     DisparityMap missing = {};  // the same at the pixels that the surface leaves open or hides; all others
                                 // are unknown
     Image color = {};           // of the whole view; empty = none

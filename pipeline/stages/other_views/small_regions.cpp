@@ -1,6 +1,7 @@
 #include "pipeline/stages/other_views/small_regions.h"
 
 #include <cmath>
+#include <ranges>
 
 #include "pipeline/stages/other_views/view_place.h"
 
@@ -10,13 +11,14 @@ namespace {
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
 constexpr std::size_t kLeastRegion = 3;    // pixels that somebody would miss
 
-}  // namespace
-
-std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
+// Returns those of specks_of() that hold one of the seeds.
+template <class Seeds>
+std::vector<std::uint32_t> specks_at(const DisparityMap& map, std::size_t least, double step_px,
+                                     const Seeds& seeds) {
     enum : char { kUnseen, kSeen, kOfLarge };
     std::vector<char> states(map.values.size(), kUnseen);
     std::vector<std::uint32_t> region, specks;
-    for (std::uint32_t seed = 0; seed < states.size(); ++seed) {
+    for (const std::uint32_t seed : seeds) {
         if (!DisparityMap::known(map.values[seed]) || states[seed] != kUnseen) continue;
         if (seed % map.width > 0 && states[seed - 1] == kOfLarge &&
             std::abs(map.values[seed] - map.values[seed - 1]) <= step_px) {
@@ -45,6 +47,13 @@ std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least,
     return specks;
 }
 
+}  // namespace
+
+std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
+    return specks_at(map, least, step_px,
+                     std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(map.values.size())));
+}
+
 void merge_specks(DisparityMap& map) {
     struct Open {
         std::uint32_t pixel;
@@ -64,7 +73,8 @@ void merge_specks(DisparityMap& map) {
         });
     }
     for (const Open& o : open) map.values[o.pixel] = o.before;
-    for (const std::uint32_t i : specks_of(map, kLeastRegion, kOneSurface_px))
+    const auto alone = std::views::transform(open, &Open::pixel);
+    for (const std::uint32_t i : specks_at(map, kLeastRegion, kOneSurface_px, alone))
         map.values[i] = kUnknownDisparity;
 }
 
