@@ -52,12 +52,12 @@ struct Alignment {
 
     // True if the focal length was given, or the matches determine it.
     bool is_focal_determined() const;
+    // True if the pair's camera is what its points say: it was aligned, or its infinity is not at 0.
+    bool says_camera() const { return verdict == Verdict::aligned || is_partly_negative(); }
     // True if a rectified pair shows disparities that are below 0 for sure.
     bool is_partly_negative() const { return verdict == Verdict::rectified && disparities.least_px < -1; }
     // True if the pair's depths are a guess, because infinity may lie anywhere.
-    bool is_relief() const {
-        return (verdict == Verdict::aligned || is_partly_negative()) && !disparities.is_infinity_known;
-    }
+    bool is_relief() const { return says_camera() && !disparities.is_infinity_known; }
 };
 
 // Looks for points in both pictures and decides. The pictures have one size. The same bits for any number of

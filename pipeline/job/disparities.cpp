@@ -134,7 +134,7 @@ void press_near(DisparityResult& disparity, double nearest_px, const RunLog& log
 // Refines the map of photographs by themselves (dequantize/dequantize.h) if their points say their camera
 // and the map is noisy (dequantize/noise.h).
 void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads, const RunLog& log) {
-    if (!disparity.matched || !has_camera_of_points(*pair.alignment)) return;
+    if (!disparity.matched || !pair.is_of_points()) return;
     const auto noise = stages::smoothing_for(
         stages::find_noise_px(disparity.map, threads),
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
@@ -164,6 +164,10 @@ void smooth_noise(DisparityResult& disparity, int threads, const RunLog& log) {
     disparity.noise = noise;
     disparity.map = stages::dequantize(disparity.map, noise.quantum_px, threads);
     log.decide("disparity: smoothed within its noise of " + fixed(noise.noise_px, 3) + " px");
+}
+
+stages::Pictures kind_of(const InputPair& pair) {
+    return pair.is_of_points() ? stages::Pictures::photographs : stages::Pictures::rectified;
 }
 
 ViewSize size_of(const Image& image) {
@@ -201,10 +205,8 @@ void check_matches(bool has_any) {
 DisparityResult disparities_of_pair(const InputPair& pair, const StereoPair& corrected,
                                     const stages::DisparityConfig& searched, Backend& backend) {
     check_detail(checks::is_blank(pair.views.left), checks::is_blank(pair.views.right));
-    const bool is_of_points = pair.alignment && has_camera_of_points(*pair.alignment);
-    const auto pictures = is_of_points ? stages::Pictures::photographs : stages::Pictures::rectified;
-    DisparityResult result{stages::match_range(corrected, searched, backend, backend.threads(), pictures),
-                           searched};
+    DisparityResult result{
+        stages::match_range(corrected, searched, backend, backend.threads(), kind_of(pair)), searched};
     check_any_match(result.map);
     return result;
 }
@@ -310,7 +312,7 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
     Calibration& camera = relief.input.calibration;
     const int threads = relief.backend->threads();
     const bool is_smoothed = config.disparity.dequantize == stages::Dequantization::automatic;
-    const bool is_of_points = pair && pair->alignment && has_camera_of_points(*pair->alignment);
+    const bool is_of_points = pair && pair->is_of_points();
     if (pair && pair->alignment) {
         press_near(disparity, nearest_px(*pair->alignment) / pair->reduced_by, log);
         if (is_of_points)
@@ -324,9 +326,8 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
         flatten_relief(disparity, *pair, camera, log);
     }
     if (pair)
-        disparity.map = stages::with_bare_borders_behind(
-            std::move(disparity.map), pair->views.left,
-            is_of_points ? stages::Pictures::photographs : stages::Pictures::rectified);
+        disparity.map =
+            stages::with_bare_borders_behind(std::move(disparity.map), pair->views.left, kind_of(*pair));
     relief.pair_camera = camera;
     end_scene(disparity, camera, config.surface, log);
     count_from_infinity(disparity, camera, relief.input.is_aligned(), log);
@@ -339,7 +340,7 @@ int find_reduction(const RunInput& input, const stages::DisparityConfig& config,
                    const RunLog& log) {
     const InputPair* const pair = input.pair();
     const int least = pair ? reduction_of(pair->views.left, config.working_px) : 1;
-    const bool is_of_points = pair && pair->alignment && has_camera_of_points(*pair->alignment);
+    const bool is_of_points = pair && pair->is_of_points();
     const int by = is_of_points ? reduction_of_soft(pair->views.left, config.working_px, threads) : least;
     if (by == 1) return by;
     const ViewSize full = size_of(pair->views.left);

@@ -27,6 +27,9 @@ struct InputPair {
     bool is_rectified = false;  // true if the program rectified it, by its calibration file or its points
     // What its points showed, without the matches; none if they were not looked for.
     std::optional<alignment::Alignment> alignment = {};
+
+    // True if its camera is what its points say.
+    bool is_of_points() const { return alignment && alignment->says_camera(); }
 };
 
 // A supplied disparity map, or a supplied depth map converted to disparities.

@@ -61,7 +61,7 @@ LeftView Relief::view() const {
             input.is_whole(),
             input.texture_file.empty() ? nullptr : &input.texture_file,
             input.is_aligned() ? up_if_turned(*input.pair()->alignment) : LeftView::kUpright,
-            input.pair() && input.pair()->alignment && has_camera_of_points(*input.pair()->alignment),
+            input.pair() && input.pair()->is_of_points(),
             disparity.has_filled_holes,
             disparity.quantum_px,
             disparity.matched.has_value()};

@@ -56,7 +56,7 @@ struct LeftView {
     const std::vector<std::uint8_t>* texture_file = nullptr;  // as in exporters::Scene
     static constexpr std::array<double, 2> kUpright = {0, 1};
     std::array<double, 2> up = kUpright;  // as in exporters::Scene
-    bool is_by_points = false;            // has_camera_of_points()
+    bool is_by_points = false;            // InputPair::is_of_points()
     bool has_filled_holes = false;        // as in DisparityResult: no measure counts them
     double quantum_px = 0;                // as in DisparityResult
     bool is_matched = false;              // the map is a pair's

@@ -166,8 +166,7 @@ Relief make_disparities(RunRequest request, Backends& backends, RunLog& log) {
                     ? with_range_of(*pair->alignment, pair->views.left.width * pair->reduced_by, config)
                     : config.disparity;
             stages::DisparityConfig of_size = for_reduced(searched, pair->reduced_by);
-            if (pair->alignment && has_camera_of_points(*pair->alignment) &&
-                !config.given.contains("disparity.speckle_window_px"))
+            if (pair->is_of_points() && !config.given.contains("disparity.speckle_window_px"))
                 of_size.speckle_window_px = largest_speckle_px(pair->views.left);
             range = stages::find_range(pair->views, input.calibration, of_size, threads);
             if (config.disparity.num_disparities_px == 0 && range.origin == stages::RangeOrigin::given)

@@ -9,7 +9,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/value_range.h"
 #include "pipeline/matching/matcher.h"
-#include "pipeline/stages/dequantize/bare_borders.h"
+#include "pipeline/stages/by_colour/bare_borders.h"
 #include "pipeline/stages/disparity_range.h"
 
 namespace hexrelief::stages {

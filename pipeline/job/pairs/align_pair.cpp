@@ -305,7 +305,7 @@ std::string alignment_text(const Alignment& found, const Calibration& camera, co
 }
 
 double nearest_px(const Alignment& found) {
-    if (!has_camera_of_points(found)) return std::numeric_limits<double>::infinity();
+    if (!found.says_camera()) return std::numeric_limits<double>::infinity();
     const DisparityBounds& bounds = found.disparities;
     return bounds.largest_px + kNearMargin * (bounds.largest_px - bounds.least_px) + kNearMargin_px;
 }
@@ -319,7 +319,7 @@ int largest_speckle_px(const Image& picture) {
 
 stages::DisparityConfig with_range_of(const Alignment& found, int width, const config::Config& config) {
     stages::DisparityConfig searched = config.disparity;
-    if (!has_camera_of_points(found)) return searched;
+    if (!found.says_camera()) return searched;
     const DisparityBounds& bounds = found.disparities;
     const double spread = bounds.largest_px - bounds.least_px;
     const double least = std::max(bounds.least_px - kFarMargin * spread - kFarMargin_px, bounds.infinity_px),

@@ -52,11 +52,6 @@ inline bool is_aligned(const alignment::Alignment& found) {
     return found.verdict == alignment::Verdict::aligned;
 }
 
-// True if the pair's camera is what its points say: it was aligned, or its infinity is not at 0.
-inline bool has_camera_of_points(const alignment::Alignment& found) {
-    return is_aligned(found) || found.is_partly_negative();
-}
-
 // The map of a relief as it is meshed.
 struct ReliefMap {
     const DisparityMap& map;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/data/disparity_map.h"
-#include "pipeline/stages/dequantize/bare_borders.h"
+#include "pipeline/stages/by_colour/bare_borders.h"
 
 namespace hexrelief::stages {
 
