@@ -36,9 +36,9 @@ std::string header(const Scene& scene, UpAxis up, bool normals, bool texcoords, 
     text +=
         std::string("comment ") + (mesh.metric ? "metres" : "relative units") + ", " + axes_text(up) + "\n";
     if (!mesh.provenance.empty())
-        text +=
-            "comment provenance: the cameras that saw a vertex, 0 both, 1 left, 2 right, 3 nobody, "
-            "4 filled\n";
+        text += "comment provenance: the cameras that saw a vertex, 0 both, 1 left, 2 right, 3 nobody" +
+                std::string(std::ranges::count(mesh.provenance, Provenance::filled) > 0 ? ", 4 filled" : "") +
+                "\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
     text += "property float x\nproperty float y\nproperty float z\n";
     if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
