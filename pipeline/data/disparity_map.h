@@ -1,6 +1,7 @@
 // Disparity maps in pixels, and the rectified pairs that they come from.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,25 @@ struct DisparityMap {
     float& at(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
     static bool known(float d) { return std::isfinite(d); }
 };
+
+// The least and the largest known disparity of maps, px.
+struct KnownRange {
+    float least = kUnknownDisparity, largest = -kUnknownDisparity;
+
+    bool is_empty() const { return least > largest; }
+    void add(const DisparityMap& map) {
+        for (const float d : map.values) {
+            if (!DisparityMap::known(d)) continue;
+            least = std::min(least, d);
+            largest = std::max(largest, d);
+        }
+    }
+};
+inline KnownRange known_range(const DisparityMap& map) {
+    KnownRange range;
+    range.add(map);
+    return range;
+}
 
 // The largest width or height of a pair that can be rectified and matched: OpenCV counts the pixels of a
 // side with 15 bits.

@@ -326,8 +326,8 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
         flatten_relief(disparity, *pair, camera, log);
     }
     if (pair)
-        disparity.map =
-            stages::with_bare_borders_behind(std::move(disparity.map), pair->views.left, kind_of(*pair));
+        disparity.map = stages::with_bare_borders_behind(std::move(disparity.map), pair->views.left,
+                                                         kind_of(*pair), threads);
     relief.pair_camera = camera;
     end_scene(disparity, camera, config.surface, log);
     count_from_infinity(disparity, camera, relief.input.is_aligned(), log);

@@ -151,7 +151,7 @@ matching::MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& 
 }
 
 DisparityMap to_pixels(matching::MatchedMap matched, const StereoPair& pair, const DisparityConfig& config,
-                       Pictures pictures, int threads) {
+                       int threads, std::optional<Pictures> planes = {}) {
     matching::continue_beyond_frame(matched, config.min_disparity_px);
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
@@ -166,8 +166,7 @@ DisparityMap to_pixels(matching::MatchedMap matched, const StereoPair& pair, con
             map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
         }
     });
-    if (!gives_maps(config.method))
-        map = with_planes_on_bare_patches(std::move(map), pair, pictures, threads);
+    if (planes) map = with_planes_on_bare_patches(std::move(map), pair, *planes, threads);
     map = without_mixed_pixels(std::move(map), pair.left, Scraps::stay);
     if (config.fill == DisparityFill::none)
         for (std::size_t i = 0; i < count; ++i) {
@@ -230,16 +229,16 @@ StereoPair corrected(StereoPair pair, const PairCorrection& correction, int thre
 }
 
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
-                         int threads, Pictures pictures) {
+                         int threads, std::optional<Pictures> planes) {
     check(pair, config);
     DisparityConfig ranged = config;
     ranged.num_disparities_px = round_up_range(config.num_disparities_px);
     switch (config.method) {
         case DisparityMethod::sgm:
-            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair, config, pictures,
-                             threads);
+            return to_pixels(matcher.match_pair(pair, matching_config(ranged)), pair, config, threads,
+                             planes);
         case DisparityMethod::sgbm:
-            return to_pixels(refine_sgbm(pair, ranged, threads), pair, config, pictures, threads);
+            return to_pixels(refine_sgbm(pair, ranged, threads), pair, config, threads, planes);
         case DisparityMethod::command:
         case DisparityMethod::onnx:
             break;
@@ -250,11 +249,10 @@ DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, 
 
 DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const DisparityConfig& config,
                          int threads) {
-    float least = kUnknownDisparity, largest = -kUnknownDisparity;
-    for (const DisparityMap* const map : {&views.left, &views.right})
-        for (const float d : map->values)
-            if (DisparityMap::known(d)) least = std::min(least, d), largest = std::max(largest, d);
-    if (least > largest) return {views.left.width, views.left.height, views.left.values, {}};
+    KnownRange range = known_range(views.left);
+    range.add(views.right);
+    if (range.is_empty()) return {views.left.width, views.left.height, views.left.values, {}};
+    const auto [least, largest] = range;
     if (largest - least >= static_cast<float>(kLargestRange_px - 1) || std::abs(least) >= kLargestRange_px)
         throw Error(ErrorKind::input, "the map's disparities reach from " +
                                           std::to_string(std::lround(least)) + " to " +
@@ -267,7 +265,7 @@ DisparityMap refine_maps(const StereoPair& pair, const ViewMaps& views, const Di
                                             {above_least(views.left, ranged.min_disparity_px),
                                              above_least(views.right, ranged.min_disparity_px)},
                                             matching_config(ranged), threads),
-                     pair, ranged, Pictures::photographs, threads);
+                     pair, ranged, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "pipeline/data/calibration.h"
@@ -9,7 +10,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/value_range.h"
 #include "pipeline/matching/matcher.h"
-#include "pipeline/stages/by_colour/bare_borders.h"
+#include "pipeline/stages/by_colour/picture_kinds.h"
 #include "pipeline/stages/disparity_range.h"
 
 namespace hexrelief::stages {
@@ -145,10 +146,10 @@ StereoPair corrected(StereoPair pair, const PairCorrection& correction, int thre
 // above gives no disparity of 0, which would be a point without a depth. config: FoundRange::config; if
 // farthest_px is NaN, no match counts as far. The same bytes for any number of threads. Throws Error(input)
 // if the images differ in size, have fewer than 16 columns or more than kLargestPairSide_px; Error(usage) for
-// a parameter out of range, or a range wider than the image. pictures: of photographs fewer bare patches
-// follow planes (with_planes_on_bare_patches()).
+// a parameter out of range, or a range wider than the image. planes: of these pictures, bare patches follow
+// planes (with_planes_on_bare_patches()); a part of a pair does not show whole patches, and has none.
 DisparityMap match_range(const StereoPair& pair, const DisparityConfig& config, PairMatcher& matcher,
-                         int threads, Pictures pictures = Pictures::photographs);
+                         int threads, std::optional<Pictures> planes = {});
 
 // The disparities of both views, each at its own columns.
 struct ViewMaps {

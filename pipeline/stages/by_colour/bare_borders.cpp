@@ -5,15 +5,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <vector>
+
+#include "pipeline/stages/by_colour/colours.h"
 
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kSquareSide = 3, kSummed = kSquareSide * kSquareSide;  // colours are sums over squares
+constexpr int kBorderRadius_px = 1,
+              kSummed = (2 * kBorderRadius_px + 1) * (2 * kBorderRadius_px + 1);  // squares of colours
 // Differences of these sums, the largest of the channels': between neighbours of a bare band; from where the
 // flood came from; across a step in depth that is open; across a contour.
 constexpr int kGradual = 3 * kSummed, kAlike = 12 * kSummed, kAlikeFarEnd = 80 * kSummed;
@@ -34,23 +35,23 @@ struct Limits {
 
 class Borders {
   public:
-    Borders(DisparityMap& map, const Image& left) : map_(map), channels_(left.channels) {
-        const cv::Mat image(left.height, left.width, CV_8UC(left.channels),
-                            const_cast<std::uint8_t*>(left.pixels.data()));  // nothing here writes to it
-        cv::boxFilter(image, sums_, CV_16S, {kSquareSide, kSquareSide}, {-1, -1}, false,
-                      cv::BORDER_REPLICATE);
+    Borders(DisparityMap& map, const Image& left, ThreadPool& pool)
+        : map_(map), sums_(colour_sums(left, kBorderRadius_px, pool)) {
         step_px_ = std::max(kLeastStep_px, static_cast<float>(std::max(map.width, map.height)) / kStepShare);
         source_.assign(map.values.size(), kNone);
         state_.assign(map.values.size(), State::other);
     }
 
     void give_back(Limits limits, Pictures pictures) {
+        std::vector<float> values;
         for (const bool stops_leaks : {false, true}) {
             limits.stops_leaks = stops_leaks;
             flood(limits);
             judge(limits);
             if (pictures == Pictures::rectified) move_on();
-            for (const std::uint32_t i : given_) map_.values[i] = far_of(i);
+            values.clear();
+            for (const std::uint32_t i : given_) values.push_back(behind_all_given(i));
+            for (std::size_t k = 0; k < given_.size(); ++k) map_.values[given_[k]] = values[k];
             for (const std::vector<std::uint32_t>* pixels : {&reached_, &given_})
                 for (const std::uint32_t i : *pixels) {
                     source_[i] = kNone;
@@ -72,14 +73,14 @@ class Borders {
         if (u < 0 || v < 0 || u >= map_.width || v >= map_.height) return kNone;
         return static_cast<std::uint32_t>(v) * map_.width + u;
     }
-    int difference(std::uint32_t i, std::uint32_t j) const {
-        const std::int16_t *const a = sums_.ptr<std::int16_t>() + std::size_t{i} * channels_,
-                                  *const b = sums_.ptr<std::int16_t>() + std::size_t{j} * channels_;
-        int most = 0;
-        for (int c = 0; c < channels_; ++c) most = std::max(most, std::abs(a[c] - b[c]));
-        return most;
-    }
+    int difference(std::uint32_t i, std::uint32_t j) const { return most_difference(sums_, i, j); }
     float far_of(std::uint32_t reached) const { return map_.values[source_[reached]]; }
+    // Returns what a given pixel takes: its source's disparity; if that is given as well, its source's.
+    float behind_all_given(std::uint32_t given) const {
+        std::uint32_t source = source_[given];
+        while (state_[source] == State::given) source = source_[source];
+        return map_.values[source];
+    }
     bool is_known(std::uint32_t i) const { return i != kNone && DisparityMap::known(map_.values[i]); }
     bool is_near(std::uint32_t i, float far) const { return is_known(i) && map_.values[i] - far > step_px_; }
 
@@ -114,24 +115,25 @@ class Borders {
             for (const std::size_t end = reached_.size(); begin < end; ++begin)
                 for (const Side side : kSides) {
                     const std::uint32_t i = reached_[begin], j = beside(i, side, 1);
-                    if (!leads_on(i, j) || difference(source_[i], j) > limits.alike) continue;
+                    if (!leads_on(i, j, limits.alike)) continue;
                     source_[j] = source_[i];
                     reached_.push_back(j);
                 }
-        if (limits.stops_leaks) drop_leaks();
+        if (limits.stops_leaks) drop_leaks(limits.alike);
         for (const std::uint32_t i : reached_) state_[i] = State::reached;
     }
 
-    bool leads_on(std::uint32_t i, std::uint32_t j) const {
-        return is_known(j) && source_[j] == kNone && is_near(j, far_of(i)) && difference(i, j) <= kGradual;
+    bool leads_on(std::uint32_t i, std::uint32_t j, int alike) const {
+        return is_known(j) && source_[j] == kNone && is_near(j, far_of(i)) && difference(i, j) <= kGradual &&
+               difference(source_[i], j) <= alike;
     }
 
     // Drops what was reached from the sources from which the flood would go on.
-    void drop_leaks() {
+    void drop_leaks(int alike) {
         std::vector<std::uint32_t> leaks;
         for (const std::uint32_t i : reached_)
             for (const Side side : kSides)
-                if (leads_on(i, beside(i, side, 1))) leaks.push_back(source_[i]);
+                if (leads_on(i, beside(i, side, 1), alike)) leaks.push_back(source_[i]);
         std::sort(leaks.begin(), leaks.end());
         std::erase_if(reached_, [&](std::uint32_t i) {
             if (!std::binary_search(leaks.begin(), leaks.end(), source_[i])) return false;
@@ -168,7 +170,7 @@ class Borders {
                     }
                 }
             if (region.size() < limits.least_region || 5 * open < 3 * outer || 5 * closed < 3 * inner ||
-                inner == 0)
+                inner == 0 || outer == 0)
                 continue;
             for (const std::uint32_t i : region) state_[i] = State::given;
             given_.insert(given_.end(), region.begin(), region.end());
@@ -205,11 +207,11 @@ class Borders {
                 added.push_back(j);
                 source_[j] = source_[i];
             }
+        for (const std::uint32_t i : added) state_[i] = State::given;
         given_.insert(given_.end(), added.begin(), added.end());
     }
 
     DisparityMap& map_;
-    int channels_;
     cv::Mat sums_;
     float step_px_;
     std::vector<std::uint32_t> source_;  // of each pixel that was reached: the pixel across the step in depth
@@ -235,10 +237,11 @@ float far_end_of(const DisparityMap& map) {
 
 }  // namespace
 
-DisparityMap with_bare_borders_behind(DisparityMap map, const Image& left, Pictures pictures) {
+DisparityMap with_bare_borders_behind(DisparityMap map, const Image& left, Pictures pictures, int threads) {
     if (map.values.empty() || left.empty()) return map;
     const int longer = std::max(map.width, map.height);
-    Borders borders(map, left);
+    ThreadPool pool(threads);
+    Borders borders(map, left, pool);
     borders.give_back({longer / kReachShare, kAlike, kLeastRegion}, pictures);
     if (pictures == Pictures::photographs)
         borders.give_back(

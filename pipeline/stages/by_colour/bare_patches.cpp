@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "pipeline/base/opencv_squares.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/by_colour/colours.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -75,24 +75,14 @@ std::vector<std::uint8_t> sure_pixels(const DisparityMap& map, ThreadPool& pool)
     return sure;
 }
 
-// Returns sums of colours over squares; beyond the border the nearest pixel counts.
-cv::Mat colour_sums(const Image& image) {
-    const cv::Mat colours(image.height, image.width, CV_8UC(image.channels),
-                          const_cast<std::uint8_t*>(image.pixels.data()));  // nothing here writes to it
-    const int side = 2 * kColourRadius_px + 1;
-    cv::Mat sums;
-    cv::boxFilter(colours, sums, CV_16S, {side, side}, {-1, -1}, false, cv::BORDER_REPLICATE);
-    return sums;
-}
-
 constexpr std::uint32_t kNoSource = ~std::uint32_t{0};
 
 // Returns the sure pixel that leads to each one over the least difference of colours; kNoSource where it is
 // larger than `most`. is_open(pixel): whether a pixel may be led to.
 template <typename Open>
 std::vector<std::uint32_t> flood(const DisparityMap& map, const std::vector<std::uint8_t>& sure,
-                                 const Image& left, int most, const Open& is_open) {
-    const cv::Mat colours = colour_sums(left);
+                                 const Image& left, int most, const Open& is_open, ThreadPool& pool) {
+    const cv::Mat colours = colour_sums(left, kColourRadius_px, pool);
     const auto colour = [&](std::size_t pixel) {
         return colours.ptr<std::int16_t>() + pixel * static_cast<std::size_t>(left.channels);
     };
@@ -139,16 +129,11 @@ void remove_small_regions(std::vector<std::uint8_t>& pixels, int width, int heig
 DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int threads) {
     if (map.origins.empty() || left.empty()) return map;
     ThreadPool pool(threads);
-    const std::vector<std::uint32_t> source =
-        flood(map, sure_pixels(map, pool), left, kBare, [](std::size_t) { return true; });
-    float least = std::numeric_limits<float>::infinity(), most = -least;
-    for (const float d : map.values) {
-        if (!DisparityMap::known(d)) continue;
-        least = std::min(least, d);
-        most = std::max(most, d);
-    }
-    if (least > most) return map;
-    const double fall = (most - least) / kRangeShare;
+    const std::vector<std::uint32_t> source = flood(
+        map, sure_pixels(map, pool), left, kBare, [](std::size_t) { return true; }, pool);
+    const KnownRange range = known_range(map);
+    if (range.is_empty()) return map;
+    const double fall = (range.largest - range.least) / kRangeShare;
     const auto fall_of = [&](std::size_t i) {
         return source[i] == kNoSource ? 0 : map.values[i] - map.values[source[i]];
     };
@@ -199,8 +184,8 @@ DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         for (int x = map.width - 1; x >= 0 && !sure[row + x]; --x) is_rim[row + x] = 1;
     });
-    const std::vector<std::uint32_t> source =
-        flood(map, sure, left, kAnyColour, [&](std::size_t i) { return is_rim[i] != 0; });
+    const std::vector<std::uint32_t> source = flood(
+        map, sure, left, kAnyColour, [&](std::size_t i) { return is_rim[i] != 0; }, pool);
     const int margin = std::max(map.width, map.height) / kMarginShare;
     pool.parallel_for_each(map.height, [&](int y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;

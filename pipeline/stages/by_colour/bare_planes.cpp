@@ -11,13 +11,14 @@
 #include "pipeline/base/simd.h"
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/union_find.h"
+#include "pipeline/stages/by_colour/colours.h"
 #include "pipeline/stages/by_colour/robust_plane.h"
 
 namespace hexrelief::stages {
 namespace {
 
 // Levels that the means of 3x3 pixels beside a pixel, or above and below it, differ by at most on a patch.
-constexpr int kMeanOf = 9, kLargestStep = 4 * kMeanOf;
+constexpr int kMeanRadius_px = 1, kMeanOf = 9, kLargestStep = 4 * kMeanOf;
 constexpr int kLeastRun_px = 3;  // in a row: narrower bridges join no patches
 struct PatchLimits {
     std::size_t least_share;  // a patch has one pixel of so many of the picture's
@@ -42,49 +43,6 @@ struct Patch {
     std::size_t pixels = 0;
 };
 
-// The sums of the levels of 3x3 pixels; beyond the border the nearest pixel counts.
-struct ColorSums {
-    int width, channels;
-    std::vector<std::int16_t> values;
-
-    const std::int16_t* row(int y) const { return &values[static_cast<std::size_t>(y) * width * channels]; }
-};
-
-HEXRELIEF_SMALL_VECTORS void add_rows(const std::uint8_t* __restrict above,
-                                      const std::uint8_t* __restrict own,
-                                      const std::uint8_t* __restrict below, int count,
-                                      std::int16_t* __restrict out) {
-    for (int i = 0; i < count; ++i) out[i] = static_cast<std::int16_t>(above[i] + own[i] + below[i]);
-}
-HEXRELIEF_SMALL_VECTORS void add_columns(const std::int16_t* __restrict rows, int count, int channels,
-                                         std::int16_t* __restrict out) {
-    for (int i = 0; i < count; ++i)
-        out[i] = static_cast<std::int16_t>(rows[i] + rows[i + channels] + rows[i + 2 * channels]);
-}
-
-// is_wanted: of each row; the others' sums are left 0.
-ColorSums sums_of(const Image& image, const std::vector<std::uint8_t>& is_wanted, ThreadPool& pool) {
-    const int count = image.width * image.channels;
-    ColorSums sums{image.width, image.channels,
-                   std::vector<std::int16_t>(static_cast<std::size_t>(count) * image.height)};
-    pool.parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t first, std::size_t end) {
-        std::vector<std::int16_t> rows(static_cast<std::size_t>(count + 2 * image.channels));
-        for (int y = static_cast<int>(first); y < static_cast<int>(end); ++y) {
-            if (!is_wanted[y]) continue;
-            std::int16_t* const inner = rows.data() + image.channels;
-            add_rows(image.at(0, std::max(y - 1, 0)), image.at(0, y),
-                     image.at(0, std::min(y + 1, image.height - 1)), count, inner);
-            for (int c = 0; c < image.channels; ++c) {
-                rows[c] = inner[c];
-                inner[count + c] = inner[count - image.channels + c];
-            }
-            add_columns(rows.data(), count, image.channels,
-                        &sums.values[static_cast<std::size_t>(y) * count]);
-        }
-    });
-    return sums;
-}
-
 HEXRELIEF_SMALL_VECTORS void find_steps(const std::int16_t* __restrict above,
                                         const std::int16_t* __restrict own,
                                         const std::int16_t* __restrict below, int count, int channels,
@@ -108,15 +66,15 @@ HEXRELIEF_SMALL_VECTORS void find_bare(const std::int16_t* __restrict steps, int
 }
 
 // Returns the runs of bare pixels of each row. The outermost columns belong to the pixels beside them.
-std::vector<std::vector<Run>> bare_runs(const ColorSums& sums, int height, ThreadPool& pool) {
-    const int width = sums.width, channels = sums.channels, count = width * channels;
+std::vector<std::vector<Run>> bare_runs(const cv::Mat& sums, ThreadPool& pool) {
+    const int width = sums.cols, height = sums.rows, channels = sums.channels(), count = width * channels;
     std::vector<std::vector<Run>> runs(static_cast<std::size_t>(height));
     pool.parallel_for(runs.size(), [&](std::size_t begin, std::size_t end) {
         std::vector<std::int16_t> steps(static_cast<std::size_t>(count));
         std::vector<std::uint8_t> is_bare(static_cast<std::size_t>(width));
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-            find_steps(sums.row(std::max(y - 1, 0)), sums.row(y), sums.row(std::min(y + 1, height - 1)),
-                       count, channels, steps.data());
+            const auto row = [&](int at) { return sums.ptr<std::int16_t>(std::clamp(at, 0, height - 1)); };
+            find_steps(row(y - 1), row(y), row(y + 1), count, channels, steps.data());
             std::copy_n(&steps[channels], channels, steps.data());
             std::copy_n(&steps[count - 2 * channels], channels, &steps[count - channels]);
             (channels == 1 ? find_bare<1> : find_bare<3>)(steps.data(), width, is_bare.data());
@@ -131,9 +89,8 @@ std::vector<std::vector<Run>> bare_runs(const ColorSums& sums, int height, Threa
     return runs;
 }
 
-std::vector<Patch> find_patches(const ColorSums& sums, int height, std::size_t least_share,
-                                ThreadPool& pool) {
-    const std::vector<std::vector<Run>> rows = bare_runs(sums, height, pool);
+std::vector<Patch> find_patches(const cv::Mat& sums, std::size_t least_share, ThreadPool& pool) {
+    const std::vector<std::vector<Run>> rows = bare_runs(sums, pool);
     std::vector<Run> runs;
     std::size_t above = 0;
     UnionFind sets;
@@ -152,7 +109,7 @@ std::vector<Patch> find_patches(const ColorSums& sums, int height, std::size_t l
     for (std::size_t i = 0; i < runs.size(); ++i)
         pixels[sets.find(static_cast<std::uint32_t>(i))] +=
             static_cast<std::size_t>(runs[i].end - runs[i].first);
-    const std::size_t all = static_cast<std::size_t>(sums.width) * height;
+    const std::size_t all = sums.total();
     std::vector<Patch> patches;
     for (std::size_t i = 0; i < runs.size(); ++i) {
         const std::size_t root = sets.find(static_cast<std::uint32_t>(i));
@@ -167,12 +124,9 @@ std::vector<Patch> find_patches(const ColorSums& sums, int height, std::size_t l
 }
 
 // Returns the nearest match that the right camera sees at each of its pixels, -1 = none.
-// is_wanted: of each row.
-std::vector<float> nearest_matches(const DisparityMap& map, const std::vector<std::uint8_t>& is_wanted,
-                                   ThreadPool& pool) {
+std::vector<float> nearest_matches(const DisparityMap& map, ThreadPool& pool) {
     std::vector<float> nearest(map.values.size(), -1);
     pool.parallel_for_each(map.height, [&](int y) {
-        if (!is_wanted[y]) return;
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         for (int x = 0; x < map.width; ++x) {
             const float d = map.values[row + x];
@@ -272,13 +226,8 @@ class PlaneFinder {
 // Compares a patch's colours in both pictures.
 class ColorCheck {
   public:
-    // is_wanted: of each row.
-    ColorCheck(const DisparityMap& map, const ColorSums& left, const Image& right,
-               const std::vector<std::uint8_t>& is_wanted, ThreadPool& pool)
-        : map_(map),
-          left_(left),
-          right_(sums_of(right, is_wanted, pool)),
-          nearest_(nearest_matches(map, is_wanted, pool)) {}
+    ColorCheck(const DisparityMap& map, const cv::Mat& left, const cv::Mat& right, ThreadPool& pool)
+        : map_(map), left_(left), right_(right), nearest_(nearest_matches(map, pool)) {}
 
     // Returns whether the colours fit along the plane as well as along the map, but for what something
     // matched hides.
@@ -311,10 +260,10 @@ class ColorCheck {
     // negative beyond the right picture.
     float difference(int x, int y, float disparity) const {
         const float seen = static_cast<float>(x) - disparity, whole = std::floor(seen), part = seen - whole;
-        const int at = static_cast<int>(whole), channels = left_.channels;
+        const int at = static_cast<int>(whole), channels = left_.channels();
         if (at < 0 || at + 1 >= map_.width) return -1;
-        const std::int16_t* const own = left_.row(y) + x * channels;
-        const std::int16_t* const other = right_.row(y) + at * channels;
+        const std::int16_t* const own = left_.ptr<std::int16_t>(y) + x * channels;
+        const std::int16_t* const other = right_.ptr<std::int16_t>(y) + at * channels;
         float most = 0;
         for (int c = 0; c < channels; ++c) {
             const float level =
@@ -325,16 +274,17 @@ class ColorCheck {
     }
 
     const DisparityMap& map_;
-    const ColorSums& left_;
-    ColorSums right_;
+    cv::Mat left_, right_;  // sums of colours
     std::vector<float> nearest_;
 };
 
-void put_on_plane(const Patch& patch, const DisparityPlane& plane, DisparityMap& map) {
+// A plane that rises towards a patch's end is not followed beyond what the map holds.
+void put_on_plane(const Patch& patch, const DisparityPlane& plane, const KnownRange& range,
+                  DisparityMap& map) {
     for (const Run& run : patch.runs)
         for (int x = run.first; x < run.end; ++x) {
             const std::size_t i = static_cast<std::size_t>(run.y) * map.width + x;
-            const auto d = static_cast<float>(plane.at(x, run.y));
+            const float d = std::clamp(static_cast<float>(plane.at(x, run.y)), range.least, range.largest);
             if (!DisparityMap::known(map.values[i])) continue;
             if (map.origins[i] != PixelOrigin::matched || std::abs(map.values[i] - d) > kOnPlane_px)
                 map.values[i] = d;
@@ -350,9 +300,8 @@ DisparityMap with_planes_on_bare_patches(DisparityMap map, const StereoPair& pai
     const bool is_alike = pair.left.channels == pair.right.channels && pair.left.width == map.width;
     if (map.origins.empty() || !is_alike || map.width < kLeastColumns) return map;
     ThreadPool pool(threads);
-    const auto height = static_cast<std::size_t>(map.height);
-    const ColorSums left = sums_of(pair.left, std::vector<std::uint8_t>(height, 1), pool);
-    const std::vector<Patch> patches = find_patches(left, map.height, limits.least_share, pool);
+    const cv::Mat left = colour_sums(pair.left, kMeanRadius_px, pool);
+    const std::vector<Patch> patches = find_patches(left, limits.least_share, pool);
     std::vector<std::optional<DisparityPlane>> planes(patches.size());
     const auto for_patches = [&](const auto& take) {
         pool.parallel_for_chunks(patches.size(), [&](std::size_t first, std::size_t end) {
@@ -361,16 +310,15 @@ DisparityMap with_planes_on_bare_patches(DisparityMap map, const StereoPair& pai
     };
     const PlaneFinder finder(map, limits.matched_share);
     for_patches([&](const Patch& patch, auto& plane) { plane = finder.plane_of(patch); });
-    std::vector<std::uint8_t> is_wanted(height);
-    for (std::size_t i = 0; i < patches.size(); ++i)
-        if (planes[i])
-            for (const Run& run : patches[i].runs) is_wanted[run.y] = 1;
-    const ColorCheck check(map, left, pair.right, is_wanted, pool);
+    if (std::none_of(planes.begin(), planes.end(), [](const auto& plane) { return plane.has_value(); }))
+        return map;
+    const ColorCheck check(map, left, colour_sums(pair.right, kMeanRadius_px, pool), pool);
     for_patches([&](const Patch& patch, auto& plane) {
         if (plane && !check.do_colors_fit(patch, *plane)) plane.reset();
     });
+    const KnownRange range = known_range(map);
     for_patches([&](const Patch& patch, const auto& plane) {
-        if (plane) put_on_plane(patch, *plane, map);
+        if (plane) put_on_plane(patch, *plane, range, map);
     });
     return map;
 }

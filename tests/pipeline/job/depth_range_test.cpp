@@ -1,4 +1,4 @@
-// Tests that no vertex lies where no evidence puts it: a pair's mesh is about as deep as its scene.
+// Tests that a pair's mesh is about as deep as its scene.
 #include <gtest/gtest.h>
 
 #include <algorithm>

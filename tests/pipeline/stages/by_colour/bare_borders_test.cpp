@@ -58,8 +58,9 @@ int chequers(int x, int y) {
 
 TEST(BareBorders, AreGivenBackUpToTheContour) {
     const DiscBeforeWall scene(gradient, chequers);
-    const DisparityMap rectified = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified),
-                       photographs = with_bare_borders_behind(scene.map, scene.left, Pictures::photographs);
+    const DisparityMap rectified = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2),
+                       photographs =
+                           with_bare_borders_behind(scene.map, scene.left, Pictures::photographs, 2);
     EXPECT_EQ(scene.given(rectified, 1), 1);
     EXPECT_EQ(scene.given(photographs, 2), 1);
     EXPECT_LT(scene.given(photographs, 0), scene.given(rectified, 0));
@@ -73,13 +74,15 @@ TEST(BareBorders, AreGivenBackUpToTheContour) {
 
 TEST(BareBorders, OfTheNearerThingsColourStay) {
     const DiscBeforeWall scene(gradient, gradient);
-    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified).values, scene.map.values);
+    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2).values,
+              scene.map.values);
 }
 
 TEST(BareBorders, WithTextureStay) {
     const auto rough = [](int x, int y) { return 150 + 40 * ((x / 4 + y / 4) % 2); };
     const DiscBeforeWall scene(rough, chequers);
-    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified).values, scene.map.values);
+    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2).values,
+              scene.map.values);
 }
 
 TEST(BareBorders, ThingsThatStandAtTheirContourStay) {
@@ -88,7 +91,7 @@ TEST(BareBorders, ThingsThatStandAtTheirContourStay) {
         for (int x = 0; x < kViewWidth; ++x)
             scene.map.at(x, y) = is_within(x, y, kRadius) ? kDisc_px : kBareWall_px;
     for (const Pictures pictures : {Pictures::rectified, Pictures::photographs})
-        EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, pictures).values, scene.map.values);
+        EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, pictures, 2).values, scene.map.values);
 }
 
 // A leak of the contour keeps what is beside it, not the rest of the band.
@@ -97,9 +100,33 @@ TEST(BareBorders, AreGivenBackBesideALeak) {
         return x > kCentreX && y > kCentreY - 6 && y < kCentreY + 6 ? gradient(x, y) : chequers(x, y);
     };
     const DiscBeforeWall scene(gradient, leaky);
-    const DisparityMap result = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified);
+    const DisparityMap result = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2);
     EXPECT_EQ(result.at(kCentreX - kRadius - 3, kCentreY), kBareWall_px);
     EXPECT_EQ(result.at(kCentreX + 10, kCentreY), kDisc_px);
+}
+
+// A band beside one that is given itself goes to what that one goes to.
+TEST(BareBorders, GoToTheFarthestOfThreeSurfaces) {
+    DiscBeforeWall scene(gradient, chequers);
+    constexpr int kRing_px = 5;
+    for (int y = 0; y < kViewHeight; ++y)
+        for (int x = 0; x < kViewWidth; ++x)
+            if (is_within(x, y, kGrown + kRing_px) && !is_within(x, y, kGrown)) scene.map.at(x, y) = 15;
+    const DisparityMap result = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2);
+    EXPECT_EQ(scene.given(result, 1), 1);
+    for (const float d : result.values) EXPECT_NE(d, 15);
+}
+
+TEST(BareBorders, MapsOfAPixelStay) {
+    const DisparityMap pixel{1, 1, {kDisc_px}, {}};
+    const Image left{1, 1, 3, {10, 20, 30}};
+    EXPECT_EQ(with_bare_borders_behind(pixel, left, Pictures::photographs, 2).values, pixel.values);
+}
+
+TEST(BareBorders, AnyNumberOfThreads) {
+    const DiscBeforeWall scene(gradient, chequers);
+    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 1).values,
+              with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 7).values);
 }
 
 // What lies farther from the step than a 40th of the longer side is followed in photographs' far end alone.
@@ -108,8 +135,9 @@ TEST(BareBorders, OfAPhotographsFarEndAreFollowedFarther) {
     for (int y = 0; y < kViewHeight; ++y)
         for (int x = 0; x < kViewWidth; ++x)
             if (is_within(x, y, kRadius + 30)) scene.map.at(x, y) = kDisc_px;
-    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified).values, scene.map.values);
-    EXPECT_EQ(scene.given(with_bare_borders_behind(scene.map, scene.left, Pictures::photographs), 2), 1);
+    EXPECT_EQ(with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2).values,
+              scene.map.values);
+    EXPECT_EQ(scene.given(with_bare_borders_behind(scene.map, scene.left, Pictures::photographs, 2), 2), 1);
 }
 
 TEST(BareBorders, UnknownPixelsAndGreyPictures) {
@@ -117,10 +145,10 @@ TEST(BareBorders, UnknownPixelsAndGreyPictures) {
     Image grey{kViewWidth, kViewHeight, 1, {}};
     for (std::size_t i = 0; i < scene.left.pixels.size(); i += 3) grey.pixels.push_back(scene.left.pixels[i]);
     const float unknown = scene.map.at(kCentreX, kCentreY - kGrown + 3) = kUnknownDisparity;
-    const DisparityMap result = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified);
+    const DisparityMap result = with_bare_borders_behind(scene.map, scene.left, Pictures::rectified, 2);
     EXPECT_EQ(result.at(kCentreX, kCentreY - kGrown + 3), unknown);
-    EXPECT_EQ(with_bare_borders_behind(scene.map, grey, Pictures::rectified).values, result.values);
-    EXPECT_EQ(with_bare_borders_behind(scene.map, {}, Pictures::rectified).values, scene.map.values);
+    EXPECT_EQ(with_bare_borders_behind(scene.map, grey, Pictures::rectified, 2).values, result.values);
+    EXPECT_EQ(with_bare_borders_behind(scene.map, {}, Pictures::rectified, 2).values, scene.map.values);
 }
 
 }  // namespace

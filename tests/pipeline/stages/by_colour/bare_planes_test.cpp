@@ -142,6 +142,15 @@ TEST(BarePlanes, APatchThatMatchedMostlyFollowsItsPlaneInRectifiedPairsOnly) {
               scene.map.values);
 }
 
+// The plane would lie at 5 px at the left end, which did not match.
+TEST(BarePlanes, NothingLiesFartherThanAllOfTheMap) {
+    const auto rising = [](int x, int) { return 5 + 0.2f * static_cast<float>(x - kLeft); };
+    const BareScene scene(rising, [](int x, int y) { return is_at_rim(x, y) && x >= kLeft + 18; });
+    const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2);
+    EXPECT_EQ(result.at(kLeft + 5, 75), kBehind_px);
+    EXPECT_NEAR(result.at(kLeft + 40, 75), 13, 1);
+}
+
 TEST(BarePlanes, FitIsThatOfTheTrueSamples) {
     std::vector<PlaneSample> samples;
     for (int i = 0; i < 120; ++i) {

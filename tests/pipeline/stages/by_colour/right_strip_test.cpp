@@ -37,7 +37,9 @@ struct Sky {
                 for (std::size_t c = 0; c < 3; ++c) left.pixels[3 * i + c] = level;
             }
     }
-    DisparityMap continued() const { return continued_at_right_end(map, left, is_seen, 2); }
+    DisparityMap continued(int threads = 2) const {
+        return continued_at_right_end(map, left, is_seen, threads);
+    }
 };
 
 TEST(RightStrip, ContinuesWhatLeavesTheRightPicture) {
@@ -53,6 +55,27 @@ TEST(RightStrip, WhatLiesWellInsideTheRightPictureStays) {
     const DisparityMap result = sky.continued();
     EXPECT_EQ(result.at(118, 0), kHedge);
     EXPECT_EQ(result.at(119, 0), kSky) << "109 px is within a 20th of the longer side of the end at 114 px";
+}
+
+TEST(RightStrip, ARightPictureThatIsSeenWholeEndsAtItsWidth) {
+    Sky sky;
+    sky.is_seen.clear();
+    for (float& d : sky.map.values) d -= 8;
+    const DisparityMap result = sky.continued();
+    EXPECT_EQ(result.at(115, 0), kHedge - 8);
+    EXPECT_EQ(result.at(116, 0), kSky - 8)
+        << "114 px is within a 20th of the longer side of the end at 119 px";
+}
+
+TEST(RightStrip, AnyNumberOfThreadsAndMapsOfARow) {
+    Sky sky;
+    EXPECT_EQ(sky.continued(1).values, sky.continued(7).values);
+    sky.map.height = sky.left.height = 1;
+    sky.map.values.resize(kStripColumns);
+    sky.map.origins.resize(kStripColumns);
+    sky.left.pixels.resize(std::size_t{3} * kStripColumns);
+    sky.is_seen.resize(kStripColumns);
+    EXPECT_EQ(sky.continued(7).at(kStripColumns - 1, 0), kSky);
 }
 
 TEST(RightStrip, SurfacesAreToldApartByColour) {
