@@ -7,6 +7,7 @@ import resource
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -74,6 +75,18 @@ class Fault(unittest.TestCase):
     def start(self, arguments, **options):
         return subprocess.Popen([PROGRAM, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                 stderr=subprocess.DEVNULL, **options)
+
+    def wait_until(self, is_so):
+        deadline = time.monotonic() + 30
+        while not is_so():
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+
+    def catches(self, process, number):
+        """Whether a running program has set its handler of a signal, which would kill it before."""
+        status = Path(f"/proc/{process.pid}/status").read_text()
+        caught = next(line for line in status.split("\n") if line.startswith("SigCgt:"))
+        return int(caught.split()[1], 16) >> (number - 1) & 1 == 1
 
     def require_other_user(self):
         if os.geteuid() != 0:

@@ -125,7 +125,8 @@ class Limits(Fault):
         self.require_other_user()
         long_job = self.outputs("--set", "mesh.spacing_px=2", "--set", "mesh.t_max=100000")
         process = self.start(long_job, preexec_fn=as_nobody(limits(NPROC=1)))
-        time.sleep(0.7)
+        self.wait_until(lambda: self.catches(process, signal.SIGTERM))
+        time.sleep(0.5)
         process.send_signal(signal.SIGTERM)
         self.assertEqual(process.wait(20), 130)
         self.assertEqual(os.listdir(self.folder), [])
@@ -220,8 +221,8 @@ time_t time(time_t* now) {
         source = self.outer / "left.png"
         shutil.copy(SAMPLES / "left.png", source)
         inputs = ["--left", str(source), "--right", str(SAMPLES / "right.png")]
-        moment = 10**18
-        for _ in range(30):  # reading takes a millisecond, in which this process may not come to its turn
+        moment, deadline = 10**18, time.monotonic() + 60
+        while time.monotonic() < deadline:  # reading takes a millisecond, in which this process may not come to its turn
             process = subprocess.Popen([fault.PROGRAM, *self.outputs(inputs=inputs)], stdin=subprocess.DEVNULL,
                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
             while process.poll() is None:

@@ -103,10 +103,7 @@ class Signals(Fault):
         os.mkfifo(self.folder / "pipe.ply")
         held = ["run", *MAP, "-o", f"{self.folder}/held.glb", "-o", f"{self.folder}/pipe.ply"]
         killed, living = self.start(held), self.start(held)
-        deadline = time.monotonic() + 30
-        while len(list(self.folder.glob(".hexrelief-*"))) < 2:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
+        self.wait_until(lambda: len(list(self.folder.glob(".hexrelief-*"))) == 2)
         killed.kill()
         killed.wait()
         self.assert_done(self.run_program(self.outputs(inputs=MAP)))
@@ -122,10 +119,7 @@ class Signals(Fault):
         os.mkfifo(self.folder / "pipe.ply")
         before = sums(self.folder)
         process = self.start(["run", *MAP, "-o", f"{self.folder}/held.glb", "-o", f"{self.folder}/pipe.ply"])
-        deadline = time.monotonic() + 30
-        while not list(self.folder.glob(".hexrelief-*")):
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
+        self.wait_until(lambda: list(self.folder.glob(".hexrelief-*")))
         process.terminate()
         self.assertEqual(process.wait(10), 130)
         os.unlink(self.folder / "pipe.ply")
