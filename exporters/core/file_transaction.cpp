@@ -17,6 +17,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <new>
 #include <set>
 
 #include "exporters/core/folder_lock.h"
@@ -169,25 +170,25 @@ bool FileTransaction::take_direct(const fs::path& path, const fs::path& target, 
 void FileTransaction::open_temporary(const fs::path& path, const fs::path& target) {
     pending_.reserve(pending_.size() + 1);
     for (;;) {
-        const fs::path temporary =
-            folder_of(target) /
-            temporary_name(std::to_string(::getpid()) + "-" + std::to_string(temporaries_made.fetch_add(1)));
-        // Registered before the file exists, in case of an interrupt in between.
-        const int slot = register_temporary(temporary);
+        // All memory is there, and the name registered in case of an interrupt, before the file exists.
+        Pending next{folder_of(target) / temporary_name(std::to_string(::getpid()) + "-" +
+                                                        std::to_string(temporaries_made.fetch_add(1))),
+                     target};
+        next.slot = register_temporary(next.temporary);
         if (stopping.load()) {
-            unregister_temporary(slot);
+            unregister_temporary(next.slot);
             fail_interrupted(path);
         }
-        const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        next.descriptor = ::open(next.temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         const int code = errno;
-        if (descriptor >= 0 && claim(descriptor)) {
-            pending_.push_back({temporary, target, slot, descriptor});
+        if (next.descriptor >= 0 && claim(next.descriptor)) {
+            pending_.push_back(std::move(next));
             return;
         }
         // Else another process removed it as a leftover before it was claimed.
-        if (descriptor >= 0) ::close(descriptor);
-        unregister_temporary(slot);
-        if (descriptor < 0 && code != EEXIST) fail(path, code);
+        if (next.descriptor >= 0) ::close(next.descriptor);
+        unregister_temporary(next.slot);
+        if (next.descriptor < 0 && code != EEXIST) fail(path, code);
     }
 }
 
@@ -269,21 +270,26 @@ std::vector<std::pair<fs::path, fs::path>> FileTransaction::renames_in(const fs:
 
 // Renames the files. Returns how many were renamed; errno is set if these are not all.
 std::size_t FileTransaction::rename_all() {
-    for (std::size_t i = 0; i < pending_.size(); ++i) {
-        Pending& pending = pending_[i];
-        fs::path old = pending.temporary;
-        old.replace_extension(".old.tmp");
-        if (is_kept_by_owner(pending.target)) {
-            errno = EPERM;
-            return i;
+    std::size_t renamed = 0;
+    try {
+        for (; renamed < pending_.size(); ++renamed) {
+            Pending& pending = pending_[renamed];
+            fs::path old = pending.temporary;
+            old.replace_extension(".old.tmp");
+            if (is_kept_by_owner(pending.target)) {
+                errno = EPERM;
+                break;
+            }
+            if (::link(pending.target.c_str(), old.c_str()) == 0)
+                pending.old = std::move(old);
+            else
+                pending.was_absent = errno == ENOENT;
+            if (std::rename(pending.temporary.c_str(), pending.target.c_str()) != 0) break;
         }
-        if (::link(pending.target.c_str(), old.c_str()) == 0)
-            pending.old = old;
-        else
-            pending.was_absent = errno == ENOENT;
-        if (std::rename(pending.temporary.c_str(), pending.target.c_str()) != 0) return i;
+    } catch (const std::bad_alloc&) {
+        errno = ENOMEM;
     }
-    return pending_.size();
+    return renamed;
 }
 
 std::string FileTransaction::undo_renames(std::size_t renamed) {

@@ -55,9 +55,9 @@ class FileTransaction {
   private:
     struct Pending {
         std::filesystem::path temporary, target;
-        int slot;  // in the registry that remove_pending_files() empties
+        int slot = -1;  // in the registry that remove_pending_files() empties
         // Descriptor of the temporary file. While it is open, other processes know that this one is alive.
-        int descriptor;
+        int descriptor = -1;
         std::filesystem::path old = {};  // during the renames: a hard link to the file that was at the target
         bool was_absent = false;         // there was no file at the target
     };

@@ -102,7 +102,12 @@ FolderLock::FolderLock(const fs::path& folder, const std::atomic<bool>& stopping
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         if (code == 0 && is_open_file(descriptor, path_)) {
             descriptor_ = descriptor;
-            finish_announced();
+            try {
+                finish_announced();
+            } catch (...) {  // without memory: the next owner completes them
+                ::close(descriptor);
+                throw;
+            }
             return;
         }
         ::close(descriptor);
@@ -119,7 +124,7 @@ FolderLock::~FolderLock() {
 
 // Each name ends with a zero byte, and the list with an empty name: a list that was not
 // written completely is ignored.
-void FolderLock::announce(const Renames& renames) noexcept {
+void FolderLock::announce(const Renames& renames) {
     if (descriptor_ < 0 || renames.size() < 2) return;            // a single rename needs no journal
     if (!is_folder_of_caller_alone(path_.parent_path())) return;  // the next owner would ignore it
     std::string text;
@@ -137,7 +142,7 @@ void FolderLock::revoke() noexcept {
 
 // Completes the renames that a killed owner announced. Only a file of this user is trusted: with names that
 // another user wrote, this process could be made to replace any file of the folder.
-void FolderLock::finish_announced() noexcept {
+void FolderLock::finish_announced() {
     constexpr off_t longest = 1 << 20;
     struct stat status = {};
     if (::fstat(descriptor_, &status) != 0 || status.st_size < 2 || status.st_size > longest) return;

@@ -35,12 +35,12 @@ class FolderLock {
     // Journals the renames on the disk before they are done. If this process dies while it holds the lock,
     // the next owner of the same user completes them. Does nothing in a folder that others may write to: with
     // a journal of theirs, a later process of this user would rename files as they like.
-    void announce(const Renames& renames) noexcept;
+    void announce(const Renames& renames);
     // Erases the journal of announced renames, which are not to be done.
     void revoke() noexcept;
 
   private:
-    void finish_announced() noexcept;
+    void finish_announced();
     std::filesystem::path path_;
     int descriptor_ = -1;
 };

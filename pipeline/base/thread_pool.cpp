@@ -1,6 +1,6 @@
 #include "pipeline/base/thread_pool.h"
 
-#include <system_error>
+#include <exception>
 #include <utility>
 
 #if defined(__x86_64__) || defined(__i386__)
@@ -27,10 +27,11 @@ ThreadPool::ThreadPool(int threads)
     : size_(threads),
       spins_(static_cast<unsigned>(threads) <= std::thread::hardware_concurrency() ? kSpins
                                                                                    : kSpinsOnSharedCores) {
+    threads_.reserve(static_cast<std::size_t>(threads));
     try {
         for (int thread = 1; thread < threads; ++thread)
             threads_.emplace_back([this, thread] { serve(thread); });
-    } catch (const std::system_error&) {
+    } catch (const std::exception&) {  // no thread or no memory is left
         size_ = static_cast<int>(threads_.size()) + 1;
     }
 }
