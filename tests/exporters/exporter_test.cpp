@@ -91,7 +91,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
         if (const auto begin = begins.find(extension); begin != begins.end()) {
             EXPECT_TRUE(contents(path).starts_with(begin->second)) << extension;
         }
-        const inspect::MeshDescription described = exporters::describe_mesh(path);
+        const inspect::MeshDescription described = describe_mesh(path);
         EXPECT_EQ("." + described.format, extension);
         EXPECT_EQ(described.vertices, 30) << extension;
     }

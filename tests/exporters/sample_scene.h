@@ -2,17 +2,15 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "exporters/exporter.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief::exporters {
 
@@ -87,35 +85,15 @@ inline std::vector<const MeshFormat*> formats_of_files() {
     return formats;
 }
 
-// A temporary folder, removed with its contents.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string pattern = ::testing::TempDir() + "/hexrelief-XXXXXX";
-        path_ = ::mkdtemp(pattern.data());
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-    std::ptrdiff_t entries() const {
-        return std::distance(std::filesystem::directory_iterator(path_),
-                             std::filesystem::directory_iterator());
-    }
-
-  private:
-    std::filesystem::path path_;
-};
+using TemporaryFolder = test::Folder;
 
 inline std::string contents(const std::filesystem::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    EXPECT_TRUE(stream) << path;
-    return {std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_TRUE(std::filesystem::exists(path)) << path;
+    return test::read_text(path);
 }
 
 inline void put(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
+    test::write_text(path, text);
 }
 
 }  // namespace hexrelief::exporters

@@ -180,7 +180,7 @@ TEST(FileTransaction, OfTwoSetsOfTheSameNamesOneIsThereWhole) {
         EXPECT_EQ(contents(folder / "a"), contents(folder / "c"));
         EXPECT_EQ(contents(folder / "a"), contents(folder / "sub/b"));
     }
-    EXPECT_EQ(folder.entries(), 3);
+    EXPECT_EQ(folder.entries(), 4);
 }
 
 TEST(FileTransaction, ToldOfEachFile) {

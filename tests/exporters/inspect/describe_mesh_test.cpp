@@ -63,7 +63,7 @@ TEST(Describe, TellsWhichCamerasSawTheVertices) {
     using exporters::Compression;
     const exporters::TemporaryFolder folder;
     SurfaceMesh mesh = exporters::sample_mesh(24, 18);
-    const decltype(inspect::MeshDescription::provenance) none = {}, wanted = {216, 72, 72, 71, 1};
+    const decltype(MeshDescription::provenance) none = {}, wanted = {216, 72, 72, 71, 1};
     for (const auto compression : {Compression::none, Compression::quantized, Compression::meshopt})
         for (const char* const name : {"a.glb", "a.ply"}) {
             exporters::ExportConfig config;

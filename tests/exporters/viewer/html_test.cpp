@@ -51,7 +51,7 @@ TEST_F(Page, HoldsTheMeshInAllLevels) {
     config.compression = Compression::draco;   // the page itself uses meshopt
     config.lod_storage = LevelStorage::files;  // the page itself holds all levels
     EXPECT_EQ(export_scene(scene_, config, path).size(), 1u);
-    const inspect::MeshDescription seen = exporters::describe_mesh(path);
+    const inspect::MeshDescription seen = describe_mesh(path);
     EXPECT_EQ(seen.format, "html");
     EXPECT_EQ(seen.compression, "meshopt");
     EXPECT_EQ(seen.vertices, static_cast<long long>(mesh_.positions.size()));
@@ -105,7 +105,7 @@ TEST_F(Page, OtherPagesAreRefused) {
     const auto path = folder_ / "a.html";
     for (const char* text : {"<html></html>", "id=\"glb\">", "id=\"glb\"><", "id=\"glb\">AAAA<", "\0\0"}) {
         put(path, text);
-        EXPECT_THROW(exporters::describe_mesh(path), Error) << text;
+        EXPECT_THROW(describe_mesh(path), Error) << text;
     }
 }
 

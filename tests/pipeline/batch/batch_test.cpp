@@ -56,7 +56,7 @@ TEST(RunUnits, DoesEachOnceAndThenNothing) {
     const TemporaryFolder folder;
     const std::vector<BatchUnit> units = sample_units(folder, 5);
     EXPECT_EQ(outcomes(run_two_at_a_time(units)), std::vector<UnitOutcome>(5, UnitOutcome::done));
-    EXPECT_EQ(folder.entries(), 10u);
+    EXPECT_EQ(folder.entries(), 10);
     EXPECT_EQ(outcomes(run_two_at_a_time(units)), std::vector<UnitOutcome>(5, UnitOutcome::up_to_date));
     for (int i = 1; i < 5; ++i)
         EXPECT_EQ(test::read_text(folder / ("u" + std::to_string(i) + ".drc")),

@@ -39,7 +39,7 @@ TEST(Batch, ChecksAllLinesBeforeTheFirstJob) {
     const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
     EXPECT_EQ(batch.exit_code, 2);
     EXPECT_NE(batch.err.find("jobs.txt:2: "), std::string::npos) << batch.err;
-    EXPECT_EQ(folder.entries(), 1u);
+    EXPECT_EQ(folder.entries(), 1);
 }
 
 TEST(Batch, AJobThatFailsStopsNoOther) {
@@ -170,7 +170,7 @@ TEST(Batch, OptionsThatAreNoneAreRefused) {
          {"--shard=0/2", "--shard=3/2", "--shard=1", "--memory=much", "--memory=-1G", "--memory=99999999T",
           "--log=loud", "--jobs=-1", "--gpus=none"})
         EXPECT_NE(run_program({"batch", folder / "jobs.txt", option}).exit_code, 0) << option;
-    EXPECT_EQ(folder.entries(), 1u);
+    EXPECT_EQ(folder.entries(), 1);
 }
 
 TEST(Run, UpdatesOnlyWhatChanged) {

@@ -89,7 +89,7 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure({"config", "check", folder / "none.yaml"}, 2, "none.yaml; check its name\n");
     expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing_px=200"}), 2, "mesh.spacing_px: 200 is");
     expect_failure(pair_arguments({"-o", out, "--set", "input.calibration.cx=1e4"}), 3, "(10000, ");
-    EXPECT_EQ(folder.entries(), 0u);
+    EXPECT_EQ(folder.entries(), 0);
 }
 
 TEST(CommandLine, NoMeshGoesToATerminal) {
@@ -157,7 +157,7 @@ TEST(CommandLine, OutputErrorsExitWith4BeforeTheWork) {
     expect_failure(
         {"run", "--left", folder / "none.png", "--right", folder / "none.png", "-o", folder / "file/o.glb"},
         4, "file");
-    EXPECT_EQ(folder.entries(), 2u);
+    EXPECT_EQ(folder.entries(), 2);
 }
 
 #ifndef HEXRELIEF_HAS_CUDA

@@ -10,29 +10,22 @@
 #include <vector>
 
 #include "pipeline/data/error.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief::readers {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A temporary folder for each test case, removed with its contents.
-class Folder {
+class Folder : public test::Folder {
   public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
     std::filesystem::path write(const std::string& name, const Bytes& bytes) const;
     std::filesystem::path write(const std::string& name, std::string_view text) const;
-
-  private:
-    std::filesystem::path path_;
 };
 
 Bytes read_bytes(const std::filesystem::path& path);
 Bytes to_bytes(std::string_view text);
+// Returns the text with the first `from`, which must be there, replaced.
+std::string replaced(std::string text, const std::string& from, const std::string& to);
 Bytes operator+(Bytes left, const Bytes& right);
 
 struct PngKind {

@@ -32,7 +32,7 @@ long peak_MiB(const std::function<void()>& work) {
 }
 
 TEST(MapWindows, TakeTheMemoryOfAWindow) {
-    const readers::Folder folder;
+    const Folder folder;
     const fs::path rows = folder.write("map.raw", ""), tiles = folder.path() / "map.tif";
     fs::resize_file(rows, std::uintmax_t{4} << 30);  // a sparse file
     {
@@ -53,7 +53,7 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
 }
 
 TEST(PictureWindows, TakeTheMemoryOfAWindow) {
-    const readers::Folder folder;
+    const Folder folder;
     // Above the limit for pictures read as a whole.
     const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");
     fs::resize_file(rows, fs::file_size(rows) + std::uintmax_t{3} * 40000 * 30000);
