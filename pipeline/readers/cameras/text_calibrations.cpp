@@ -176,11 +176,10 @@ std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     };
     const Camera left = read_camera(source, "cam0", require("cam0"));
 
-    Calibration calibration;
-    calibration.focal_px = left.focal;
-    calibration.cx = left.cx + kPixelCentre;
-    calibration.cy = left.cy + kPixelCentre;
-    calibration.baseline_m = require_number(source, "baseline", require("baseline")) / 1000;
+    Calibration calibration{.focal_px = left.focal,
+                            .cx = left.cx + kPixelCentre,
+                            .cy = left.cy + kPixelCentre,
+                            .baseline_m = require_number(source, "baseline", require("baseline")) / 1000};
     if (const auto doffs = entries.find("doffs"); doffs != entries.end()) {
         calibration.doffs_px = require_number(source, "doffs", doffs->second);
     } else if (const auto right = entries.find("cam1"); right != entries.end()) {
