@@ -1,8 +1,6 @@
 // A small surface, and folders to write it to, for the exporters' tests.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "exporters/exporter.h"
+#include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
 namespace hexrelief::exporters {
@@ -53,13 +52,7 @@ inline void add_provenance(SurfaceMesh& mesh) {
 
 // Returns a camera that sees that surface with disparities of 2.8 to 3.8 px.
 inline Calibration sample_camera() {
-    Calibration camera;
-    camera.focal_px = 64;
-    camera.baseline_m = 0.1;
-    camera.cx = 32;
-    camera.cy = 24;
-    camera.metric = true;
-    return camera;
+    return {.focal_px = 64, .cx = 32, .cy = 24, .baseline_m = 0.1, .metric = true};
 }
 
 // Returns a texture whose red grows to the right and green downwards; its blue is a checkerboard.

@@ -1,7 +1,6 @@
 #include "tests/pipeline/process.h"
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -16,8 +15,7 @@ namespace hexrelief::test {
 namespace {
 
 pid_t spawn(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
-    std::vector<std::string> words = {HEXRELIEF_PROGRAM};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> words = joined({HEXRELIEF_PROGRAM}, arguments);
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
@@ -45,14 +43,13 @@ pid_t spawn(const std::vector<std::string>& arguments, const std::string& out, c
 
 }  // namespace
 
-ProcessResult run_program(const std::vector<std::string>& arguments) {
+ProcessResult run_program(const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& more_arguments) {
     const TemporaryFolder folder;
-    const pid_t process = spawn(arguments, folder / "out", folder / "err");
-    ProcessResult result;
-    result.exit_code = wait_for_exit(process);
-    result.out = read_text(folder / "out");
-    result.err = read_text(folder / "err");
-    return result;
+    const pid_t process = spawn(joined(arguments, more_arguments), folder / "out", folder / "err");
+    return {.exit_code = wait_for_exit(process),
+            .out = read_text(folder / "out"),
+            .err = read_text(folder / "err")};
 }
 
 void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part) {
@@ -62,7 +59,7 @@ void expect_failure(const std::vector<std::string>& arguments, int exit_code, co
     EXPECT_EQ(result.exit_code, exit_code) << shown << "\n" << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << shown << "\n" << result.err;
     EXPECT_TRUE(result.err.starts_with("hexrelief: ")) << result.err;
-    EXPECT_NE(result.err.find(part), std::string::npos) << shown << "\n" << result.err << "lacks " << part;
+    EXPECT_CONTAINS(result.err, part) << shown;
     EXPECT_EQ(result.out, "") << shown;
 }
 
@@ -80,15 +77,19 @@ int wait_for_exit(pid_t process) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
 std::string sample(const std::string& name) {
     return std::string(HEXRELIEF_SOURCE_DIR) + "/samples/" + name;
 }
 
 std::vector<std::string> pair_arguments(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {
-        "run", "--left", sample("left.png"), "--right", sample("right.png"), "--calib", sample("calib.txt")};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return joined(
+        {"run", "--left", sample("left.png"), "--right", sample("right.png"), "--calib", sample("calib.txt")},
+        more);
 }
 
 }  // namespace hexrelief::test

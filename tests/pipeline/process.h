@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
 namespace hexrelief::test {
@@ -15,7 +16,11 @@ struct ProcessResult {
     std::string out, err;
 };
 
-ProcessResult run_program(const std::vector<std::string>& arguments);
+ProcessResult run_program(const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& more_arguments = {});
+
+// Returns the words of both.
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more);
 
 // Expects this exit code, a single line on stderr that starts with the program's name and contains `part`,
 // and nothing on stdout.

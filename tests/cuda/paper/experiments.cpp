@@ -17,23 +17,17 @@ const std::vector<int> kBlocks{1, 8, 16, 32, 64, 128, 256};
 
 // Returns the paper's density, as in config/paper.yaml.
 stages::DensityConfig paper_density() {
-    stages::DensityConfig config;
-    config.scale_percentile = 100;
-    config.background_method = stages::BackgroundMethod::fraction;
-    config.floor = 0;
-    return config;
+    return {.scale_percentile = 100, .background_method = stages::BackgroundMethod::fraction, .floor = 0};
 }
 
 // Returns the schedule of config/som.yaml.
 MeshConfig som_config() {
-    MeshConfig config;
-    config.balance.enabled = false;
-    config.t_max = 60;
-    config.prr = 2;
-    config.prr_final = 10;
-    config.magnification = 1.3;
-    config.border = MeshBorder::slide;
-    return config;
+    return {.t_max = 60,
+            .prr = 2,
+            .prr_final = 10,
+            .magnification = 1.3,
+            .border = MeshBorder::slide,
+            .balance = {.enabled = false}};
 }
 
 Case made_up_case(int width, int height) {

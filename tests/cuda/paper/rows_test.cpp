@@ -28,9 +28,7 @@ TEST(BenchPaper, TheSceneIsTheSameAtEverySize) {
             values.insert(static_cast<int>(d));
         }
     EXPECT_GT(values.size(), 25u);
-    stages::DensityConfig config;
-    config.background_method = stages::BackgroundMethod::fraction;
-    config.floor = 0;
+    stages::DensityConfig config{.background_method = stages::BackgroundMethod::fraction, .floor = 0};
     const DensityMap density = stages::compute_density(large, config);
     const auto empty = std::count(density.values.begin(), density.values.end(), 0.0f);
     EXPECT_GT(empty, 800 * 600 / 10) << "a background";
@@ -39,12 +37,7 @@ TEST(BenchPaper, TheSceneIsTheSameAtEverySize) {
 }
 
 TEST(BenchPaper, OursRunsThePapersSchedule) {
-    paper::Config config;
-    config.co = 30;
-    config.ssr = 0;
-    config.crr = 7;
-    config.t_max = 900;
-    config.sigma_init = 24;
+    paper::Config config{.t_max = 900, .sigma_init = 24, .co = 30, .ssr = 0, .crr = 7};
     const MeshConfig same = same_schedule(config);
     EXPECT_EQ(same.co, 30);
     EXPECT_EQ(same.ssr, 0);

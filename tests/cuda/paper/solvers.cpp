@@ -76,18 +76,17 @@ void add_times(const Result& result, Row& row) {
 }  // namespace
 
 MeshConfig same_schedule(const Config& config) {
-    MeshConfig same;
-    same.spacing_px = config.spacing_px;
-    same.levels = 1;
-    same.t_max = config.t_max;
-    same.alpha_init = config.alpha_init;
-    same.alpha_final = config.alpha_final;
-    same.sigma_init = config.sigma_init;
-    same.sigma_final = config.sigma_final;
-    same.co = config.co;
-    same.delta = config.delta;
-    same.ssr = config.ssr;
-    same.crr = config.crr;
+    MeshConfig same{.spacing_px = config.spacing_px,
+                    .levels = 1,
+                    .t_max = config.t_max,
+                    .alpha_init = config.alpha_init,
+                    .alpha_final = config.alpha_final,
+                    .sigma_init = config.sigma_init,
+                    .sigma_final = config.sigma_final,
+                    .co = config.co,
+                    .delta = config.delta,
+                    .ssr = config.ssr,
+                    .crr = config.crr};
     same.prr_final = 100;  // as in config/paper.yaml
     same.magnification = 1;
     same.border = MeshBorder::free;

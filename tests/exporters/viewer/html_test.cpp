@@ -56,7 +56,7 @@ TEST_F(Page, HoldsTheMeshInAllLevels) {
     EXPECT_EQ(seen.compression, "meshopt");
     EXPECT_EQ(seen.vertices, static_cast<long long>(mesh_.positions.size()));
     EXPECT_GT(seen.texture_bytes, 0);
-    EXPECT_NE(contents(path).find(R"({"vertices":108,"triangles":176})"), std::string::npos);
+    EXPECT_CONTAINS(contents(path), R"({"vertices":108,"triangles":176})");
     EXPECT_EQ(export_size(scene_, config, path), std::filesystem::file_size(path));
 }
 
@@ -68,7 +68,7 @@ TEST_F(Page, NamesAndTextsAreEscaped) {
     const auto path = folder_ / "x<script>y&z.html";
     export_scene(scene_, {}, path);
     const std::string page = contents(path);
-    EXPECT_NE(page.find("<title>x&lt;script&gt;y&amp;z</title>"), std::string::npos);
+    EXPECT_CONTAINS(page, "<title>x&lt;script&gt;y&amp;z</title>");
     for (const char* text : {"x<script>", "<script>figure", "</script>label", "a<b"})
         EXPECT_EQ(page.find(text), std::string::npos) << text;
 }
@@ -95,7 +95,7 @@ TEST_F(Page, AsksForNothing) {
     const auto path = folder_ / "a.html";
     export_scene(scene_, {}, path);
     const std::string page = contents(path);
-    EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+    EXPECT_CONTAINS(page, "default-src 'none'");
     EXPECT_EQ(page.find("unsafe"), page.npos);
     for (const char* text : {"src=\"http", "href=\"http", "@import", "url(http"})
         EXPECT_EQ(page.find(text), std::string::npos) << text;
@@ -113,13 +113,8 @@ TEST(PageWithoutViewer, IsRefusedInOneLine) {
     if (has_viewer()) GTEST_SKIP() << "this build has its viewer";
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(6, 5);
-    try {
-        export_scene({&mesh, nullptr, kGenerator, "{}"}, {}, folder / "a.html");
-        ADD_FAILURE() << "no Error";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::output);
-        EXPECT_NE(std::string(error.what()).find(kNoViewer), std::string::npos);
-    }
+    const auto write = [&] { export_scene({&mesh, nullptr, kGenerator, "{}"}, {}, folder / "a.html"); };
+    EXPECT_CONTAINS(test::error_of(write, ErrorKind::output), kNoViewer);
     EXPECT_EQ(folder.entries(), 0);
 }
 

@@ -91,7 +91,7 @@ TEST(RunUnits, AKilledWorkerIsReplaced) {
     const BatchResult result = run_units(units, settings, {});
     EXPECT_EQ(outcomes(result), (std::vector<UnitOutcome>{UnitOutcome::done, UnitOutcome::failed,
                                                           UnitOutcome::done, UnitOutcome::done}));
-    EXPECT_NE(result.units[1].message.find("Killed"), std::string::npos) << result.units[1].message;
+    EXPECT_CONTAINS(result.units[1].message, "Killed");
 }
 
 TEST(RunUnits, LittleMemoryMeansOneAtATime) {
@@ -108,10 +108,9 @@ TEST(CheckUnits, FilesThatRowsWouldShareAreFound) {
     units[3].words[1] = units[0].words[1];
     check_units(units, request_of_test);
     EXPECT_EQ(units[0].wrong, "");
-    EXPECT_NE(units[1].wrong.find("is an output of m:0, too"), std::string::npos) << units[1].wrong;
+    EXPECT_CONTAINS(units[1].wrong, "is an output of m:0, too");
     EXPECT_EQ(units[2].wrong, "");
-    EXPECT_NE(units[3].wrong.find("an input of one row and an output of another, m:2"), std::string::npos)
-        << units[3].wrong;
+    EXPECT_CONTAINS(units[3].wrong, "an input of one row and an output of another, m:2");
 }
 
 }  // namespace

@@ -48,8 +48,7 @@ void expect_range_of_truth(const fs::path& folder, const TruePair& pair) {
     for (const Vec3f& position : relief.surface.mesh.positions) depths.push_back(-double(position.z));
     const auto [nearest, farthest] = range_of(std::move(depths));
 
-    readers::DisparityFileConfig file;
-    file.scale = pair.scale;
+    readers::DisparityFileConfig file{.scale = pair.scale};
     if (pair.scale > 1) file.unknown = 0;
     const Calibration& camera = relief.pair_camera;
     std::vector<double> true_depths;

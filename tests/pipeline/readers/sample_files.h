@@ -1,15 +1,13 @@
 // Makes the files that the readers' tests read.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "pipeline/data/error.h"
+#include "tests/expect_error.h"
 #include "tests/temporary_folder.h"
 
 namespace hexrelief::readers {
@@ -69,27 +67,6 @@ Bytes make_pgm(int width, int height, int max_value, const Bytes& samples, char 
 // Makes a PFM. values: bottom row first, as in the file.
 Bytes make_pfm(int width, int height, const std::vector<float>& values, bool little_endian = true);
 
-// Returns the one-line message of the Error that the action throws; fails if it throws
-// nothing or another kind.
-template <typename Action>
-std::string error_of(Action&& action, ErrorKind kind = ErrorKind::input) {
-    try {
-        action();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), kind) << error.what();
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-        return error.what();
-    } catch (const std::exception& other) {
-        ADD_FAILURE() << "threw something that is no Error: " << other.what();
-        return "";
-    }
-    ADD_FAILURE() << "nothing was thrown";
-    return "";
-}
+using test::error_of;
 
 }  // namespace hexrelief::readers
-
-// Expects that `text` contains `part`; shows both if not.
-#define EXPECT_CONTAINS(text, part)                                                                         \
-    EXPECT_PRED2([](const std::string& a, const std::string& b) { return a.find(b) != std::string::npos; }, \
-                 text, part)

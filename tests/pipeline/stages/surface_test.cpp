@@ -11,7 +11,7 @@
 #include <set>
 
 #include "pipeline/stages/surface_topology.h"
-#include "tests/pipeline/stages/expect_error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -252,7 +252,7 @@ TEST(Surface, DropsSmallComponents) {
     EXPECT_EQ(count_topology(one).components, 1);
     EXPECT_LT(one.triangles.size(), both.triangles.size());
     e.min_component = 100000;
-    expect_error(ErrorKind::input, "min_component", [&] { e.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { e.build(); }), "min_component");
 }
 
 TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
@@ -338,17 +338,18 @@ TEST(Surface, IsTheSameWhereItIsKnownThatEachVertexHoldsOneFan) {
 TEST(Surface, RefusesImpossibleInput) {
     Example e([](double, double) { return 20.0; });
     e.calibration.focal_px = 0;
-    expect_error(ErrorKind::input, "focal_px", [&] { e.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { e.build(); }), "focal_px");
     e.calibration.focal_px = 500;
     e.calibration.baseline_m = -1;
-    expect_error(ErrorKind::input, "baseline_m", [&] { e.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { e.build(); }), "baseline_m");
     e.calibration.baseline_m = 1;
     DisparityMesh odd = e.cut_mesh();
     odd.disparities.pop_back();
-    expect_error(ErrorKind::input, "disparities",
-                 [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.min_component); });
+    EXPECT_CONTAINS(
+        test::error_of([&] { build_surface(odd, kWidth, kHeight, e.calibration, e.min_component); }),
+        "disparities");
     Example nothing([](double, double) { return std::nan(""); });
-    expect_error(ErrorKind::input, "no triangle is left", [&] { nothing.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { nothing.build(); }), "no triangle is left");
 }
 
 // Returns the mean angle, degrees, between normals of a plane's surface with and without noise, at the

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/data/error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::alignment {
 namespace {
@@ -216,11 +216,7 @@ TEST(Rectify, CamerasThatAreNotSideBySideAreRefused) {
     swapped.translation = {0.15, 0, 0};
     EXPECT_THROW(rectify(taken, swapped, 1), Error);
     wild.left.distortion = {1e9, -1e9, 1e9, -1e9};
-    try {
-        rectify(taken, wild, 1);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::input);
-    }
+    test::refusal_of([&] { rectify(taken, wild, 1); });
 }
 
 TEST(Rectify, SidesThatOpenCvCannotCountAreRefused) {

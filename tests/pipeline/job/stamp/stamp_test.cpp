@@ -71,20 +71,12 @@ TEST(Stamp, DependsOnTheFilesOfAMatchersCommand) {
 TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
     const TemporaryFolder folder;
     RunRequest request = map_request(folder);
-    const auto refusal = [](const auto& call) {
-        try {
-            call();
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string("nothing was refused");
-    };
     const std::string missing = folder / "none", told = "cannot read '" + missing + "': ";
     request.source = DisparityFiles{missing};
-    EXPECT_EQ(refusal([&] { unit_stamp(request); }), told + "no such file; check the path");
+    EXPECT_EQ(test::error_of([&] { unit_stamp(request); }), told + "no such file; check the path");
     for (const fs::path& unreadable : {fs::path(missing), folder.path()}) {
         request.source = DisparityFiles{unreadable};
-        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { run_job(request); }));
+        EXPECT_EQ(test::error_of([&] { unit_stamp(request); }), test::error_of([&] { run_job(request); }));
     }
 }
 

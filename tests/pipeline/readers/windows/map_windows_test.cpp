@@ -74,14 +74,13 @@ TEST(MapWindows, OfTiffsAreCropsOfTheWholeMap) {
         for (const int tile : {0, 16, 64}) {
             for (const int compression : {1, 5, 8}) {
                 for (const int kind_number : {0, 1, 2}) {
-                    TiffKind kind;
-                    kind.bits = bits;
-                    kind.format = format;
-                    kind.tile = tile;
-                    kind.compression = compression;
-                    kind.big_endian = kind_number == 1;
-                    kind.photometric = kind_number == 2 && format == 1 ? 0 : 1;
-                    kind.nodata = kind_number == 2 ? (format == 3 ? "-9999" : "17") : "";
+                    TiffKind kind{.bits = bits,
+                                  .format = format,
+                                  .photometric = kind_number == 2 && format == 1 ? 0 : 1,
+                                  .compression = compression,
+                                  .tile = tile,
+                                  .big_endian = kind_number == 1,
+                                  .nodata = kind_number == 2 ? (format == 3 ? "-9999" : "17") : ""};
                     SCOPED_TRACE(std::to_string(bits) + " bits, tile " + std::to_string(tile) +
                                  ", compression " + std::to_string(compression) + ", kind " +
                                  std::to_string(kind_number));
@@ -102,8 +101,7 @@ TEST(MapWindows, OfSamplesOfFewBits) {
         Bytes rows(static_cast<std::size_t>((width * bits + 7) / 8) * height);
         std::mt19937 random(3);
         for (std::uint8_t& byte : rows) byte = static_cast<std::uint8_t>(random());
-        TiffKind kind;
-        kind.bits = bits;
+        TiffKind kind{.bits = bits};
         const fs::path path = folder.write("map.tif", make_tiff(width, height, rows, kind));
         expect_windows(path, {.disparity = {.scale = 1}}, read_disparity_map(path, {.scale = 1}));
     }
@@ -143,8 +141,7 @@ TEST(MapWindows, OfRawRows) {
 
     std::vector<std::uint16_t> whole;
     for (int i = 0; i < 41 * 13; ++i) whole.push_back(static_cast<std::uint16_t>(i * 37));
-    TiffKind kind;
-    kind.bits = 16;
+    TiffKind kind{.bits = 16};
     const DisparityMap kitti =
         read_disparity_map(folder.write("map.tif", make_tiff(41, 13, bytes_of(whole), kind)), {});
     expect_windows(folder.write("map.raw", bytes_of(whole)), {.raw = parse_raw_map_layout("41x13,uint16")},

@@ -70,14 +70,15 @@ TEST(PictureWindows, OfTiffsAreCropsOfTheWholePicture) {
             for (const int compression : {1, 5, 8})
                 for (const int samples : {1, 2, 3, 4})
                     for (const bool is_other : {false, true}) {
-                        TiffKind kind;
-                        kind.samples = samples;
-                        kind.bits = bits;
-                        kind.photometric = samples >= 3 ? 2 : is_other && samples == 1 ? 0 : 1;
-                        kind.compression = compression;
-                        kind.tile = tile;
-                        kind.planes = is_other && samples > 1;
-                        kind.big_endian = is_other;
+                        TiffKind kind{.samples = samples,
+                                      .bits = bits,
+                                      .photometric = samples >= 3               ? 2
+                                                     : is_other && samples == 1 ? 0
+                                                                                : 1,
+                                      .compression = compression,
+                                      .tile = tile,
+                                      .planes = is_other && samples > 1,
+                                      .big_endian = is_other};
                         SCOPED_TRACE(std::to_string(samples) + " samples of " + std::to_string(bits) +
                                      " bits, tile " + std::to_string(tile) + ", compression " +
                                      std::to_string(compression) + (is_other ? ", planes" : ""));
