@@ -25,7 +25,6 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/files/interrupt.h"
-#include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/job/stamp/stamp.h"
 
