@@ -1,6 +1,5 @@
 #include <cerrno>
 #include <cstring>
-#include <functional>
 #include <map>
 #include <stdexcept>
 
@@ -104,9 +103,8 @@ TEST(Exporter, BrokenMeshIsBug) {
     outside.triangles[3][1] = 16;
     short_normals.normals.pop_back();
     nan.positions[2].y = std::nanf("");
-    for (const SurfaceMesh* mesh : {&outside, &short_normals, &nan}) {
+    for (const SurfaceMesh* mesh : {&outside, &short_normals, &nan})
         EXPECT_THROW(export_scene({mesh, nullptr, "", ""}, {}, folder / "a.glb"), std::logic_error);
-    }
     const SurfaceMesh sound = sample_mesh(4, 4);
     EXPECT_THROW(export_scene({&sound, nullptr, "", "[1]"}, {}, folder / "a.glb"), std::logic_error);
     EXPECT_EQ(folder.entries(), 0);

@@ -13,9 +13,8 @@ namespace {
 
 nlohmann::json positions_of(const hexrelief::SurfaceMesh& mesh) {
     nlohmann::json out = nlohmann::json::array();
-    for (const hexrelief::Vec3f& p : mesh.positions) {
+    for (const hexrelief::Vec3f& p : mesh.positions)
         for (const float value : {p.x, p.y, p.z}) out.push_back(value);
-    }
     return out;
 }
 

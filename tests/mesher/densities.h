@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <ostream>
 #include <string>
-#include <vector>
 
 #include "mesher/mesher.h"
 #include "tests/mesher/regular_lattice.h"

@@ -60,20 +60,20 @@ TEST(BenchPaperRows, MediansAndLimits) {
 }
 
 Row paper_row() {
-    Row row;
-    row.experiment = "blocks";
-    row.map = "conesM";
-    row.solver = "paper";
-    row.baseline = Config{
-        .kernels = Kernels::multiple, .block_extraction = 64, .block_search = 8, .block_learning = 256};
-    row.width = 1000;
-    row.height = 500;
-    row.co = 20;
-    row.crr = 20;
-    row.som_s.runs = {0.25, 0.5, 0.3};
-    row.stage_s.runs = {0.4, 0.6, 0.5};
-    row.kernels = {{"extraction", {{0.01}}}, {"search", {{0.02}}}, {"learning", {{0.04}}}};
-    return row;
+    return {.experiment = "blocks",
+            .map = "conesM",
+            .solver = "paper",
+            .baseline = Config{.kernels = Kernels::multiple,
+                               .block_extraction = 64,
+                               .block_search = 8,
+                               .block_learning = 256},
+            .kernels = {{"extraction", {{0.01}}}, {"search", {{0.02}}}, {"learning", {{0.04}}}},
+            .width = 1000,
+            .height = 500,
+            .co = 20,
+            .crr = 20,
+            .som_s = {.runs = {0.25, 0.5, 0.3}},
+            .stage_s = {.runs = {0.4, 0.6, 0.5}}};
 }
 
 TEST(BenchPaperRows, JsonHoldsWhatApplies) {

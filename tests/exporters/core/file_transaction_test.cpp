@@ -295,9 +295,8 @@ TEST(FileTransactionDeathTest, InterruptAnyTimeLeavesAllFilesOrNone) {
             ::ualarm(static_cast<useconds_t>(500 + 150 * round), 0);
             for (int i = 0;; ++i) {
                 FileTransaction files;
-                for (const char* part : {"a", "b", "c"}) {
+                for (const char* part : {"a", "b", "c"})
                     files.write(folder / (std::to_string(i) + part), std::string(2000, 'x'));
-                }
                 files.commit();
             }
         };

@@ -54,11 +54,10 @@ TEST_P(Malformed, Truncated) {
     for (const double share : {0.01, 0.1, 0.3, 0.5, 0.7, 0.9}) {
         exporters::put(path_, bytes.substr(0, static_cast<std::size_t>(bytes.size() * share)));
         // An OBJ cut between two lines is a valid shorter OBJ; only the number of its faces differs.
-        if (path_.extension() == ".obj") {
+        if (path_.extension() == ".obj")
             test::refusal_of([&] { EXPECT_LT(exporters::describe_mesh(path_).triangles, 176); });
-        } else {
+        else
             expect_input_error(path_, "a file cut at " + std::to_string(share));
-        }
     }
 }
 

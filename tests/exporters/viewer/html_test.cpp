@@ -61,9 +61,8 @@ TEST_F(Page, HoldsTheMeshInAllLevels) {
 }
 
 TEST_F(Page, NamesAndTextsAreEscaped) {
-    PageContent content;
-    content.figures = {{"</script><script>figure", 1, 2, "a<b"}};
-    content.pictures = {{"relief", "</script>label", texture_}};
+    PageContent content{.pictures = {{"relief", "</script>label", texture_}},
+                        .figures = {{"</script><script>figure", 1, 2, "a<b"}}};
     scene_.page = &content;
     const auto path = folder_ / "x<script>y&z.html";
     export_scene(scene_, {}, path);

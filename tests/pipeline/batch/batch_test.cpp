@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::batch {
@@ -21,10 +20,9 @@ using test::TemporaryFolder;
 job::RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
-    job::RunRequest request;
-    request.source = job::DisparityFiles{words[1]};
-    request.outputs = {words[0] + ".drc"};
-    request.report = words[0] + ".json";
+    job::RunRequest request{.source = job::DisparityFiles{words[1]},
+                            .outputs = {words[0] + ".drc"},
+                            .report = words[0] + ".json"};
     config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tests/pipeline/process.h"
@@ -283,9 +282,8 @@ TEST(CommandLine, InfoLimitsWhatDecodersTake) {
                                                                                          {273, 122},
                                                                                          {277, 4},
                                                                                          {278, 23000},
-                                                                                         {279, 20}}) {
+                                                                                         {279, 20}})
         append(tag, 2), append(4, 2), append(1, 4), append(value, 4);
-    }
     file += std::string(24, '\0') + std::string(12 << 10, '\0');
     const TemporaryFolder folder;
     write_text(folder / "a.tif", file);

@@ -10,7 +10,6 @@
 #include "pipeline/config/document.h"
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::config {

@@ -1,7 +1,6 @@
 // YAML files and --set: what is accepted, and where the errors point.
 #include <gtest/gtest.h>
 
-#include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"

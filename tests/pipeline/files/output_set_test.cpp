@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 

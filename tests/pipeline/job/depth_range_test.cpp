@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <ostream>
@@ -36,9 +35,8 @@ std::pair<double, double> range_of(std::vector<double> depths) {
 }
 
 void expect_range_of_truth(const fs::path& folder, const TruePair& pair) {
-    RunRequest request;
-    request.source = PairFiles{folder / (std::string("left.") + pair.images),
-                               folder / (std::string("right.") + pair.images)};
+    RunRequest request{.source = PairFiles{folder / (std::string("left.") + pair.images),
+                                           folder / (std::string("right.") + pair.images)}};
     if (pair.calibration) request.config.input.calibration.file = folder / pair.calibration;
     const test::TemporaryFolder outputs;
     request.outputs = {outputs / "a.glb"};

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/data/error.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"

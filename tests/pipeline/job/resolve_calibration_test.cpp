@@ -26,11 +26,7 @@ TEST(ResolveCalibration, NothingGivenIsRelativeWithOneWarning) {
 }
 
 TEST(ResolveCalibration, ExplicitLengthsAreMetric) {
-    config::CalibrationConfig config;
-    config.focal_px = 3740;
-    config.baseline_m = 0.16;
-    config.doffs_px = 270;
-    config.cx = 641.5;
+    config::CalibrationConfig config{.focal_px = 3740, .baseline_m = 0.16, .cx = 641.5, .doffs_px = 270};
     const ResolvedCalibration resolved = resolve(config, {1282, 1110});
     const Calibration& camera = resolved.calibration;
     EXPECT_TRUE(camera.metric);
@@ -53,8 +49,7 @@ TEST(ResolveCalibration, APhotographsOwnCameraIsTakenUnlessAFileIsGiven) {
     EXPECT_EQ(alone.calibration.doffs_px, 2);
     EXPECT_EQ(alone.focal_from, kOwnCamera);
     EXPECT_EQ(alone.baseline_from, kOwnCamera);
-    config::CalibrationConfig config;
-    config.baseline_m = 0.1;
+    config::CalibrationConfig config{.baseline_m = 0.1};
     EXPECT_EQ(resolved_with(config).calibration.baseline_m, 0.1);
     EXPECT_EQ(resolved_with(config).calibration.focal_px, 150);
     const test::TemporaryFolder folder;
@@ -69,9 +64,7 @@ TEST(ResolveCalibration, ExplicitValuesOverrideTheFile) {
     test::write_text(folder / "calib.txt",
                      "cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\ncam1=[1000 0 99.5; 0 1000 49.5; 0 0 1]\n"
                      "doffs=5\nbaseline=200\nwidth=200\nheight=100\n");
-    config::CalibrationConfig config;
-    config.file = folder / "calib.txt";
-    config.doffs_px = 7;
+    config::CalibrationConfig config{.file = folder / "calib.txt", .doffs_px = 7};
     const ResolvedCalibration resolved = resolve(config, {200, 100});
     const Calibration& camera = resolved.calibration;
     EXPECT_EQ(camera.focal_px, 1000);
@@ -86,8 +79,7 @@ TEST(ResolveCalibration, AnotherSizeIsScaledOrAnErrorNamingBoth) {
     test::write_text(folder / "calib.txt",
                      "cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\ncam1=[1000 0 99.5; 0 1000 49.5; 0 0 1]\n"
                      "doffs=5\nbaseline=200\nwidth=200\nheight=100\n");
-    config::CalibrationConfig config;
-    config.file = folder / "calib.txt";
+    config::CalibrationConfig config{.file = folder / "calib.txt"};
     EXPECT_EQ(resolve(config, {400, 200}).calibration.focal_px, 2000);
     EXPECT_CONTAINS(resolve(config, {400, 200}).decisions.at(0), "200x100");
     const std::string message = test::error_of([&] { resolve(config, {400, 300}); });
@@ -96,16 +88,12 @@ TEST(ResolveCalibration, AnotherSizeIsScaledOrAnErrorNamingBoth) {
 }
 
 TEST(ResolveCalibration, PrincipalPointFarOutsideIsAnError) {
-    config::CalibrationConfig config;
-    config.focal_px = 3740;
-    config.baseline_m = 0.16;
-    config.cx = 5000;
+    config::CalibrationConfig config{.focal_px = 3740, .baseline_m = 0.16, .cx = 5000};
     EXPECT_THROW(resolve(config, {640, 480}), Error);
 }
 
 TEST(ResolveCalibration, AFocalLengthAloneIsRelative) {
-    config::CalibrationConfig config;
-    config.fov_x_deg = 90;
+    config::CalibrationConfig config{.fov_x_deg = 90};
     const ResolvedCalibration resolved = resolve(config, {640, 480});
     EXPECT_NEAR(resolved.calibration.focal_px, 320, 1e-9);
     EXPECT_EQ(resolved.calibration.baseline_m, 1);
@@ -121,8 +109,7 @@ TEST(ResolveCalibration, AFocalLengthAloneIsRelative) {
 
 TEST(ResolveCalibration, ACameraOfThePictureIsScaledToTheMap) {
     const test::TemporaryFolder folder;
-    config::CalibrationConfig config;
-    config.file = folder / "camera";
+    config::CalibrationConfig config{.file = folder / "camera"};
     // The centre of pixel 99 of 200 lies at 99.5 from the edge, so at 49.75 of 100.
     test::write_text(folder / "camera", "{fx: 100, fy: 100, cx: 99, cy: 49, width: 200, height: 100}");
     const ResolvedCalibration resolved = resolve(config, {100, 50}, {200, 100});
@@ -145,8 +132,7 @@ TEST(ResolveCalibration, ACameraOfThePictureIsScaledToTheMap) {
 
 TEST(ResolveCalibration, APrincipalPointTellsAnotherSize) {
     const test::TemporaryFolder folder;
-    config::CalibrationConfig config;
-    config.file = folder / "K.txt";
+    config::CalibrationConfig config{.file = folder / "K.txt"};
     test::write_text(folder / "K.txt", "700 0 317.5\n0 700 243.5\n0 0 1\n");
     const ResolvedCalibration half = resolve(config, {320, 240});
     EXPECT_EQ(half.calibration.focal_px, 350);

@@ -6,7 +6,6 @@
 #include <fstream>
 
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 #include "pipeline/data/union_find.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/stages/other_views/view_place.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/data/error.h"
 #include "pipeline/job/disparities.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/readers/image_reader.h"

@@ -1,6 +1,9 @@
 #include "tests/pipeline/readers/sample_files.h"
 
 #include <png.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <webp/encode.h>
 
 #include <bit>
@@ -104,13 +107,29 @@ Bytes make_pfm(int width, int height, const std::vector<float>& values, bool lit
     Bytes samples;
     for (float value : values) {
         const auto bits = std::bit_cast<std::uint32_t>(value);
-        for (int i = 0; i < 4; ++i) {
+        for (int i = 0; i < 4; ++i)
             samples.push_back(static_cast<std::uint8_t>(bits >> (little_endian ? 8 * i : 24 - 8 * i)));
-        }
     }
     return to_bytes("Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n" +
                     (little_endian ? "-0.003922\n" : "0.003922\n")) +
            samples;
+}
+
+long peak_memory_MiB(const std::function<void()>& work) {
+    const pid_t child = fork();
+    if (child == 0) {
+        try {
+            work();
+        } catch (const std::exception&) {
+            _exit(1);
+        }
+        _exit(testing::Test::HasFailure() ? 1 : 0);
+    }
+    int status = 1;
+    rusage usage{};
+    wait4(child, &status, 0, &usage);
+    EXPECT_EQ(status, 0);
+    return usage.ru_maxrss >> 10;
 }
 
 }  // namespace hexrelief::readers

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,5 +69,8 @@ Bytes make_pgm(int width, int height, int max_value, const Bytes& samples, char 
 Bytes make_pfm(int width, int height, const std::vector<float>& values, bool little_endian = true);
 
 using test::error_of;
+
+// Returns the peak memory, in MiB, of a process that does the work, which must not throw.
+long peak_memory_MiB(const std::function<void()>& work);
 
 }  // namespace hexrelief::readers

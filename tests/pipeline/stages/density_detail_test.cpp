@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include "pipeline/stages/density.h"
 #include "tests/expect_error.h"

@@ -172,11 +172,10 @@ TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
     const DensityMap density = compute_density(map, {}), same = compute_density(wrong, {});
     EXPECT_NEAR(same.background_px, density.background_px, 0.02 * density.background_px);
     EXPECT_LE(*std::max_element(same.values.begin(), same.values.end()), 1);
-    for (std::size_t i = 0; i < map.values.size(); ++i) {
+    for (std::size_t i = 0; i < map.values.size(); ++i)
         if (map.values[i] == wrong.values[i]) {
             EXPECT_NEAR(same.values[i], density.values[i], 0.05);
         }
-    }
     DensityConfig largest{.scale_percentile = 100, .background_method = BackgroundMethod::fraction};
     EXPECT_EQ(compute_density(wrong, largest).background_px, 125);
 }
@@ -233,9 +232,8 @@ TEST(Density, OtsuSplitsTwoModesBetweenThem) {
     DensityConfig config{.background_method = BackgroundMethod::otsu, .floor = 0};
     const DensityMap density = compute_density(map, config);
     EXPECT_NEAR(density.background_px, 33, 3);  // the middle of the empty stretch from 16 to 50
-    for (std::size_t i = 0; i < map.values.size(); ++i) {
+    for (std::size_t i = 0; i < map.values.size(); ++i)
         EXPECT_EQ(density.values[i] > 0, DisparityMap::known(map.values[i]) && map.values[i] > 33);
-    }
 }
 
 TEST(Density, OtsuKeepsAllOfAConstantMap) {
@@ -257,9 +255,8 @@ TEST(Density, FloorLiftsWhatIsKnown) {
 }
 
 TEST(Density, OfNothingIsZero) {
-    for (const DisparityMap& map : {row({0, 0}), row({-1, kUnknownDisparity}), row({kUnknownDisparity})}) {
+    for (const DisparityMap& map : {row({0, 0}), row({-1, kUnknownDisparity}), row({kUnknownDisparity})})
         for (const float value : compute_density(map, {}).values) EXPECT_EQ(value, 0);
-    }
 }
 
 TEST(Density, DoesNotChangeWithScaleOrMirror) {

@@ -70,9 +70,8 @@ DisparityMap visible_truth() {
 
 double share_at(const DisparityMap& map, int from, int to, float value) {
     long long good = 0;
-    for (int y = 0; y < map.height; ++y) {
+    for (int y = 0; y < map.height; ++y)
         for (int x = from; x < to; ++x) good += std::abs(map.at(x, y) - value) <= 0.25f;
-    }
     return static_cast<double>(good) / map.height / (to - from);
 }
 

@@ -277,9 +277,8 @@ TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
     const SurfaceMesh s = e.build();
     expect_sound(s);
     std::vector<std::size_t> at_centre;
-    for (std::size_t i = 0; i < s.image_points.size(); ++i) {
+    for (std::size_t i = 0; i < s.image_points.size(); ++i)
         if (s.image_points[i] == centre) at_centre.push_back(i);
-    }
     ASSERT_EQ(at_centre.size(), 2u);
     EXPECT_EQ(at_centre[0] + 1, at_centre[1]) << "copies lie side by side";
     EXPECT_EQ(s.positions[at_centre[0]], s.positions[at_centre[1]]);

@@ -10,11 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/stages/sgbm.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
 #include "tests/mesher/busy_map.h"
 #include "tests/pipeline/process.h"

@@ -18,10 +18,9 @@ using test::TemporaryFolder;
 
 RunRequest map_request(const TemporaryFolder& folder) {
     fs::copy_file(test::sample("disparity.pfm"), folder / "d.pfm");
-    RunRequest request;
-    request.source = DisparityFiles{folder / "d.pfm"};
-    request.outputs = {folder / "a.drc"};
-    request.report = folder / "a.json";
+    RunRequest request{.source = DisparityFiles{folder / "d.pfm"},
+                       .outputs = {folder / "a.drc"},
+                       .report = folder / "a.json"};
     config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }

@@ -1,7 +1,5 @@
 #include "pipeline/readers/depth/depth_reader.h"
 
-#include <cmath>
-
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {

@@ -1,6 +1,5 @@
 // Tests HEIC photographs and the depths beside them.
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "pipeline/readers/decoded_raster.h"

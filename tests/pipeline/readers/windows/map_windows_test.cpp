@@ -9,7 +9,6 @@
 #include <random>
 #include <thread>
 
-#include "pipeline/readers/windows/map_writer.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {
