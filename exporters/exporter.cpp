@@ -16,11 +16,10 @@ namespace {
 template <typename Vector>
 bool finite(const Vector& values) {
     return std::all_of(values.begin(), values.end(), [](const auto& v) {
-        if constexpr (requires { v.z; }) {
+        if constexpr (requires { v.z; })
             return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-        } else {
+        else
             return std::isfinite(v.x) && std::isfinite(v.y);
-        }
     });
 }
 
@@ -28,9 +27,8 @@ bool finite(const Vector& values) {
 // refuse or crash on.
 void check(const SurfaceMesh& mesh, const Image* texture) {
     const std::size_t vertices = mesh.positions.size();
-    if (mesh.triangles.empty() || vertices == 0) {
+    if (mesh.triangles.empty() || vertices == 0)
         throw Error(ErrorKind::input, "nothing to export: the mesh has no triangle");
-    }
     bool sound = vertices < 0xffffffffu && (mesh.normals.empty() || mesh.normals.size() == vertices) &&
                  (mesh.texcoords.empty() || mesh.texcoords.size() == vertices) && finite(mesh.positions) &&
                  finite(mesh.normals) && finite(mesh.texcoords) &&

@@ -265,11 +265,10 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
         quantisation.positions = std::move(grid);
     }
     const auto& scale = plan.transform.scale;
-    if (config.draco.normal_bits > 0) {
+    if (config.draco.normal_bits > 0)
         quantisation.normal_bits = config.draco.normal_bits;
-    } else {
+    else
         quantisation.normal_bits = draco_normal_bits(mesh.normals, scale, config.tolerance_deg);
-    }
     if (scale[0] != scale[2]) mesh.normals = scaled_normals(mesh.normals, scale);
     if (config.draco.texcoord_bits > 0) {
         quantisation.texcoord_bits = config.draco.texcoord_bits;

@@ -190,9 +190,8 @@ void set_axis(Grid<3>& grid, int axis, const std::vector<std::int32_t>& cells, s
 GridNeighbours::GridNeighbours(const std::vector<Triangle>& triangles, std::size_t vertex_count)
     : starts_(vertex_count + 1, 0) {
     const std::vector<InnerEdge> edges = inner_edges(triangles, vertex_count);
-    for (const InnerEdge& e : edges) {
+    for (const InnerEdge& e : edges)
         for (const std::uint32_t v : {e.a, e.b, e.c, e.d}) ++starts_[v + 1];
-    }
     std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
     terms_.resize(4 * edges.size());
     std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);

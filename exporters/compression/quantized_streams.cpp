@@ -169,9 +169,8 @@ VertexStream rounded_normals(const std::vector<Vec3f>& normals) {
 
 VertexStream octahedral_normals(const std::vector<Vec3f>& normals, int bits) {
     std::vector<float> padded(4 * normals.size(), 0);
-    for (std::size_t i = 0; i < normals.size(); ++i) {
+    for (std::size_t i = 0; i < normals.size(); ++i)
         for (int k = 0; k < 3; ++k) padded[4 * i + k] = component(normals[i], k);
-    }
     VertexStream out;
     out.count = normals.size();
     out.stride = bits <= 8 ? 4 : 8;

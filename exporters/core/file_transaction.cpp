@@ -360,9 +360,8 @@ void remove_pending_files() noexcept {
     const int saved_errno = errno;
     stopping.store(true);
     while (commits_running.load() > 0) ::sched_yield();
-    for (std::atomic<char*>& slot : registry) {
+    for (std::atomic<char*>& slot : registry)
         if (const char* path = slot.exchange(nullptr)) ::unlink(path);
-    }
     errno = saved_errno;
 }
 

@@ -85,8 +85,8 @@ struct ExportConfig {
     bool camera = true;        // writes the left camera to glTF if the image's size is known
     FileOrigin origin = FileOrigin::automatic;
     ProvenanceKind provenance = ProvenanceKind::cameras;
-    std::string copyright;  // for glTF's asset.copyright; may be empty
-    DracoConfig draco;
+    std::string copyright = {};  // for glTF's asset.copyright; may be empty
+    DracoConfig draco = {};
     StlUnit stl_unit = StlUnit::metre;
     UpAxis up = UpAxis::y;
     bool ply_texcoords = false;  // s t in .ply, which has no texture beside it

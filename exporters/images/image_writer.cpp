@@ -7,14 +7,11 @@
 #include <array>
 #include <bit>
 #include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/images/jpeg_encoder.h"
@@ -28,9 +25,8 @@ static_assert(std::endian::native == std::endian::little,
 
 void check(const Image& image) {
     if (image.width < 1 || image.height < 1 || (image.channels != 1 && image.channels != 3) ||
-        image.pixels.size() != static_cast<std::size_t>(image.width) * image.height * image.channels) {
+        image.pixels.size() != static_cast<std::size_t>(image.width) * image.height * image.channels)
         throw std::logic_error("image to encode is empty or inconsistent");
-    }
 }
 
 struct PngSink {

@@ -4,7 +4,6 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <vector>
 // After stdio.h.
 #include <jpeglib.h>

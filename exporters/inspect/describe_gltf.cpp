@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -64,9 +63,8 @@ long long integer(const Source& source, const Json& object, const char* key,
                   std::optional<long long> fallback = {}) {
     const auto it = object.find(key);
     if (it == object.end() && fallback) return *fallback;
-    if (it == object.end() || !it->is_number_integer() || it->get<double>() < 0 || it->get<double>() > 4e10) {
+    if (it == object.end() || !it->is_number_integer() || it->get<double>() < 0 || it->get<double>() > 4e10)
         fail_reading(source.path, std::string("'") + key + "' is missing or no valid number");
-    }
     return it->get<long long>();
 }
 
@@ -74,9 +72,8 @@ long long integer(const Source& source, const Json& object, const char* key,
 const Json& item(const Source& source, const char* array, long long index) {
     const auto it = source.json.find(array);
     if (it == source.json.end() || !it->is_array() || index < 0 ||
-        index >= static_cast<long long>(it->size()) || !(*it)[index].is_object()) {
+        index >= static_cast<long long>(it->size()) || !(*it)[index].is_object())
         fail_reading(source.path, std::string("'") + array + "' has no item " + std::to_string(index));
-    }
     return (*it)[index];
 }
 
@@ -143,9 +140,8 @@ void check_buffers(const Source& source) {
         const Json& view = item(source, "bufferViews", static_cast<long long>(i));
         const Json& buffer = item(source, "buffers", integer(source, view, "buffer"));
         if (integer(source, view, "byteOffset", 0) + integer(source, view, "byteLength") >
-            integer(source, buffer, "byteLength")) {
+            integer(source, buffer, "byteLength"))
             fail_reading(source.path, "its buffer view " + std::to_string(i) + " ends behind its buffer");
-        }
         if (const Json* compressed = meshopt_extension(view)) {
             const Json& from = item(source, "buffers", integer(source, *compressed, "buffer"));
             if (integer(source, *compressed, "byteOffset", 0) + integer(source, *compressed, "byteLength") >
@@ -183,9 +179,8 @@ const Json& accessor_at(const Source& source, long long index) {
         const long long stride = integer(source, view, "byteStride", size);
         const long long length =
             integer(source, view, "byteLength") - integer(source, accessor, "byteOffset", 0);
-        if (elements > 0 && (size > length || (stride > 0 && elements - 1 > (length - size) / stride))) {
+        if (elements > 0 && (size > length || (stride > 0 && elements - 1 > (length - size) / stride)))
             fail_reading(source.path, "accessor " + std::to_string(index) + " ends behind its buffer view");
-        }
     }
     return accessor;
 }
@@ -194,9 +189,8 @@ const Json& accessor_at(const Source& source, long long index) {
 std::optional<Vec3f> corner(const Source& source, const Json& accessor, const char* key) {
     const auto it = accessor.find(key);
     if (it == accessor.end() || !it->is_array() || it->size() != 3) return std::nullopt;
-    for (const Json& value : *it) {
+    for (const Json& value : *it)
         if (!value.is_number()) return std::nullopt;
-    }
     const float scale = accessor.value("normalized", false) ? component_type(source, accessor).most : 1;
     return Vec3f{(*it)[0].get<float>() / scale, (*it)[1].get<float>() / scale, (*it)[2].get<float>() / scale};
 }
@@ -227,9 +221,8 @@ struct Box {
 void add_primitive(const Source& source, const Json& primitive, std::size_t level, std::vector<Box>& boxes,
                    MeshDescription& out) {
     const auto attributes = primitive.find("attributes");
-    if (attributes == primitive.end() || !attributes->is_object()) {
+    if (attributes == primitive.end() || !attributes->is_object())
         fail_reading(source.path, "a mesh primitive has no attributes");
-    }
     if (!attributes->contains("POSITION")) return;
     const Json& positions = accessor_at(source, integer(source, *attributes, "POSITION"));
     const long long vertices = integer(source, positions, "count");
@@ -314,9 +307,8 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
                               ? open_binary(path, bytes, file_bytes)
                               : Source{path, parse_json(path, bytes.data(), bytes.data() + bytes.size()), {}};
     const Json asset = source.json.value("asset", Json::object());
-    if (!asset.is_object() || !asset.value("version", "").starts_with("2.")) {
+    if (!asset.is_object() || !asset.value("version", "").starts_with("2."))
         fail_reading(path, "its glTF version is not 2");
-    }
     check_buffers(source);
     MeshDescription out;
     out.generator = asset.value("generator", "");
@@ -328,9 +320,8 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
     const std::vector<std::size_t> levels = mesh_levels(source);
     for (std::size_t i = 0; i < count(source, "meshes"); ++i) {
         std::vector<Box> boxes;
-        for (const Json& primitive : item(source, "meshes", static_cast<long long>(i)).at("primitives")) {
+        for (const Json& primitive : item(source, "meshes", static_cast<long long>(i)).at("primitives"))
             add_primitive(source, primitive, levels[i], boxes, out);
-        }
         include_boxes(std::move(boxes), places[i], out);
     }
     for (std::size_t i = 0; i < count(source, "images"); ++i) {

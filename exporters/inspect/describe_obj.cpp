@@ -50,19 +50,18 @@ class ObjReader {
             return;
         }
         const std::string_view word = next_word(text);
-        if (word == "v") {
+        if (word == "v")
             vertex(text);
-        } else if (word == "vn") {
+        else if (word == "vn")
             out.normals = true;
-        } else if (word == "vt") {
+        else if (word == "vt")
             out.texcoords = true;
-        } else if (word == "f") {
+        else if (word == "f")
             face(text);
-        } else if (word == "mtllib") {
+        else if (word == "mtllib")
             library(fs::path(std::string(trimmed(text))));
-        } else if (word.find('\0') != std::string_view::npos) {
+        else if (word.find('\0') != std::string_view::npos)
             fail("it is no text");
-        }
     }
 
     MeshDescription out;
@@ -75,9 +74,8 @@ class ObjReader {
     void vertex(std::string_view text) {
         float values[7] = {};
         int count = 0;
-        for (std::string_view word = next_word(text); !word.empty(); word = next_word(text)) {
+        for (std::string_view word = next_word(text); !word.empty(); word = next_word(text))
             if (count == 7 || !to_float(word, values[count++])) fail("a vertex that is not 3 to 7 numbers");
-        }
         if (count < 3) fail("a vertex of fewer than 3 numbers");
         ++out.vertices;
         out.colors |= count >= 6;

@@ -108,9 +108,8 @@ class PlyReader {
             if (words.empty() || words[0] == "obj_info") continue;
             if (words[0] == "end_header") break;
             if (words[0] == "comment") {
-                if (out_.generator.empty() && words.size() > 1) {
+                if (out_.generator.empty() && words.size() > 1)
                     out_.generator = std::string(words[1].data(), words.back().data() + words.back().size());
-                }
             } else if (words[0] == "format" && words.size() == 3) {
                 has_format = words[1] == "ascii" || words[1].starts_with("binary_");
                 encoding_ = words[1] == "ascii"                  ? Encoding::ascii
@@ -182,9 +181,8 @@ class PlyReader {
                 const bool indices = is_face && property.name.starts_with("vertex_ind");
                 for (auto left = static_cast<long long>(std::ceil(count)); left > 0; --left) {
                     const double index = next_number(*property.type);
-                    if (indices && !(index >= 0 && index < static_cast<double>(out_.vertices))) {
+                    if (indices && !(index >= 0 && index < static_cast<double>(out_.vertices)))
                         fail("a face uses a vertex that is not there");
-                    }
                 }
                 if (indices) out_.triangles += std::max(0LL, static_cast<long long>(count) - 2);
                 continue;

@@ -210,12 +210,11 @@ std::string link_to(const std::filesystem::path& path) {
 
 std::string script_escaped(const std::string& json) {
     std::string out;
-    for (const char c : json) {
+    for (const char c : json)
         if (c == '<')
             out += "\\u003c";
         else
             out += c;
-    }
     return out;
 }
 

@@ -56,7 +56,7 @@ struct MeshConfig {
     double magnification = 1.1;
     MeshBorder border = MeshBorder::fit;
     std::uint64_t seed = 1;
-    BalanceConfig balance;
+    BalanceConfig balance = {};
 };
 
 // Reports the progress of a long stage: called now and then with the share done, 0..1; may throw to stop the

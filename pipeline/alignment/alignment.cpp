@@ -243,8 +243,7 @@ double farthest_for(double width) {
 DisparityBounds bounds_by(const std::vector<double>& disparities, double unsure_px, double scale,
                           double width) {
     const double low = quantile(disparities, 0.005), high = quantile(disparities, 0.995);
-    DisparityBounds bounds;
-    bounds.is_infinity_known = low >= unsure_px;
+    DisparityBounds bounds{.is_infinity_known = low >= unsure_px};
     const double infinity = bounds.is_infinity_known
                                 ? std::min(0.0, low - (high - low) / (kFarthestKnown - 1))
                                 : low - (high - low) / (farthest_for(width) - 1);

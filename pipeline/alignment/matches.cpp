@@ -51,12 +51,11 @@ RawVector<std::int64_t> strengths_of(const GreyPicture& picture, ThreadPool& poo
     Sums gx(width, height), gy(width, height);
     pool.parallel_for_each(height, [&](int y) {
         const bool is_border = y == 0 || y == height - 1;
-        for (Sums* const to : {&gx, &gy}) {
+        for (Sums* const to : {&gx, &gy})
             if (is_border)
                 std::fill_n(to->row(y), width, 0);
             else
                 to->row(y)[0] = to->row(y)[width - 1] = 0;
-        }
         if (is_border) return;
         const std::uint8_t *const above = picture.row(y - 1), *const at = picture.row(y),
                                   *const below = picture.row(y + 1);

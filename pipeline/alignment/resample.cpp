@@ -257,14 +257,12 @@ std::array<double, 2> up_of(const Alignment& alignment) {
 }
 
 Calibration camera_of(const Alignment& alignment) {
-    Calibration camera;
-    camera.focal_px = alignment.focal_px;
-    camera.cx = -alignment.canvas.left_x;
-    camera.cy = -alignment.canvas.y;
-    camera.doffs_px = -alignment.disparities.infinity_px;
-    camera.width = alignment.canvas.width;
-    camera.height = alignment.canvas.height;
-    return camera;
+    return {.focal_px = alignment.focal_px,
+            .cx = static_cast<double>(-alignment.canvas.left_x),
+            .cy = static_cast<double>(-alignment.canvas.y),
+            .doffs_px = -alignment.disparities.infinity_px,
+            .width = alignment.canvas.width,
+            .height = alignment.canvas.height};
 }
 
 }  // namespace hexrelief::alignment

@@ -11,7 +11,6 @@
 #include <system_error>
 
 #include "pipeline/batch/worker.h"
-#include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"

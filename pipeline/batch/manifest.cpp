@@ -8,7 +8,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "exporters/core/mesh_format.h"
 #include "pipeline/batch/manifest_rows.h"
 #include "pipeline/config/fields.h"
 #include "pipeline/config/options.h"

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "pipeline/data/number_text.h"
-#include "pipeline/job/log/run_log.h"
 #include "pipeline/job/stamp/stamp.h"
 
 namespace hexrelief::batch {

@@ -25,7 +25,6 @@
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/files/interrupt.h"
-#include "pipeline/job/run_files.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/job/stamp/stamp.h"
 
@@ -200,8 +199,7 @@ UnitResult Worker::result_of_death() {
     dead_ = true;
     int status = 0;
     ::waitpid(std::exchange(process_, -1), &status, 0);
-    UnitResult result;
-    result.exit_code = 1;
+    UnitResult result{.exit_code = 1};
     if (WIFSIGNALED(status))
         result.message = std::string("its process was ended: ") + ::strsignal(WTERMSIG(status)) +
                          (WTERMSIG(status) == SIGKILL ? " (by hand, or for want of memory)" : "");
@@ -261,9 +259,7 @@ std::string outcome_name(UnitOutcome outcome) {
 }
 
 UnitResult result_of_exception() {
-    UnitResult result;
-    result.outcome = UnitOutcome::failed;
-    result.exit_code = kBug;
+    UnitResult result{.outcome = UnitOutcome::failed, .exit_code = kBug};
     try {
         throw;
     } catch (const Error& error) {

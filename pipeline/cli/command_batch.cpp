@@ -19,7 +19,6 @@
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
-#include "pipeline/job/outputs.h"
 #include "pipeline/library/conversions.h"
 
 namespace hexrelief::cli {

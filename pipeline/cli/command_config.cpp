@@ -5,7 +5,6 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 #include "pipeline/config/document.h"
-#include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "pipeline/library/conversions.h"

@@ -82,9 +82,7 @@ int show_demo(const DemoOptions& demo) {
         throw Error(ErrorKind::output,
                     "cannot make the folder " + folder.string() + ": " + failure.message());
     samples::write_sample_files(pair, folder);
-    FileRequest files;
-    files.left = folder / "left.png";
-    files.right = folder / "right.png";
+    FileRequest files{.left = folder / "left.png", .right = folder / "right.png"};
     const std::string calibration = folder / "calib.txt";
     files.outputs = {outputs.begin(), outputs.end()};
     std::vector<std::string> words = {"hexrelief", "run",       "--left",  files.left,

@@ -17,7 +17,6 @@
 #include "pipeline/job/backend.h"
 #include "pipeline/job/disparities.h"
 #include "pipeline/job/input.h"
-#include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/decoded_raster.h"

@@ -7,7 +7,6 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
 #include "pipeline/cli/run_options.h"
-#include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"

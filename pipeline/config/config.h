@@ -24,8 +24,8 @@ inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
 // NaN = not given. Given values override the file's.
 struct CalibrationConfig {
-    std::string file;         // empty = none
-    std::string second_file;  // the right camera, or the movement between both; empty = none
+    std::string file = {};         // empty = none
+    std::string second_file = {};  // the right camera, or the movement between both; empty = none
     double focal_px = kNotGiven;
     double fov_x_deg = kNotGiven;  // angle of view across the width, instead of focal_px
     double baseline_m = kNotGiven;

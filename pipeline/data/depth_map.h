@@ -14,7 +14,7 @@ inline constexpr float kUnknownDepth = std::numeric_limits<float>::infinity();
 struct DepthMap {
     int width = 0;
     int height = 0;
-    std::vector<float> values;  // width * height; metres, or any unit if not metric
+    std::vector<float> values = {};  // width * height; metres, or any unit if not metric
     bool metric = true;
     // The quantisation step of a map with integer samples: the difference of two adjacent sample values, as a
     // depth, or as 1 / depth if is_inverse. 0 = the samples are floats.

@@ -1,9 +1,7 @@
 // Compares a disparity map with ground truth.
 #pragma once
 
-#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
-#include <vector>
 
 #include "pipeline/data/disparity_map.h"
 

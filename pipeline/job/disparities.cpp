@@ -22,7 +22,6 @@
 #include "pipeline/stages/densify/measurements.h"
 #include "pipeline/stages/dequantize/dequantize.h"
 #include "pipeline/stages/dequantize/noise.h"
-#include "pipeline/stages/sgbm.h"
 
 namespace hexrelief::job {
 namespace {

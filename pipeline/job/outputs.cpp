@@ -11,7 +11,6 @@
 #include "exporters/exporter.h"
 #include "exporters/images/image_writer.h"
 #include "exporters/images/texture.h"
-#include "mesher/mesher.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/data/start_work.h"

@@ -88,10 +88,9 @@ PictureShares share_picture(const DisparityMap& map, float background_px, const 
         for (int y = 0; y < map.height; ++y) occluded += occluded_in_row(map, y);
     const std::size_t shown = std::max<std::size_t>(1, map.values.size() - blank);
     const auto pixels = static_cast<double>(shown);
-    PictureShares shares;
-    shares.meshed = std::min(1.0, area_px(surface, triangles) / pixels);
-    shares.foreground = static_cast<double>(foreground) / pixels;
-    shares.background = static_cast<double>(known - foreground) / pixels;
+    PictureShares shares{.meshed = std::min(1.0, area_px(surface, triangles) / pixels),
+                         .foreground = static_cast<double>(foreground) / pixels,
+                         .background = static_cast<double>(known - foreground) / pixels};
     occluded = std::min(occluded, shown - std::min(known, shown));
     shares.occluded = static_cast<double>(occluded) / pixels;
     shares.unknown = static_cast<double>(shown - std::min(known + occluded, shown)) / pixels;

@@ -62,15 +62,15 @@ struct InputFile {
 std::vector<InputFile> files_of(const Source& source);
 
 struct RunRequest {
-    Source source;
-    std::vector<std::filesystem::path> outputs;  // the extension gives the format
-    config::Config config;
-    std::vector<std::filesystem::path> config_files;  // that config was read from
-    std::filesystem::path report;                     // empty = none
-    std::filesystem::path stages_folder;              // empty = none
-    std::filesystem::path depfile;                    // rule for make that lists the files read; empty = none
-    std::string stamp;  // hash of what the outputs depend on (stamp.h); empty = none
-    int jobs = 1;       // runs of this process, including this one; they share one start of the device
+    Source source = {};
+    std::vector<std::filesystem::path> outputs = {};  // the extension gives the format
+    config::Config config = {};
+    std::vector<std::filesystem::path> config_files = {};  // that config was read from
+    std::filesystem::path report = {};                     // empty = none
+    std::filesystem::path stages_folder = {};              // empty = none
+    std::filesystem::path depfile = {};  // rule for make that lists the files read; empty = none
+    std::string stamp = {};              // hash of what the outputs depend on (stamp.h); empty = none
+    int jobs = 1;  // runs of this process, including this one; they share one start of the device
 };
 
 // Checks all that can be checked before the work. Throws Error(usage) for unknown extensions and for an

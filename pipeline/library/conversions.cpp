@@ -54,9 +54,7 @@ readers::codec::Raster raster_of(const ImageView& view, const std::string& name)
 
 readers::codec::Raster raster_of(const MapView& view, const std::string& name) {
     require_pixels(view.values, view.width, view.height, name);
-    readers::codec::Raster raster;
-    raster.width = view.width;
-    raster.height = view.height;
+    readers::codec::Raster raster{.width = view.width, .height = view.height};
     const auto row = static_cast<std::size_t>(view.width);
     if (view.samples == MapView::Samples::float32)
         raster.samples = rows_of<float>(view.values, row, view.height, view.row_bytes);

@@ -145,8 +145,7 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
                                      state.relief->backend->threads(), state.log);
     for (const std::filesystem::path& file : job::planned_files(path, config.exporting))
         files::check_writable_file(file);
-    job::RunRequest request;
-    request.outputs = {path};
+    job::RunRequest request{.outputs = {path}};
     const job::RunReport report = job::write_relief(state.relief, request, state.log);
     std::vector<std::string> files;
     for (const job::OutputFile& file : report.outputs) {
@@ -180,8 +179,7 @@ Disparities read_disparities(const std::string& path, const Options& options) {
 Disparities compute_disparity(const ImageView& left, const ImageView& right, const Camera& camera,
                               const Options& options) {
     const std::lock_guard lock(library_mutex);
-    job::RunRequest request;
-    request.config = library::config_of(options, camera);
+    job::RunRequest request{.config = library::config_of(options, camera)};
     request.config.disparity.working_px = 0;  // the map is one of the given pictures
     request.source = job::PairArrays{{library::image_of(left, "left"), library::image_of(right, "right")}};
     job::RunLog log;
@@ -197,8 +195,8 @@ Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& opti
         throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
     library::tell_caller(options, state->log);
-    job::RunRequest request;
-    request.config = library::config_of(options, camera, {is_depth ? "--depth" : "--disparity"});
+    job::RunRequest request{.config =
+                                library::config_of(options, camera, {is_depth ? "--depth" : "--disparity"})};
     request.source = source_of(input, request.config.input);
     request.outputs = {kLimitedOutput};
     state->relief =

@@ -85,9 +85,8 @@ constexpr std::array<Codec, 12> kCodecs{{
 }};
 
 const Codec* match(std::span<const std::uint8_t> head) {
-    for (const Codec& codec : kCodecs) {
+    for (const Codec& codec : kCodecs)
         if (codec.recognises(head)) return &codec;
-    }
     return nullptr;
 }
 

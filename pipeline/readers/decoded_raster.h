@@ -48,7 +48,7 @@ struct Raster {
     unsigned max_value = 255;
     // Sample value that the file itself declares to mean "unknown"; NaN = none.
     double nodata = kNoData;
-    std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
+    std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples = {};
     std::vector<std::uint8_t> alpha = {};  // 0..255 per pixel; empty = all are opaque
     StatedDepth stated = {};
     std::vector<std::uint8_t> profile = {};  // of its colours (ICC); empty = they are sRGB's

@@ -1,6 +1,5 @@
 // Reads JPEG by libjpeg. As for PNG, its errors leave by longjmp: every call that can fail runs in a step, a
 // function whose frame holds nothing with a destructor, and memory is allocated between the steps.
-#include <cstdio>
 // libjpeg's headers need stdio first
 #include <jpeglib.h>
 // and its message codes come after
@@ -125,9 +124,8 @@ void cmyk_to_rgb(std::vector<std::uint8_t>& samples, bool inverted) {
     const auto light = [inverted](std::uint8_t ink) { return inverted ? ink : 255 - ink; };
     for (std::size_t i = 0; i < pixels; ++i) {
         const int black = light(samples[4 * i + 3]);
-        for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t c = 0; c < 3; ++c)
             samples[3 * i + c] = static_cast<std::uint8_t>((light(samples[4 * i + c]) * black + 127) / 255);
-        }
     }
     samples.resize(pixels * 3);
 }

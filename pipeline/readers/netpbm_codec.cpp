@@ -26,11 +26,10 @@ void check_end(const SourceFile& source, std::size_t end) {
 std::string_view NetpbmHeader::next_word() {
     const auto& bytes = source_.bytes;
     while (at_ < bytes.size() && (is_space(bytes[at_]) || bytes[at_] == '#')) {
-        if (bytes[at_] == '#') {
+        if (bytes[at_] == '#')
             while (at_ < bytes.size() && bytes[at_] != '\n' && bytes[at_] != '\r') ++at_;
-        } else {
+        else
             ++at_;
-        }
     }
     const std::size_t start = at_;
     while (at_ < bytes.size() && !is_space(bytes[at_]) && bytes[at_] != '#') ++at_;
@@ -49,9 +48,8 @@ unsigned NetpbmHeader::next_number(const char* what) {
 
 std::size_t NetpbmHeader::samples_at(unsigned long long sample_bytes, unsigned long long file_bytes) const {
     const auto& bytes = source_.bytes;
-    if (at_ >= bytes.size() || !is_space(bytes[at_])) {
+    if (at_ >= bytes.size() || !is_space(bytes[at_]))
         refuse(source_.path, "its header ends without white space before the samples; export it again");
-    }
     const unsigned long long left = file_bytes - at_ - 1;
     if (left < sample_bytes) {
         refuse(source_.path, "truncated: the header promises " + std::to_string(sample_bytes) +
@@ -92,16 +90,14 @@ Raster decode_pnm(const SourceFile& source) {
     const std::size_t count = static_cast<std::size_t>(pnm.width) * pnm.height * pnm.channels;
     const std::uint8_t* from = source.bytes.data() + header.samples_at(count * (wide ? 2 : 1));
 
-    Raster raster;
-    raster.width = static_cast<int>(pnm.width);
-    raster.height = static_cast<int>(pnm.height);
-    raster.channels = pnm.channels;
-    raster.max_value = pnm.max_value;
+    Raster raster{.width = static_cast<int>(pnm.width),
+                  .height = static_cast<int>(pnm.height),
+                  .channels = pnm.channels,
+                  .max_value = pnm.max_value};
     if (wide) {
         std::vector<std::uint16_t> samples(count);
-        for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t i = 0; i < count; ++i)
             samples[i] = static_cast<std::uint16_t>(from[2 * i] << 8 | from[2 * i + 1]);
-        }
         raster.samples = std::move(samples);
     } else {
         raster.samples = std::vector<std::uint8_t>(from, from + count);
@@ -146,9 +142,7 @@ Raster decode_pfm(const SourceFile& source) {
     for (std::size_t y = 0; y < pfm.height; ++y) {
         float* row = samples.data() + y * row_samples;
         std::memcpy(row, source.bytes.data() + start + (pfm.height - 1 - y) * row_bytes, row_bytes);
-        for (std::size_t i = 0; swap && i < row_samples; ++i) {
-            row[i] = in_other_byte_order(row[i]);
-        }
+        for (std::size_t i = 0; swap && i < row_samples; ++i) row[i] = in_other_byte_order(row[i]);
     }
     return {static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 0, kNoData,
             std::move(samples)};

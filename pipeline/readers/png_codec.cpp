@@ -111,9 +111,8 @@ void open(PngReader& reader) {
 
 template <typename Sample>
 std::vector<Sample> read_rows(PngReader& reader, std::size_t row_samples, std::size_t height) {
-    if (png_get_rowbytes(reader.png, reader.info) != row_samples * sizeof(Sample)) {
+    if (png_get_rowbytes(reader.png, reader.info) != row_samples * sizeof(Sample))
         refuse(reader.source.path, "its PNG colour type is not supported; save it as plain grey or RGB");
-    }
     // Memory is touched as rows are decoded: truncated data end before the rows that the header promises.
     const std::size_t band_rows = reader.is_interlaced ? height : 64;
     std::vector<Sample> samples;
@@ -147,9 +146,8 @@ FileDescription describe_png(const SourceFile& source) {
 Raster decode_png(const SourceFile& source) {
     PngReader reader(source);
     open(reader);
-    Raster raster;
-    raster.width = static_cast<int>(png_get_image_width(reader.png, reader.info));
-    raster.height = static_cast<int>(png_get_image_height(reader.png, reader.info));
+    Raster raster{.width = static_cast<int>(png_get_image_width(reader.png, reader.info)),
+                  .height = static_cast<int>(png_get_image_height(reader.png, reader.info))};
     const int kind = png_get_color_type(reader.png, reader.info);
     const int bits = kind == PNG_COLOR_TYPE_PALETTE ? 8 : png_get_bit_depth(reader.png, reader.info);
     const bool with_alpha = has_alpha(reader);
@@ -162,11 +160,10 @@ Raster decode_png(const SourceFile& source) {
     raster.profile = profile_of(reader);
     run(reader, transform_step);
     const std::size_t row_samples = static_cast<std::size_t>(raster.width) * raster.channels;
-    if (bits == 16) {
+    if (bits == 16)
         raster.samples = read_rows<std::uint16_t>(reader, row_samples, raster.height);
-    } else {
+    else
         raster.samples = read_rows<std::uint8_t>(reader, row_samples, raster.height);
-    }
     if (with_alpha) split_alpha(raster);
     return raster;
 }

@@ -9,9 +9,8 @@ namespace {
 
 WebPBitstreamFeatures read_features(const SourceFile& source) {
     WebPBitstreamFeatures features{};
-    if (WebPGetFeatures(source.bytes.data(), source.bytes.size(), &features) != VP8_STATUS_OK) {
+    if (WebPGetFeatures(source.bytes.data(), source.bytes.size(), &features) != VP8_STATUS_OK)
         refuse(source.path, "malformed or truncated WebP header; copy or export it again");
-    }
     check_size(source, static_cast<unsigned>(features.width), static_cast<unsigned>(features.height));
     return features;
 }
@@ -49,9 +48,8 @@ Raster decode_webp(const SourceFile& source) {
     std::vector<std::uint8_t> samples(stride * features.height);
     const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
     if (!decode(source.bytes.data(), source.bytes.size(), samples.data(), samples.size(),
-                static_cast<int>(stride))) {
+                static_cast<int>(stride)))
         refuse(source.path, "malformed or truncated WebP data; copy or export it again");
-    }
     Raster raster{features.width, features.height, channels, 255, kNoData, std::move(samples)};
     if (features.has_alpha) split_alpha(raster);
     raster.profile = profile_of(source);

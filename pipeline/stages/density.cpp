@@ -278,8 +278,7 @@ void mix(std::vector<float>& density, const std::vector<float>& detail, double s
 
 DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& config) {
     check(config);
-    DensityScale found;
-    found.scale_px = scale_of(map, config);
+    DensityScale found{.scale_px = scale_of(map, config)};
     // Rounded to the float that is handed on, so that every later stage draws the same line.
     if (found.scale_px > 0)
         found.background_px = static_cast<float>(background_threshold(map, config, found.scale_px));

@@ -85,11 +85,10 @@ void draw(Patch& patch, const std::array<Corner, 3>& t) {
             const double wa = (b.x - u) * (c.y - v) - (b.y - v) * (c.x - u),
                          wb = (c.x - u) * (a.y - v) - (c.y - v) * (a.x - u), wc = area - wa - wb;
             Pixel& pixel = patch.at(x, y);
-            if (wa >= 0 && wb >= 0 && wc >= 0) {
+            if (wa >= 0 && wb >= 0 && wc >= 0)
                 pixel.covered = std::max(pixel.covered, (wa * a.d + wb * b.d + wc * c.d) / area);
-            } else if (pixel.covered == kNotCovered) {
+            else if (pixel.covered == kNotCovered)
                 for (int k = 0; k < 3; ++k) meet_side(pixel, u, v, t[k], t[(k + 1) % 3]);
-            }
         }
 }
 

@@ -197,8 +197,7 @@ SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityM
     Sums sums;
     for (const Sums& row : rows) sums += row;
 
-    SurfaceQuality quality;
-    quality.rmse_near_px = root(sums.squares, sums.weight);
+    SurfaceQuality quality{.rmse_near_px = root(sums.squares, sums.weight)};
     quality.duo_rmse_near_px =
         root(sums.slack_squares + sums.hidden_squares, sums.weight + sums.hidden_weight);
     quality.flat_rmse_px = root(sums.flat_squares, sums.flat_weight);

@@ -113,9 +113,8 @@ HalfedgeMesh to_halfedges(const SurfaceMesh& surface) {
     for (const Vec3f& p : surface.positions) mesh.add_vertex({p.x, p.y, p.z});
     for (const Triangle& t : surface.triangles) {
         const auto vertex = [](std::uint32_t i) { return OpenMesh::VertexHandle(static_cast<int>(i)); };
-        if (!mesh.add_face(vertex(t[0]), vertex(t[1]), vertex(t[2])).is_valid()) {
+        if (!mesh.add_face(vertex(t[0]), vertex(t[1]), vertex(t[2])).is_valid())
             throw std::logic_error("surface: a triangle does not fit a manifold");
-        }
     }
     return mesh;
 }
@@ -136,9 +135,8 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
         for (std::uint32_t a = 0; a < corners.size(); ++a) numbers[corners[a]] = first + fans[a];
     }
     std::uint32_t i = 0;
-    for (Triangle& triangle : triangles) {
+    for (Triangle& triangle : triangles)
         for (std::uint32_t& v : triangle) v = numbers[i++];
-    }
     return sources;
 }
 

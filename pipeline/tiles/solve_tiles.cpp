@@ -12,7 +12,6 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/batch/worker.h"
-#include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/stages/surface_raster.h"
 #include "pipeline/tiles/planned_map.h"

@@ -102,10 +102,8 @@ std::vector<std::uint8_t> lattice_bytes(const HexMesh2D& lattice) {
 
 HexMesh2D read_lattice(const std::filesystem::path& path) {
     Reader reader(path, Kind::lattice);
-    HexMesh2D lattice;
-    lattice.columns = reader.get<int>();
-    lattice.rows = reader.get<int>();
-    lattice.positions = reader.get_all<Vec2f>();
+    HexMesh2D lattice{
+        .columns = reader.get<int>(), .rows = reader.get<int>(), .positions = reader.get_all<Vec2f>()};
     reader.end();
     if (!fits(lattice.columns, lattice.rows, lattice.positions.size())) reader.refuse("is damaged");
     return lattice;
@@ -144,10 +142,9 @@ std::vector<std::uint8_t> tile_bytes(const mesh_tiles::TileMesh& mesh) {
 
 mesh_tiles::TileMesh read_tile(const std::filesystem::path& path) {
     Reader reader(path, Kind::tile);
-    mesh_tiles::TileMesh mesh;
-    mesh.corners = reader.get_all<mesh_tiles::TileCorner>();
-    mesh.triangles = reader.get_all<Triangle>();
-    mesh.seam_edges = reader.get_all<std::array<mesh_tiles::TileCorner, 2>>();
+    mesh_tiles::TileMesh mesh{.corners = reader.get_all<mesh_tiles::TileCorner>(),
+                              .triangles = reader.get_all<Triangle>(),
+                              .seam_edges = reader.get_all<std::array<mesh_tiles::TileCorner, 2>>()};
     reader.end();
     for (const Triangle& t : mesh.triangles)
         for (const std::uint32_t corner : t)

@@ -13,7 +13,6 @@
 #include "pipeline/job/stamp/stamp.h"
 #include "pipeline/stages/join_crumbs.h"
 #include "pipeline/stages/surface.h"
-#include "pipeline/stages/surface_topology.h"
 #include "pipeline/tiles/tile_files.h"
 
 namespace hexrelief::tiles {

@@ -57,14 +57,12 @@ readers::RawMapLayout raw_of(const Json& json) {
 }
 
 Calibration camera_of(const Json& json) {
-    Calibration camera;
-    camera.focal_px = json.at("focal_px");
-    camera.cx = json.at("cx");
-    camera.cy = json.at("cy");
-    camera.baseline_m = json.at("baseline_m");
-    camera.doffs_px = json.at("doffs_px");
-    camera.metric = json.at("metric");
-    return camera;
+    return {.focal_px = json.at("focal_px"),
+            .cx = json.at("cx"),
+            .cy = json.at("cy"),
+            .baseline_m = json.at("baseline_m"),
+            .doffs_px = json.at("doffs_px"),
+            .metric = json.at("metric")};
 }
 
 Json plan_json(const TilePlan& plan) {

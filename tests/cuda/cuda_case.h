@@ -11,6 +11,8 @@
 
 namespace hexrelief::testing_cuda {
 
+using testing_mesher::paper_config;
+
 // Returns the shared context, or null if no device is usable.
 inline cuda::CudaMesher* shared_mesher() {
     static const std::unique_ptr<cuda::CudaMesher> mesher =
@@ -35,28 +37,11 @@ inline DisparityMap varied_map(const DensityMap& density) {
 }
 
 inline MeshConfig quick_config(int t_max) {
-    MeshConfig config;
-    config.t_max = t_max;
-    config.balance.enabled = false;
-    return config;
+    return {.t_max = t_max, .balance = {.enabled = false}};
 }
 
 inline MeshConfig balanced_config(int iterations) {
-    MeshConfig config = quick_config(5);
-    config.balance.enabled = true;
-    config.balance.iterations = iterations;
-    return config;
-}
-
-inline MeshConfig paper_config(int t_max) {
-    MeshConfig config = quick_config(t_max);
-    config.levels = 1;
-    config.sigma_init = 12;
-    config.co = 20;
-    config.delta = 1;
-    config.magnification = 1;
-    config.border = MeshBorder::free;
-    return config;
+    return {.t_max = 5, .balance = {.iterations = iterations}};
 }
 
 // Solves on both backends and compares the results; asserts that the device did the work.

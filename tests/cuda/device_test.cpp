@@ -1,28 +1,17 @@
 // Tests the calls that the backend refuses, and their messages.
 #include "pipeline/data/error.h"
 #include "tests/cuda/cuda_case.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::testing_cuda {
 namespace {
-
-template <typename Call>
-std::string device_error(const Call& call, ErrorKind kind) {
-    try {
-        call();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), kind) << error.what();
-        return error.what();
-    }
-    ADD_FAILURE() << "nothing was thrown";
-    return "";
-}
 
 TEST(CudaDevice, NoDeviceSaysWhyAndWhatToDo) {
     if (shared_mesher()) GTEST_SKIP() << "there is a CUDA device here";
     std::string why;
     EXPECT_TRUE(cuda::list_cuda_devices(&why).empty());
     EXPECT_FALSE(why.empty());
-    const std::string message = device_error([] { cuda::CudaMesher mesher; }, ErrorKind::device);
+    const std::string message = test::error_of([] { cuda::CudaMesher mesher; }, ErrorKind::device);
     EXPECT_NE(message.find(why), std::string::npos) << message;
     EXPECT_NE(message.find("--backend cpu"), std::string::npos) << message;
 }
@@ -33,7 +22,7 @@ TEST(CudaDevice, RefusesTheSequentialMethod) {
     config.method = MeshMethod::sequential;
     const DensityMap density = testing_mesher::flat_density(60, 60);
     const std::string message =
-        device_error([&] { shared_mesher()->solve(density, config, {}); }, ErrorKind::usage);
+        test::error_of([&] { shared_mesher()->solve(density, config, {}); }, ErrorKind::usage);
     EXPECT_NE(message.find("mesh.method"), std::string::npos) << message;
 }
 
@@ -43,7 +32,7 @@ TEST(CudaDevice, RefusesRadiiBeyondItsTables) {
     config.sigma_init = 40;
     const DensityMap density = testing_mesher::flat_density(700, 700);
     const std::string message =
-        device_error([&] { shared_mesher()->solve(density, config, {}); }, ErrorKind::device);
+        test::error_of([&] { shared_mesher()->solve(density, config, {}); }, ErrorKind::device);
     EXPECT_NE(message.find("sigma_init"), std::string::npos) << message;
 }
 

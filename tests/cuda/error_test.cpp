@@ -4,6 +4,7 @@
 #include "cuda/common/arena.h"
 #include "cuda/common/check.h"
 #include "tests/cuda/cuda_case.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::testing_cuda {
 namespace {
@@ -36,16 +37,9 @@ TEST(CudaErrors, EachKindSaysWhichInOneLineAndExitsWith5) {
         {cudaErrorNoKernelImageForDevice, "no code for the device's architecture"},
         {cudaErrorLaunchFailure, "training: "}};
     for (const auto& [status, part] : cases) {
-        try {
-            cuda::check(status, "training");
-            ADD_FAILURE() << part;
-        } catch (const Error& error) {
-            EXPECT_EQ(static_cast<int>(error.kind()), 5);
-            const std::string line = error.what();
-            EXPECT_TRUE(line.starts_with("backend cuda: ") && holds(line, part)) << line;
-            EXPECT_TRUE(holds(line, "training")) << line;
-            EXPECT_FALSE(holds(line, "\n"));
-        }
+        const std::string line = test::error_of([&] { cuda::check(status, "training"); }, ErrorKind{5});
+        EXPECT_TRUE(line.starts_with("backend cuda: ") && holds(line, part)) << line;
+        EXPECT_TRUE(holds(line, "training")) << line;
     }
     EXPECT_NO_THROW(cuda::check(cudaSuccess, "training"));
 }
@@ -71,13 +65,8 @@ TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
             while (cudaMalloc(&data, chunk) == cudaSuccess) taken.push_back(data);
             cudaGetLastError();
         }
-        try {
-            mesher.solve(large, quick_config(3), {});
-            ADD_FAILURE() << "the device was full";
-        } catch (const Error& error) {
-            EXPECT_EQ(error.kind(), ErrorKind::device);
-            EXPECT_TRUE(holds(error.what(), "too little device memory")) << error.what();
-        }
+        EXPECT_CONTAINS(test::error_of([&] { mesher.solve(large, quick_config(3), {}); }, ErrorKind::device),
+                        "too little device memory");
         for (void* const data : taken) cudaFree(data);
     }
     EXPECT_NO_THROW(mesher.solve(large, quick_config(3), {}));

@@ -48,8 +48,7 @@ void expect_same_patch(const DensityMap& density, const BalanceConfig& config,
 }
 
 void expect_same_patches(const DensityMap& density, step::Lattice lattice, int iterations) {
-    BalanceConfig config;
-    config.iterations = iterations;
+    BalanceConfig config{.iterations = iterations};
     unsigned seed = 0;
     for (const Held held : {Held::none, Held::some, Held::most, Held::all, Held::frame})
         for (const float jitter : {0.2f, 1.5f})  // the second one folds the lattice
@@ -63,8 +62,7 @@ void expect_same_patches(const DensityMap& density, step::Lattice lattice, int i
 TEST(CudaSmall, PatchOfALattice) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(91, 73);
-    BalanceConfig config;
-    config.iterations = 1;
+    BalanceConfig config{.iterations = 1};
     expect_same_patch(density, config, made_up_patch(density, {23, 19}, 0.5f, Held::some, 1), "block");
     expect_same_patch(density, config, made_up_patch(density, {45, 37}, 0.5f, Held::frame, 2), "cluster");
 }
@@ -123,8 +121,7 @@ TEST(CudaPatch, StaysAsItIsWhereTheDeviceCannot) {
     const DensityMap density = testing_mesher::bumps_density(90, 80);
     const balance::LatticePatch before = made_up_patch(density, {25, 22}, 1.5f, Held::some, 1);
     balance::LatticePatch patch = before;
-    BalanceConfig config;
-    config.sweeps = 101;
+    BalanceConfig config{.sweeps = 101};
     EXPECT_THROW(shared_mesher()->balance_patch(density, config, patch), Error);
     EXPECT_EQ(patch.mesh.positions, before.mesh.positions);
 }

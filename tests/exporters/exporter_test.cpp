@@ -1,6 +1,5 @@
 #include <cerrno>
 #include <cstring>
-#include <functional>
 #include <map>
 #include <stdexcept>
 
@@ -12,17 +11,6 @@ namespace hexrelief::exporters {
 namespace {
 
 namespace fs = std::filesystem;
-
-ErrorKind kind_of(const std::function<void()>& call, std::string& message) {
-    try {
-        call();
-    } catch (const Error& error) {
-        message = error.what();
-        return error.kind();
-    }
-    ADD_FAILURE() << "no Error";
-    return ErrorKind::usage;
-}
 
 TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
     for (const auto& [path, name] : std::map<std::string, std::string>{{"a/b.glb", "glb"},
@@ -57,9 +45,7 @@ TEST(Exporter, TheOriginMayBeAtTheBaseOfTheMesh) {
     const Calibration camera = sample_camera();
     Scene scene{&mesh, &texture, "test", ""};
     scene.camera = &camera;
-    ExportConfig config;
-    config.origin = FileOrigin::base;
-    config.copyright = "a photographer";
+    ExportConfig config{.origin = FileOrigin::base, .copyright = "a photographer"};
     for (const char* const name : {"a.glb", "a.gltf", "a.obj", "a.ply", "a.usdz"}) {
         export_scene(scene, config, folder / name);
         const inspect::MeshDescription file = describe_mesh(folder / name);
@@ -68,7 +54,7 @@ TEST(Exporter, TheOriginMayBeAtTheBaseOfTheMesh) {
         EXPECT_NEAR(file.min.z + file.max.z, 0, 2e-3) << name;
         EXPECT_NEAR(file.max.y, 1, 1e-3) << name;
     }
-    EXPECT_NE(contents(folder / "a.gltf").find("a photographer"), std::string::npos);
+    EXPECT_CONTAINS(contents(folder / "a.gltf"), "a photographer");
     config.origin = FileOrigin::automatic;
     for (const auto& [name, low] : {std::pair{"b.glb", -0.5f}, {"b.usdz", 0.0f}}) {
         export_scene(scene, config, folder / name);
@@ -91,7 +77,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
         if (const auto begin = begins.find(extension); begin != begins.end()) {
             EXPECT_TRUE(contents(path).starts_with(begin->second)) << extension;
         }
-        const inspect::MeshDescription described = exporters::describe_mesh(path);
+        const inspect::MeshDescription described = describe_mesh(path);
         EXPECT_EQ("." + described.format, extension);
         EXPECT_EQ(described.vertices, 30) << extension;
     }
@@ -99,22 +85,15 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
 
 TEST(Exporter, UnknownExtensionIsUsageErrorThatListsAll) {
     for (const char* path : {"a.none", "a", "a.", ".glb", "a.glb/"}) {
-        std::string message;
-        EXPECT_EQ(kind_of([&] { export_format(path); }, message), ErrorKind::usage) << path;
-        EXPECT_NE(message.find("use one of " + export_extensions()), std::string::npos) << message;
+        EXPECT_CONTAINS(test::error_of([&] { export_format(path); }, ErrorKind::usage),
+                        "use one of " + export_extensions());
     }
 }
 
 TEST(Exporter, EmptyMeshIsInputErrorAndWritesNothing) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh;
-    std::string message;
-    EXPECT_EQ(kind_of(
-                  [&] {
-                      export_scene({&mesh, nullptr, "", ""}, {}, folder / "a.glb");
-                  },
-                  message),
-              ErrorKind::input);
+    test::error_of([&] { export_scene({&mesh, nullptr, "", ""}, {}, folder / "a.glb"); });
     EXPECT_EQ(folder.entries(), 0);
 }
 
@@ -124,9 +103,8 @@ TEST(Exporter, BrokenMeshIsBug) {
     outside.triangles[3][1] = 16;
     short_normals.normals.pop_back();
     nan.positions[2].y = std::nanf("");
-    for (const SurfaceMesh* mesh : {&outside, &short_normals, &nan}) {
+    for (const SurfaceMesh* mesh : {&outside, &short_normals, &nan})
         EXPECT_THROW(export_scene({mesh, nullptr, "", ""}, {}, folder / "a.glb"), std::logic_error);
-    }
     const SurfaceMesh sound = sample_mesh(4, 4);
     EXPECT_THROW(export_scene({&sound, nullptr, "", "[1]"}, {}, folder / "a.glb"), std::logic_error);
     EXPECT_EQ(folder.entries(), 0);
@@ -182,20 +160,18 @@ TEST_P(EveryFormat, SameBytesTwice) {
 }
 
 TEST_P(EveryFormat, MissingFolderIsOutputErrorWithPathAndReason) {
-    std::string message;
     const fs::path path = folder_ / "missing" / name_;
-    EXPECT_EQ(kind_of([&] { export_scene(scene_, {}, path); }, message), ErrorKind::output);
-    EXPECT_NE(message.find(path.string()), std::string::npos) << message;
-    EXPECT_NE(message.find(std::strerror(ENOENT)), std::string::npos) << message;
+    const std::string message = test::error_of([&] { export_scene(scene_, {}, path); }, ErrorKind::output);
+    EXPECT_CONTAINS(message, path.string());
+    EXPECT_CONTAINS(message, std::strerror(ENOENT));
     EXPECT_EQ(folder_.entries(), 0);
 }
 
 TEST_P(EveryFormat, FullDeviceIsOutputErrorAndLeavesNothing) {
     if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
     fs::create_symlink("/dev/full", folder_ / name_);
-    std::string message;
-    EXPECT_EQ(kind_of([&] { export_scene(scene_, {}, folder_ / name_); }, message), ErrorKind::output);
-    EXPECT_NE(message.find(std::strerror(ENOSPC)), std::string::npos) << message;
+    EXPECT_CONTAINS(test::error_of([&] { export_scene(scene_, {}, folder_ / name_); }, ErrorKind::output),
+                    std::strerror(ENOSPC));
     EXPECT_EQ(folder_.entries(), 1);  // the link
     EXPECT_TRUE(fs::is_character_file("/dev/full"));
 }
@@ -204,9 +180,8 @@ TEST_P(EveryFormat, FailureOfTheLastFileLeavesNone) {
     const auto paths = export_scene(scene_, {}, folder_ / name_);
     for (const fs::path& path : paths) fs::remove(path);
     fs::create_directory(paths.back());  // a folder with the name of the last file
-    std::string message;
-    EXPECT_EQ(kind_of([&] { export_scene(scene_, {}, folder_ / name_); }, message), ErrorKind::output);
-    EXPECT_NE(message.find(paths.back().string()), std::string::npos) << message;
+    EXPECT_CONTAINS(test::error_of([&] { export_scene(scene_, {}, folder_ / name_); }, ErrorKind::output),
+                    paths.back().string());
     EXPECT_EQ(folder_.entries(), 1);
 }
 

@@ -1,18 +1,15 @@
 // A small surface, and folders to write it to, for the exporters' tests.
 #pragma once
 
-#include <gtest/gtest.h>
-#include <stdlib.h>
-
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
 #include "exporters/exporter.h"
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief::exporters {
 
@@ -55,13 +52,7 @@ inline void add_provenance(SurfaceMesh& mesh) {
 
 // Returns a camera that sees that surface with disparities of 2.8 to 3.8 px.
 inline Calibration sample_camera() {
-    Calibration camera;
-    camera.focal_px = 64;
-    camera.baseline_m = 0.1;
-    camera.cx = 32;
-    camera.cy = 24;
-    camera.metric = true;
-    return camera;
+    return {.focal_px = 64, .cx = 32, .cy = 24, .baseline_m = 0.1, .metric = true};
 }
 
 // Returns a texture whose red grows to the right and green downwards; its blue is a checkerboard.
@@ -87,35 +78,15 @@ inline std::vector<const MeshFormat*> formats_of_files() {
     return formats;
 }
 
-// A temporary folder, removed with its contents.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string pattern = ::testing::TempDir() + "/hexrelief-XXXXXX";
-        path_ = ::mkdtemp(pattern.data());
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-    std::ptrdiff_t entries() const {
-        return std::distance(std::filesystem::directory_iterator(path_),
-                             std::filesystem::directory_iterator());
-    }
-
-  private:
-    std::filesystem::path path_;
-};
+using TemporaryFolder = test::Folder;
 
 inline std::string contents(const std::filesystem::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    EXPECT_TRUE(stream) << path;
-    return {std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_TRUE(std::filesystem::exists(path)) << path;
+    return test::read_text(path);
 }
 
 inline void put(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
+    test::write_text(path, text);
 }
 
 }  // namespace hexrelief::exporters

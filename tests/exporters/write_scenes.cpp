@@ -13,9 +13,8 @@ namespace {
 
 nlohmann::json positions_of(const hexrelief::SurfaceMesh& mesh) {
     nlohmann::json out = nlohmann::json::array();
-    for (const hexrelief::Vec3f& p : mesh.positions) {
+    for (const hexrelief::Vec3f& p : mesh.positions)
         for (const float value : {p.x, p.y, p.z}) out.push_back(value);
-    }
     return out;
 }
 
@@ -130,9 +129,8 @@ void write_all(const std::filesystem::path& folder) {
         {"meshopt", hexrelief::exporters::Compression::meshopt}};
     for (const auto& [name, compression] : compressions) {
         const std::string stem = name;
-        hexrelief::exporters::ExportConfig config;
-        config.compression = compression;
-        config.normals = hexrelief::exporters::NormalsKind::always;
+        hexrelief::exporters::ExportConfig config{.compression = compression,
+                                                  .normals = hexrelief::exporters::NormalsKind::always};
         out.write(stem + ".glb", small, &colour, config);
         out.write(stem + "-bare.glb", small, nullptr, config);
         out.write(stem + "-large.glb", large, &colour, config, false);
@@ -173,8 +171,7 @@ void write_all(const std::filesystem::path& folder) {
         none.normals = hexrelief::exporters::NormalsKind::never;
         out.write(stem + "-no-image.glb", small, &colour, none);
     }
-    hexrelief::exporters::ExportConfig body;
-    body.solid = hexrelief::exporters::SolidKind::base;
+    hexrelief::exporters::ExportConfig body{.solid = hexrelief::exporters::SolidKind::base};
     out.write_body("body.glb", small, &colour, body);
     body.solid = hexrelief::exporters::SolidKind::shell;
     out.write_body("split-body.gltf", small, nullptr, body);

@@ -1,7 +1,5 @@
 #include "tests/fuzz/targets.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -25,28 +23,12 @@
 #include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/stereo_reader.h"
 #include "pipeline/readers/windows/map_windows.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Folder {
-  public:
-    Folder() : path_(fs::temp_directory_path() / ("hexrelief-fuzz-" + std::to_string(getpid()))) {
-        fs::create_directories(path_);
-    }
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
 
 // Each refuses for itself what it does not like.
 template <typename Reader>
@@ -144,7 +126,7 @@ void describe(Bytes bytes, const std::string& name) {
 }  // namespace
 
 std::string file_of(Bytes bytes, const std::string& extension) {
-    static const Folder folder;
+    static const test::Folder folder;
     const fs::path path = folder.path() / ("unit" + extension);
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -2,14 +2,13 @@
 #include <hexrelief/run.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "pipeline/config/options.h"
 #include "pipeline/job/runner.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief {
 namespace {
@@ -22,15 +21,7 @@ std::string sample(const std::string& name) {
 
 class Library : public testing::Test {
   protected:
-    Library() : folder_(fs::path(testing::TempDir()) / ("library-" + std::to_string(getpid()))) {
-        fs::create_directories(folder_);
-    }
-    ~Library() override { fs::remove_all(folder_); }
     std::string file(const std::string& name) const { return (folder_ / name).string(); }
-    static std::string bytes(const std::string& path) {
-        std::ifstream in(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), {}};
-    }
     // What the command line writes.
     std::string expected(const std::vector<std::string>& settings, const std::string& name = "expected.glb") {
         job::RunRequest request;
@@ -39,7 +30,7 @@ class Library : public testing::Test {
         request.config.input.calibration.file = sample("calib.txt");
         request.outputs = {file(name)};
         job::run_job(request);
-        return bytes(file(name));
+        return test::read_text(file(name));
     }
     template <typename Call>
     static std::pair<ErrorKind, std::string> refusal(const Call& call) {
@@ -51,7 +42,7 @@ class Library : public testing::Test {
         return {ErrorKind::device, "nothing was refused"};
     }
 
-    const fs::path folder_;
+    const test::Folder folder_;
     const Disparities disparity_ = read_disparities(sample("disparity.pfm"));
     const Picture left_ = read_picture(sample("left.png"));
     const Camera camera_{.file = sample("calib.txt")};
@@ -61,12 +52,13 @@ class Library : public testing::Test {
 TEST_F(Library, WritesTheBytesOfTheCommandLine) {
     const Mesh made = mesh(disparity_.view(), left_.view(), camera_, coarse_);
     EXPECT_EQ(made.save(file("a.glb")), std::vector<std::string>{file("a.glb")});
-    EXPECT_EQ(bytes(file("a.glb")), expected({"mesh.spacing_px=12"}));
+    EXPECT_EQ(test::read_text(file("a.glb")), expected({"mesh.spacing_px=12"}));
     made.save(file("b.glb"), {.settings = {{"export.compression", "draco"}, {"export.tolerance_px", "0.2"}}});
-    EXPECT_EQ(bytes(file("b.glb")),
+    EXPECT_EQ(test::read_text(file("b.glb")),
               expected({"mesh.spacing_px=12", "export.compression=draco", "export.tolerance_px=0.2"}));
     made.save(file("c.glb"));
-    EXPECT_EQ(bytes(file("c.glb")), bytes(file("a.glb"))) << "settings are those of one call";
+    EXPECT_EQ(test::read_text(file("c.glb")), test::read_text(file("a.glb")))
+        << "settings are those of one call";
 }
 
 TEST_F(Library, MatchesAsTheCommandLineDoes) {
@@ -81,7 +73,7 @@ TEST_F(Library, MatchesAsTheCommandLineDoes) {
     const Disparities found = compute_disparity(left_.view(), right.view(), camera_);
     mesh(found.view(), left_.view(), camera_, {.settings = {{"surface.views", "left"}}})
         .save(file("found.glb"));
-    EXPECT_EQ(bytes(file("found.glb")), bytes(file("pair.glb")));
+    EXPECT_EQ(test::read_text(file("found.glb")), test::read_text(file("pair.glb")));
 }
 
 TEST_F(Library, MatchesPicturesInMemoryAtTheirOwnSize) {
@@ -128,7 +120,7 @@ TEST_F(Library, MeshesDepthsAndMasksAsTheCommandLineDoes) {
     input.confidence = {confidence.data(), width, height, MapView::Samples::uint8};
     const Mesh made = mesh_input(input, {}, options);
     made.save(file("arrays.glb"));
-    EXPECT_EQ(bytes(file("arrays.glb")), bytes(file("files.glb")));
+    EXPECT_EQ(test::read_text(file("arrays.glb")), test::read_text(file("files.glb")));
     EXPECT_LT(made.face_count(), mesh_input({.depth = input.depth}, {}, options).face_count());
     input.disparity = disparity_.view();
     EXPECT_EQ(refusal([&] { mesh_input(input); }).first, ErrorKind::usage);
@@ -149,12 +141,12 @@ TEST_F(Library, RunsFromFilesToFiles) {
     check_run(files, options);
     EXPECT_FALSE(fs::exists(file("run.glb")));
     const RunSummary summary = run(files, options);
-    EXPECT_EQ(bytes(file("run.glb")), reference);
+    EXPECT_EQ(test::read_text(file("run.glb")), reference);
     ASSERT_EQ(summary.outputs.size(), 1u);
     EXPECT_EQ(summary.outputs[0].bytes, reference.size());
     EXPECT_TRUE(summary.is_metric && !summary.lacks_color && summary.budget.kind.empty());
     EXPECT_GT(summary.farthest, summary.nearest);
-    EXPECT_NE(bytes(file("run.json")).find("\"triangles\": " + std::to_string(summary.triangles)),
+    EXPECT_NE(test::read_text(file("run.json")).find("\"triangles\": " + std::to_string(summary.triangles)),
               std::string::npos);
     EXPECT_EQ(begun.size(), ended.size());
     EXPECT_EQ(begun.front(), "input");
@@ -227,7 +219,7 @@ TEST_F(Library, TakesRowsWithGapsAndIntegers) {
                        2 * static_cast<std::size_t>(width + 5)};
     mesh(gaps, left_.view(), camera_, coarse_).save(file("a.ply"));
     mesh({rounded.data(), width, height}, left_.view(), camera_, coarse_).save(file("b.ply"));
-    EXPECT_EQ(bytes(file("a.ply")), bytes(file("b.ply")));
+    EXPECT_EQ(test::read_text(file("a.ply")), test::read_text(file("b.ply")));
 }
 
 TEST_F(Library, RefusesAsTheCommandLineDoes) {
@@ -250,7 +242,7 @@ TEST_F(Library, RefusesAsTheCommandLineDoes) {
     EXPECT_EQ(refusal([&] { made.save(file("a.xyz")); }).first, ErrorKind::usage);
     EXPECT_EQ(refusal([&] { made.save("/proc/none/a.glb"); }).first, ErrorKind::output);
     EXPECT_EQ(refusal([&] { made.save(file("a.glb"), coarse_); }).first, ErrorKind::usage);
-    EXPECT_TRUE(fs::is_empty(folder_));
+    EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 TEST_F(Library, TellsProgressAndStopsWhenTold) {

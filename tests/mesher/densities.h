@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <ostream>
 #include <string>
-#include <vector>
 
 #include "mesher/mesher.h"
 #include "tests/mesher/regular_lattice.h"
@@ -27,6 +26,18 @@ DensityMap leaves_density(int width, int height, bool hanging);
 DensityMap two_discs_density(int width, int height);  // in opposite corners, nothing else
 DensityMap noise_density(int width, int height, std::uint32_t seed);
 DensityMap bright_pixel_density(int width, int height, int x, int y);
+
+// Returns the paper's schedule: one level, free borders, and no balancing.
+inline MeshConfig paper_config(int t_max) {
+    return {.levels = 1,
+            .t_max = t_max,
+            .sigma_init = 12,
+            .co = 20,
+            .delta = 1,
+            .magnification = 1,
+            .border = MeshBorder::free,
+            .balance = {.enabled = false}};
+}
 
 HexMesh2D solve(const DensityMap& density, const MeshConfig& config, int threads = 1);
 

@@ -11,6 +11,7 @@
 #include "mesher/quality/quality.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
+#include "tests/mesher/densities.h"
 
 namespace hexrelief::mesher {
 namespace {
@@ -38,11 +39,7 @@ const std::vector<PaperMap> kLargeMaps = {{"aloeL", "middlebury2006/aloe-full/di
 constexpr double kPaperMeanCost = 21.4;  // of the paper's GPU over the six small maps
 
 stages::DensityConfig paper_density() {
-    stages::DensityConfig config;
-    config.scale_percentile = 100;
-    config.background_method = stages::BackgroundMethod::fraction;
-    config.floor = 0;
-    return config;
+    return {.scale_percentile = 100, .background_method = stages::BackgroundMethod::fraction, .floor = 0};
 }
 
 class Middlebury : public testing::Test {
@@ -61,8 +58,7 @@ class Middlebury : public testing::Test {
         const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
         double sum = 0;
         for (const PaperMap& paper : maps) {
-            readers::DisparityFileConfig file;
-            file.scale = paper.scale;
+            readers::DisparityFileConfig file{.scale = paper.scale};
             const DisparityMap map = readers::read_disparity_map(folder_ / paper.file, file);
             const DensityMap density = stages::compute_density(map, density_config);
             const quality::MeshQuality quality =
@@ -82,25 +78,11 @@ class Middlebury : public testing::Test {
 };
 
 TEST_F(Middlebury, PaperScheduleReachesThePapersQuality) {
-    MeshConfig config;
-    config.levels = 1;
-    config.t_max = 1500;
-    config.sigma_init = 12;
-    config.co = 20;
-    config.delta = 1;
-    config.magnification = 1;
-    config.border = MeshBorder::free;
-    config.balance.enabled = false;
-    EXPECT_LE(mean_cost(kSmallMaps, config, 3), kPaperMeanCost);
+    EXPECT_LE(mean_cost(kSmallMaps, testing_mesher::paper_config(1500), 3), kPaperMeanCost);
 }
 
 MeshConfig unbalanced() {
-    MeshConfig config;
-    config.prr = 2;
-    config.balance.enabled = false;
-    config.t_max = 60;
-    config.magnification = 1.3;
-    return config;
+    return {.t_max = 60, .prr = 2, .magnification = 1.3, .balance = {.enabled = false}};
 }
 
 TEST_F(Middlebury, UnbalancedOnSmallMaps) {

@@ -3,8 +3,6 @@
 // sums are 64-bit. It shares nothing with the mesher except the configuration and the data.
 #pragma once
 
-#include <vector>
-
 #include "mesher/common/mesh_config.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"

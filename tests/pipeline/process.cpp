@@ -1,15 +1,12 @@
 #include "tests/pipeline/process.h"
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 extern char** environ;
@@ -18,8 +15,7 @@ namespace hexrelief::test {
 namespace {
 
 pid_t spawn(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
-    std::vector<std::string> words = {HEXRELIEF_PROGRAM};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> words = joined({HEXRELIEF_PROGRAM}, arguments);
     std::vector<char*> pointers;
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
@@ -47,14 +43,13 @@ pid_t spawn(const std::vector<std::string>& arguments, const std::string& out, c
 
 }  // namespace
 
-ProcessResult run_program(const std::vector<std::string>& arguments) {
+ProcessResult run_program(const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& more_arguments) {
     const TemporaryFolder folder;
-    const pid_t process = spawn(arguments, folder / "out", folder / "err");
-    ProcessResult result;
-    result.exit_code = wait_for_exit(process);
-    result.out = read_text(folder / "out");
-    result.err = read_text(folder / "err");
-    return result;
+    const pid_t process = spawn(joined(arguments, more_arguments), folder / "out", folder / "err");
+    return {.exit_code = wait_for_exit(process),
+            .out = read_text(folder / "out"),
+            .err = read_text(folder / "err")};
 }
 
 void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part) {
@@ -64,7 +59,7 @@ void expect_failure(const std::vector<std::string>& arguments, int exit_code, co
     EXPECT_EQ(result.exit_code, exit_code) << shown << "\n" << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << shown << "\n" << result.err;
     EXPECT_TRUE(result.err.starts_with("hexrelief: ")) << result.err;
-    EXPECT_NE(result.err.find(part), std::string::npos) << shown << "\n" << result.err << "lacks " << part;
+    EXPECT_CONTAINS(result.err, part) << shown;
     EXPECT_EQ(result.out, "") << shown;
 }
 
@@ -82,30 +77,9 @@ int wait_for_exit(pid_t process) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
-TemporaryFolder::TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hexrelief-test-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a temporary folder");
-    path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
-std::size_t TemporaryFolder::entries() const {
-    std::size_t count = 0;
-    for ([[maybe_unused]] const auto& entry : std::filesystem::recursive_directory_iterator(path_)) ++count;
-    return count;
-}
-
-std::string read_text(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream(path, std::ios::binary) << text;
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
 }
 
 std::string sample(const std::string& name) {
@@ -113,10 +87,9 @@ std::string sample(const std::string& name) {
 }
 
 std::vector<std::string> pair_arguments(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {
-        "run", "--left", sample("left.png"), "--right", sample("right.png"), "--calib", sample("calib.txt")};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return joined(
+        {"run", "--left", sample("left.png"), "--right", sample("right.png"), "--calib", sample("calib.txt")},
+        more);
 }
 
 }  // namespace hexrelief::test

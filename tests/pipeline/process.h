@@ -3,9 +3,11 @@
 
 #include <sys/types.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief::test {
 
@@ -14,7 +16,11 @@ struct ProcessResult {
     std::string out, err;
 };
 
-ProcessResult run_program(const std::vector<std::string>& arguments);
+ProcessResult run_program(const std::vector<std::string>& arguments,
+                          const std::vector<std::string>& more_arguments = {});
+
+// Returns the words of both.
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more);
 
 // Expects this exit code, a single line on stderr that starts with the program's name and contains `part`,
 // and nothing on stdout.
@@ -27,23 +33,11 @@ int run_program_into(const std::string& out, const std::vector<std::string>& arg
 pid_t start_program(const std::vector<std::string>& arguments);
 int wait_for_exit(pid_t process);
 
-// A temporary folder, removed with its contents at the end.
-class TemporaryFolder {
+// A temporary folder whose files are named as on a command line.
+class TemporaryFolder : public Folder {
   public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-    const std::filesystem::path& path() const { return path_; }
-    std::size_t entries() const;
-
-  private:
-    std::filesystem::path path_;
+    std::string operator/(const std::string& name) const { return (path() / name).string(); }
 };
-
-std::string read_text(const std::filesystem::path& path);
-void write_text(const std::filesystem::path& path, const std::string& text);
 
 // Returns the path of a file of the synthetic pair: left.png, right.png, disparity.pfm, calib.txt.
 std::string sample(const std::string& name);

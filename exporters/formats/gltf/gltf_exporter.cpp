@@ -44,11 +44,10 @@ std::string percent_encoded(const std::string& name) {
     std::string out;
     for (const char c : name) {
         const auto byte = static_cast<unsigned char>(c);
-        if (byte < 128 && (std::isalnum(byte) || c == '-' || c == '_' || c == '.' || c == '~')) {
+        if (byte < 128 && (std::isalnum(byte) || c == '-' || c == '_' || c == '.' || c == '~'))
             out += c;
-        } else {
+        else
             out += {'%', kHex[byte >> 4], kHex[byte & 15]};
-        }
     }
     return out;
 }
@@ -248,16 +247,14 @@ GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const Gl
     const bool embedded = names.texture_name.empty();
     GltfParts parts = build_parts(scene, config, embedded, out.texture);
     std::stringstream stream;
-    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&parts.model, stream, false, false)) {
+    if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&parts.model, stream, false, false))
         throw std::logic_error("tinygltf did not serialise the scene");
-    }
     // tinygltf's stream writer can only embed buffers and images as base64, copies them several times, and
     // cuts integers in extras to 32 bits: so these parts are added here.
     auto json = Json::parse(stream.str());
     add_buffers(json, parts, names.buffer_name);
-    if (!out.texture.bytes.empty() && !embedded) {
+    if (!out.texture.bytes.empty() && !embedded)
         json["images"][0] = {{"name", "texture"}, {"uri", percent_encoded(names.texture_name)}};
-    }
     if (!scene.extras_json.empty()) {
         auto extras = Json::parse(scene.extras_json, nullptr, false);
         if (!extras.is_object()) throw std::logic_error("the scene's extras are not a JSON object");

@@ -227,9 +227,8 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     if (short_indices(vertices)) {
         std::vector<std::uint16_t> indices;
         indices.reserve(mesh.triangles.size() * 3);
-        for (const Triangle& t : mesh.triangles) {
+        for (const Triangle& t : mesh.triangles)
             for (const std::uint32_t i : t) indices.push_back(static_cast<std::uint16_t>(i));
-        }
         view = add_view(parts, indices.data(), indices.size() * sizeof(indices[0]),
                         TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
     } else {

@@ -47,15 +47,14 @@ void find_views(const StereoCalibration& calibration, cv::Size size, View& left,
 
 Calibration calibration_of(const cv::Mat& left, const cv::Mat& right, cv::Size size) {
     constexpr double pixel_centre = 0.5;  // OpenCV counts the centre of pixel 0 as 0
-    Calibration camera;
-    camera.focal_px = left.at<double>(0, 0);
-    camera.cx = left.at<double>(0, 2) + pixel_centre;
-    camera.cy = left.at<double>(1, 2) + pixel_centre;
-    camera.baseline_m = -right.at<double>(0, 3) / right.at<double>(0, 0);
-    camera.doffs_px = right.at<double>(0, 2) - left.at<double>(0, 2);
-    camera.metric = true;
-    camera.width = size.width;
-    camera.height = size.height;
+    Calibration camera{.focal_px = left.at<double>(0, 0),
+                       .cx = left.at<double>(0, 2) + pixel_centre,
+                       .cy = left.at<double>(1, 2) + pixel_centre,
+                       .baseline_m = -right.at<double>(0, 3) / right.at<double>(0, 0),
+                       .doffs_px = right.at<double>(0, 2) - left.at<double>(0, 2),
+                       .metric = true,
+                       .width = size.width,
+                       .height = size.height};
     if (right.at<double>(1, 3) != 0)
         refuse("its cameras stand one above the other (T); side by side is needed");
     if (!(camera.focal_px > 0) || !std::isfinite(camera.focal_px) || !std::isfinite(camera.cx) ||

@@ -195,11 +195,10 @@ std::vector<TextureChoice> texture_choices(const TextureLimits& limits) {
     const auto [max_px, quality] = limits.configured;
     std::vector<TextureChoice> choices{limits.configured};
     const bool falls = limits.may_lose_quality && quality > kLeastQuality;
-    if (falls) {
+    if (falls)
         for (int lower = (quality - 1) / kQualityStep * kQualityStep; lower >= kLeastQuality;
              lower -= kQualityStep)
             choices.push_back({max_px, lower});
-    }
     if (!limits.may_shrink) return choices;
     for (int step = 1;; ++step) {
         const int side = static_cast<int>(std::lround(limits.longest_px * std::pow(0.5, 0.5 * step)));

@@ -10,7 +10,6 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
-#include "pipeline/job/log/run_log.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 #include "pipeline/stages/disparity_range.h"
 

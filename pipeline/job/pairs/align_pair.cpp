@@ -97,9 +97,8 @@ bool is_wrongly_exchanged(const StereoPair& views, const Alignment& found, int t
         return false;
     StereoPair aligned = alignment::aligned_pair(views, found, threads).pair;
     std::swap(aligned.left, aligned.right);
-    DisparityBounds as_given;
-    as_given.least_px = -found.disparities.largest_px;
-    as_given.largest_px = -found.disparities.least_px;
+    DisparityBounds as_given{.least_px = -found.disparities.largest_px,
+                             .largest_px = -found.disparities.least_px};
     return !checks::is_surely_right(match_behind(aligned, as_given, threads));
 }
 

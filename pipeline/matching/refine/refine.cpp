@@ -6,12 +6,10 @@
 #include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
-#include "pipeline/matching/refine/match_colors.h"
 #include "pipeline/matching/refine/side_step.h"
 #include "pipeline/matching/refine/slope_step.h"
 #include "pipeline/matching/refine/slopes.h"
 #include "pipeline/matching/refine/vote_step.h"
-#include "pipeline/matching/refine/voter_step.h"
 #include "pipeline/matching/refine/votes.h"
 
 namespace hexrelief::matching {

@@ -115,13 +115,11 @@ void require_one_focal(const CalibrationText& source, std::string_view key, doub
 }
 
 Calibration from_projections(const Projection& left, const Projection& right) {
-    Calibration calibration;
-    calibration.focal_px = left[0];
-    calibration.cx = left[2] + kPixelCentre;
-    calibration.cy = left[6] + kPixelCentre;
-    calibration.baseline_m = left[3] / left[0] - right[3] / right[0];
-    calibration.doffs_px = right[2] - left[2];
-    return calibration;
+    return {.focal_px = left[0],
+            .cx = left[2] + kPixelCentre,
+            .cy = left[6] + kPixelCentre,
+            .baseline_m = left[3] / left[0] - right[3] / right[0],
+            .doffs_px = right[2] - left[2]};
 }
 
 std::vector<double> upper_left(const std::vector<double>& m) {
@@ -146,13 +144,11 @@ Pinhole from_matrix(const CalibrationText& source, std::string_view key, const s
 Calibration from_pinhole(CalibrationText& source, std::string_view key, const Pinhole& camera,
                          double pixel_centre) {
     source.has_baseline = false;
-    Calibration calibration;
-    calibration.focal_px = require_square(source, key, camera.fx, camera.fy);
-    calibration.cx = camera.cx + pixel_centre;
-    calibration.cy = camera.cy + pixel_centre;
-    calibration.width = camera.width;
-    calibration.height = camera.height;
-    return calibration;
+    return {.focal_px = require_square(source, key, camera.fx, camera.fy),
+            .cx = camera.cx + pixel_centre,
+            .cy = camera.cy + pixel_centre,
+            .width = camera.width,
+            .height = camera.height};
 }
 
 // The file is its number of cameras, and of each id, model, width, height and the parameters.

@@ -144,9 +144,8 @@ void check_possible(const codec::CalibrationText& source, const Calibration& cal
     }
     const bool in_the_middle = std::isnan(calibration.cx) && std::isnan(calibration.cy);
     if (!(in_the_middle || (std::isfinite(calibration.cx) && std::isfinite(calibration.cy))) ||
-        !std::isfinite(calibration.doffs_px)) {
+        !std::isfinite(calibration.doffs_px))
         codec::refuse(source.path, "principal point and disparity offset must be finite numbers");
-    }
 }
 
 }  // namespace

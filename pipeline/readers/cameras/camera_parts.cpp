@@ -196,13 +196,11 @@ Calibration CameraParts::from_q() {
         refuse_key(source_, "Q", "has 0 in row 4, column 3 (1 / baseline): not of a horizontal stereo pair");
     require_one_focal(source_, "Q's row 1 and row 2", q[0], q[5]);
     if (q[0] == 0) refuse_key(source_, "Q", "has 0 in row 1, column 1; it must be 1");
-    Calibration calibration;
-    calibration.focal_px = q[11] / q[0];
-    calibration.cx = -q[3] / q[0] + kPixelCentre;
-    calibration.cy = -q[7] / q[0] + kPixelCentre;
-    calibration.baseline_m = q[0] / q[14];
-    calibration.doffs_px = q[15] / q[14];
-    return calibration;
+    return {.focal_px = q[11] / q[0],
+            .cx = -q[3] / q[0] + kPixelCentre,
+            .cy = -q[7] / q[0] + kPixelCentre,
+            .baseline_m = q[0] / q[14],
+            .doffs_px = q[15] / q[14]};
 }
 
 Calibration CameraParts::from_projections_of_both() {

@@ -306,9 +306,7 @@ Rigid CameraParts::movement() const {
 }
 
 StereoCalibration CameraParts::pair() {
-    StereoCalibration pair;
-    pair.left = camera(left_side());
-    pair.right = camera(Side::right);
+    StereoCalibration pair{.left = camera(left_side()), .right = camera(Side::right)};
     const Rigid moved = movement();
     pair.rotation = moved.rotation;
     pair.translation = moved.translation;

@@ -35,13 +35,11 @@ Lines assignments(const CalibrationText& source) {
         line = trim(before_hash(line));
         if (line.empty()) continue;
         const std::size_t equals = line.find('=');
-        if (equals == std::string_view::npos) {
+        if (equals == std::string_view::npos)
             refuse_key(source, "line " + excerpt(line), "is no key=value; correct or remove it");
-        }
         const std::string key(trim(line.substr(0, equals)));
-        if (!entries.emplace(key, trim(line.substr(equals + 1))).second) {
+        if (!entries.emplace(key, trim(line.substr(equals + 1))).second)
             refuse_key(source, excerpt(key), "is given twice; keep one");
-        }
     }
     return entries;
 }
@@ -53,9 +51,8 @@ struct Camera {
 // Parses "[f 0 cx; 0 f cy; 0 0 1]".
 Camera read_camera(CalibrationText& source, const std::string& key, std::string_view text) {
     std::string plain(text);
-    for (char& c : plain) {
+    for (char& c : plain)
         if (c == '[' || c == ']' || c == ';') c = ' ';
-    }
     const auto parts = words(plain);
     if (parts.size() != 9) {
         refuse_key(source, key,
@@ -63,9 +60,8 @@ Camera read_camera(CalibrationText& source, const std::string& key, std::string_
     }
     double m[9];
     for (std::size_t i = 0; i < 9; ++i) m[i] = require_number(source, key, parts[i]);
-    if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+    if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
         refuse_key(source, key, "is no camera matrix; [f 0 cx; 0 f cy; 0 0 1] is expected");
-    }
     return {require_square(source, key, m[0], m[4]), m[2], m[5]};
 }
 
@@ -104,9 +100,8 @@ Lines read_lines(const CalibrationText& source) {
 
 Projection read_projection(CalibrationText& source, const std::string& key, std::string_view text) {
     const auto parts = words(text);
-    if (parts.size() != 12) {
+    if (parts.size() != 12)
         refuse_key(source, key, "has " + std::to_string(parts.size()) + " numbers; a 3x4 matrix has 12");
-    }
     Projection p{};
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = require_number(source, key, parts[i]);
     if (!(p[0] > 0)) refuse_key(source, key, "has a focal length that is not above 0");
@@ -176,11 +171,10 @@ std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     };
     const Camera left = read_camera(source, "cam0", require("cam0"));
 
-    Calibration calibration;
-    calibration.focal_px = left.focal;
-    calibration.cx = left.cx + kPixelCentre;
-    calibration.cy = left.cy + kPixelCentre;
-    calibration.baseline_m = require_number(source, "baseline", require("baseline")) / 1000;
+    Calibration calibration{.focal_px = left.focal,
+                            .cx = left.cx + kPixelCentre,
+                            .cy = left.cy + kPixelCentre,
+                            .baseline_m = require_number(source, "baseline", require("baseline")) / 1000};
     if (const auto doffs = entries.find("doffs"); doffs != entries.end()) {
         calibration.doffs_px = require_number(source, "doffs", doffs->second);
     } else if (const auto right = entries.find("cam1"); right != entries.end()) {

@@ -139,22 +139,20 @@ std::vector<float> depths(std::vector<float> samples, Formula formula) {
 }
 
 DepthFile from_depths(Samples samples, const Unit& unit) {
-    DepthFile file;
-    file.believed = unit.name;
-    file.map.step = samples.step / unit.per_m;
-    file.map.values = depths(std::move(samples.values), [&](double sample) { return sample / unit.per_m; });
-    return file;
+    return {.map = {.values =
+                        depths(std::move(samples.values), [&](double sample) { return sample / unit.per_m; }),
+                    .step = samples.step / unit.per_m},
+            .believed = unit.name};
 }
 
 DepthFile from_inverse_depths(Samples samples, const Unit& unit) {
     // Samples in 1 / mm are thousandths of those in 1 / m; a given number divides the samples.
     const double scale = unit.name == "mm" ? unit.per_m : 1 / unit.per_m;
-    DepthFile file;
-    file.believed = "inverse depth, 1/(" + unit.name + ")";
-    file.map.is_inverse = true;
-    file.map.step = samples.step * scale;
-    file.map.values = depths(std::move(samples.values), [&](double sample) { return 1 / (sample * scale); });
-    return file;
+    return {.map = {.values = depths(std::move(samples.values),
+                                     [&](double sample) { return 1 / (sample * scale); }),
+                    .step = samples.step * scale,
+                    .is_inverse = true},
+            .believed = "inverse depth, 1/(" + unit.name + ")"};
 }
 
 // Ends the description of an affine map: by its unit, or by what is near and the kind with the other sense.
@@ -164,33 +162,28 @@ std::string affine_sense(const Affine& affine, const Unit& unit, const char* nea
            ")";
 }
 
-DepthFile from_affine_depth(Samples samples, const Unit& unit, const DepthFileConfig& config) {
+// Of the kinds affine_depth and affine_inverse.
+DepthFile from_affine(Samples samples, const Unit& unit, const DepthFileConfig& config) {
     const Affine affine = affine_of(samples.values, config);
-    const double per_m = affine.is_given ? unit.per_m : 1;
-    DepthFile file;
-    file.believed = "depth = " + number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) +
-                    " * sample" + affine_sense(affine, unit, "smallest", "affine_inverse");
-    file.map.metric = affine.is_given;
-    file.map.step = samples.step * std::abs(affine.scale) / per_m;
-    file.map.values = depths(std::move(samples.values),
-                             [&](double sample) { return (affine.shift + affine.scale * sample) / per_m; });
-    return file;
-}
-
-DepthFile from_affine_inverse(Samples samples, const Unit& unit, const DepthFileConfig& config) {
-    const Affine affine = affine_of(samples.values, config);
-    const double per_m = affine.is_given ? unit.per_m : 1;
-    DepthFile file;
-    file.believed = "depth = 1 / (" + number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) +
-                    " * sample)" + affine_sense(affine, unit, "largest", "affine_depth");
-    file.map.metric = affine.is_given;
-    file.map.is_inverse = true;
-    file.map.step = samples.step * std::abs(affine.scale) * per_m;
-    file.map.values = depths(std::move(samples.values), [&](double sample) {
-        const double inverse = affine.shift + affine.scale * sample;
+    const double per_m = affine.is_given ? unit.per_m : 1, step = samples.step * std::abs(affine.scale);
+    const auto value = [&](double sample) { return affine.shift + affine.scale * sample; };
+    const std::string text =
+        number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) + " * sample";
+    if (config.kind == DepthKind::affine_depth)
+        return {.map = {.values = depths(std::move(samples.values),
+                                         [&](double sample) { return value(sample) / per_m; }),
+                        .metric = affine.is_given,
+                        .step = step / per_m},
+                .believed = "depth = " + text + affine_sense(affine, unit, "smallest", "affine_inverse")};
+    const auto depth = [&](double sample) {
+        const double inverse = value(sample);
         return inverse > 0 ? 1 / (inverse * per_m) : kNone;
-    });
-    return file;
+    };
+    return {.map = {.values = depths(std::move(samples.values), depth),
+                    .metric = affine.is_given,
+                    .step = step * per_m,
+                    .is_inverse = true},
+            .believed = "depth = 1 / (" + text + ")" + affine_sense(affine, unit, "largest", "affine_depth")};
 }
 
 // Returns a warning if floats that are taken for metres are whole numbers as large as millimetres.
@@ -232,9 +225,8 @@ DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& co
         case DepthKind::inverse_depth:
             return from_inverse_depths(std::move(samples), unit);
         case DepthKind::affine_inverse:
-            return from_affine_inverse(std::move(samples), unit, config);
         case DepthKind::affine_depth:
-            return from_affine_depth(std::move(samples), unit, config);
+            return from_affine(std::move(samples), unit, config);
     }
     return {};
 }

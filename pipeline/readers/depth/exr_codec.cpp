@@ -337,11 +337,10 @@ Raster decode_exr(const SourceFile& source) {
                 source,
                 static_cast<unsigned long long>(Layout::width(box) * Layout::height(box)) * sizeof(float),
                 best_ratio);
-        Raster raster;
-        raster.width = static_cast<int>(Layout::width(layout.display));
-        raster.height = static_cast<int>(Layout::height(layout.display));
-        raster.channels = static_cast<int>(layout.channels.size());
-        raster.max_value = 0;
+        Raster raster{.width = static_cast<int>(Layout::width(layout.display)),
+                      .height = static_cast<int>(Layout::height(layout.display)),
+                      .channels = static_cast<int>(layout.channels.size()),
+                      .max_value = 0};
         if (layout.channels.front().type == Imf::HALF) raster.nodata = kLargestHalf;
         raster.samples = read_display(file, layout);
         return raster;

@@ -124,12 +124,10 @@ Raster decode_float_map(const SourceFile& source) {
     const std::uint8_t* const first = source.bytes.data() + header.samples_at;
     for (std::size_t i = 0; i < samples.size(); ++i)
         std::memcpy(&samples[i], first + i * header.per_pixel * sizeof(float), sizeof(float));
-    Raster raster;
-    raster.width = static_cast<int>(header.width);
-    raster.height = static_cast<int>(header.height);
-    raster.samples = std::move(samples);
-    raster.stated = header.stated;
-    return raster;
+    return {.width = static_cast<int>(header.width),
+            .height = static_cast<int>(header.height),
+            .samples = std::move(samples),
+            .stated = header.stated};
 }
 
 }  // namespace hexrelief::readers::codec

@@ -107,11 +107,10 @@ class Derivations {
             if (!is_auxiliary && type != "dimg") return;
             for (std::uint64_t i = 0; i < count; ++i) {
                 const ItemId to = take(content, id_bytes);
-                if (is_auxiliary) {
+                if (is_auxiliary)
                     items_[to].inputs.push_back(from);
-                } else {
+                else
                     items_[from].inputs.push_back(to);
-                }
             }
         });
     }

@@ -98,10 +98,7 @@ std::optional<Range> range_of(const Heic& heic) {
 Raster decode_depths(const SourceFile& source) {
     const Heic heic = read_heic(source, false);
     const HeicRequest& request = heic.request;
-    Raster raster;
-    raster.width = request.width;
-    raster.height = request.height;
-    raster.max_value = (1u << request.bits) - 1;
+    Raster raster{.width = request.width, .height = request.height, .max_value = (1u << request.bits) - 1};
     const std::size_t pixels = static_cast<std::size_t>(raster.width) * raster.height;
     std::vector<std::uint16_t> wide(pixels);
     for (std::size_t i = 0; i < pixels; ++i)

@@ -263,10 +263,11 @@ void read_integers(const SourceFile& source, const NpyHeader& header, Raster& ra
 }
 
 Raster read_samples(const SourceFile& source, const NpyHeader& header) {
-    Raster raster;
-    raster.width = static_cast<int>(header.width);
-    raster.height = static_cast<int>(header.height);
-    raster.max_value = header.kind == 'b' ? 1 : header.item_bytes == 1 ? 255 : 65535;
+    Raster raster{.width = static_cast<int>(header.width),
+                  .height = static_cast<int>(header.height),
+                  .max_value = header.kind == 'b'       ? 1
+                               : header.item_bytes == 1 ? 255
+                                                        : 65535};
     const bool is_signed = header.kind == 'i';
     if (header.kind == 'f') {
         raster.samples = header.item_bytes == 2   ? floats<std::uint16_t>(source, header)

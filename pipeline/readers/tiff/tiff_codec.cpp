@@ -59,9 +59,8 @@ Raster read_converted(TIFF* tiff, const TiffLayout& layout, TiffSource& source) 
     const std::size_t pixels = static_cast<std::size_t>(layout.width) * layout.height;
     // Not touched before it is decoded, so that a header without samples costs no memory.
     const std::unique_ptr<std::uint32_t[]> packed(new std::uint32_t[pixels]);
-    if (!TIFFReadRGBAImageOriented(tiff, layout.width, layout.height, packed.get(), orientation, 1)) {
+    if (!TIFFReadRGBAImageOriented(tiff, layout.width, layout.height, packed.get(), orientation, 1))
         refuse_malformed(source);
-    }
     std::vector<std::uint8_t> samples(pixels * 3);
     for (std::size_t i = 0; i < pixels; ++i) {
         samples[3 * i] = static_cast<std::uint8_t>(TIFFGetR(packed[i]));

@@ -102,13 +102,11 @@ class PlainReader {
 
     std::vector<Sample> read() {
         const int planes = layout_.planes ? layout_.channels() : 1;
-        for (int plane = 0; plane < planes; ++plane) {
-            if (TIFFIsTiled(tiff_)) {
+        for (int plane = 0; plane < planes; ++plane)
+            if (TIFFIsTiled(tiff_))
                 read_tiles(plane);
-            } else {
+            else
                 read_rows(plane);
-            }
-        }
         return std::move(samples_);
     }
 
@@ -126,9 +124,8 @@ class PlainReader {
         TIFFGetFieldDefaulted(tiff_, TIFFTAG_ROWSPERSTRIP, &rows_per_strip);
         const std::uint32_t first = rows_per_strip == 0 ? 0 : window_.y - window_.y % rows_per_strip;
         for (std::uint32_t y = first; y < bottom(); ++y) {
-            if (TIFFReadScanline(tiff_, row.get(), y, static_cast<std::uint16_t>(plane)) < 0) {
+            if (TIFFReadScanline(tiff_, row.get(), y, static_cast<std::uint16_t>(plane)) < 0)
                 refuse_malformed(source_);
-            }
             if (y < window_.y) continue;
             make_rows(y + 1);
             put(row.get(), 0, layout_.width, y, plane);
@@ -155,24 +152,21 @@ class PlainReader {
              7) /
             8;
         if (tile_width == 0 || tile_height == 0 || row_bytes < needed || bytes / tile_height < row_bytes ||
-            bytes > (1u << 30)) {
+            bytes > (1u << 30))
             refuse(source_.path, "malformed TIFF: impossible tile size; export it again");
-        }
         // Not a vector: a tile far larger than the picture then costs address space only.
         const std::unique_ptr<std::uint8_t[]> tile(new std::uint8_t[bytes]);
         for (std::uint64_t top = window_.y - window_.y % tile_height; top < bottom(); top += tile_height) {
             for (std::uint64_t left = window_.x - window_.x % tile_width; left < right();
                  left += tile_width) {
                 const auto x = static_cast<std::uint32_t>(left), y = static_cast<std::uint32_t>(top);
-                if (TIFFReadTile(tiff_, tile.get(), x, y, 0, static_cast<std::uint16_t>(plane)) < 0) {
+                if (TIFFReadTile(tiff_, tile.get(), x, y, 0, static_cast<std::uint16_t>(plane)) < 0)
                     refuse_malformed(source_);
-                }
                 const std::uint32_t columns = std::min(tile_width, layout_.width - x);
                 const std::uint32_t rows = std::min(tile_height, layout_.height - y);
                 make_rows(top + rows);
-                for (std::uint32_t row = 0; row < rows; ++row) {
+                for (std::uint32_t row = 0; row < rows; ++row)
                     put(tile.get() + row * row_bytes, x, columns, y + row, plane);
-                }
             }
         }
     }
@@ -202,9 +196,8 @@ class PlainReader {
             for (int c = from; c < to; ++c) {
                 Sample value = sample_at<Sample>(row, (i - x) * stride + (layout_.planes ? 0 : c), layout_);
                 if constexpr (!std::is_same_v<Sample, float>) {
-                    if (layout_.photometric == PHOTOMETRIC_MINISWHITE) {
+                    if (layout_.photometric == PHOTOMETRIC_MINISWHITE)
                         value = static_cast<Sample>(((1u << layout_.bits) - 1) - value);
-                    }
                 }
                 out[(i - window_.x) * channels + c] = value;
             }
@@ -251,9 +244,8 @@ TiffLayout read_layout(TIFF* tiff, const TiffSource& source) {
     std::uint16_t planar = PLANARCONFIG_CONTIG;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
     layout.planes = planar == PLANARCONFIG_SEPARATE && layout.samples > 1;
-    if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout.photometric)) {  // some writers leave it out
+    if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout.photometric))  // some writers leave it out
         layout.photometric = layout.samples >= 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK;
-    }
     std::uint16_t extras = 0;
     const std::uint16_t* kinds = nullptr;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &extras, &kinds);
@@ -282,9 +274,8 @@ void check_samples(const TiffLayout& layout, const TiffSource& source) {
     const bool whole = layout.format == SAMPLEFORMAT_UINT || layout.format == SAMPLEFORMAT_VOID;
     const bool real = layout.format == SAMPLEFORMAT_IEEEFP;
     if (whole &&
-        (layout.bits == 1 || layout.bits == 2 || layout.bits == 4 || layout.bits == 8 || layout.bits == 16)) {
+        (layout.bits == 1 || layout.bits == 2 || layout.bits == 4 || layout.bits == 8 || layout.bits == 16))
         return;
-    }
     if (real && (layout.bits == 16 || layout.bits == 32 || layout.bits == 64)) return;
     if (are_wide_integers(layout) &&
         (layout.bits == 32 || (!whole && (layout.bits == 8 || layout.bits == 16))))
@@ -319,13 +310,12 @@ std::vector<std::uint8_t> profile_of(TIFF* tiff) {
 
 Raster read_plainly(TIFF* tiff, const TiffLayout& layout, TiffSource& source, const PixelWindow& window) {
     check_samples(layout, source);
-    Raster raster;
-    raster.width = static_cast<int>(window.width);
-    raster.height = static_cast<int>(window.height);
-    raster.channels = layout.channels();
-    raster.nodata = nodata_of(tiff);
-    raster.profile = profile_of(tiff);
-    raster.max_value = layout.bits <= 16 ? (1u << layout.bits) - 1 : 0;
+    Raster raster{.width = static_cast<int>(window.width),
+                  .height = static_cast<int>(window.height),
+                  .channels = layout.channels(),
+                  .max_value = layout.bits <= 16 ? (1u << layout.bits) - 1 : 0,
+                  .nodata = nodata_of(tiff),
+                  .profile = profile_of(tiff)};
     if (layout.format == SAMPLEFORMAT_IEEEFP) {
         raster.samples = PlainReader<float>(tiff, layout, source, window).read();
     } else if (are_wide_integers(layout)) {

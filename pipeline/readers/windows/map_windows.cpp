@@ -32,10 +32,9 @@ class WholePicture : public WindowSource {
     }
 
     codec::Raster read(const codec::PixelWindow& window) const override {
-        codec::Raster part;
-        part.width = static_cast<int>(window.width);
-        part.height = static_cast<int>(window.height);
-        part.channels = image_.channels;
+        codec::Raster part{.width = static_cast<int>(window.width),
+                           .height = static_cast<int>(window.height),
+                           .channels = image_.channels};
         std::vector<std::uint8_t> pixels;
         pixels.reserve(static_cast<std::size_t>(window.width) * window.height * image_.channels);
         for (std::uint32_t y = window.y; y < window.y + window.height; ++y) {

@@ -41,12 +41,11 @@ class RowWindows : public WindowSource {
     }
 
     codec::Raster read(const codec::PixelWindow& window) const override {
-        codec::Raster raster;
-        raster.width = static_cast<int>(window.width);
-        raster.height = static_cast<int>(window.height);
-        raster.channels = layout_.channels;
-        raster.max_value = layout_.max_value;
-        raster.nodata = layout_.nodata;
+        codec::Raster raster{.width = static_cast<int>(window.width),
+                             .height = static_cast<int>(window.height),
+                             .channels = layout_.channels,
+                             .max_value = layout_.max_value,
+                             .nodata = layout_.nodata};
         if (sample == MapSample::uint8) raster.samples = samples<std::uint8_t>(window);
         if (sample == MapSample::uint16) raster.samples = samples<std::uint16_t>(window);
         if (sample == MapSample::float32) raster.samples = samples<float>(window);

@@ -2,7 +2,6 @@
 #include <bit>
 #include <mutex>
 
-#include "pipeline/readers/codecs.h"
 #include "pipeline/readers/tiff/tiff_file.h"
 #include "pipeline/readers/windows/window_source.h"
 

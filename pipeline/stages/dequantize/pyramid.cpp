@@ -23,8 +23,8 @@ void find_joins(PyramidLevel& level, float join_px, ThreadPool& pool) {
             const float *own = &level.given[row], *below = own + level.stride;
             std::uint8_t* flags = &level.flags[row];
             const int above = static_cast<int>(y), beneath = level.height - 2 - above;
-            // Whether a pixel takes part is read off its given value, which is 0 if it does not; its flag may
-            // be being written by another thread.
+            // Whether a pixel takes part is read off its given value, which is 0 if it does not; its flag
+            // may be being written by another thread.
             for (int x = 0; x < level.width; ++x) {
                 const bool right = own[x] != 0 && own[x + 1] != 0 && std::abs(own[x] - own[x + 1]) <= join_px;
                 const bool down = own[x] != 0 && below[x] != 0 && std::abs(own[x] - below[x]) <= join_px;

@@ -10,9 +10,6 @@
 namespace hexrelief::paper {
 namespace {
 
-using Kernels = paper::Kernels;
-using Memory = paper::Memory;
-
 constexpr long long kManyPixels = 1LL << 24;
 constexpr long long kMostCpuPixels = 1LL << 24;  // the CPU takes seconds for more
 constexpr double kSigma = 24;                    // Table 1; 12 only in section 6.4
@@ -20,23 +17,17 @@ const std::vector<int> kBlocks{1, 8, 16, 32, 64, 128, 256};
 
 // Returns the paper's density, as in config/paper.yaml.
 stages::DensityConfig paper_density() {
-    stages::DensityConfig config;
-    config.scale_percentile = 100;
-    config.background_method = stages::BackgroundMethod::fraction;
-    config.floor = 0;
-    return config;
+    return {.scale_percentile = 100, .background_method = stages::BackgroundMethod::fraction, .floor = 0};
 }
 
 // Returns the schedule of config/som.yaml.
 MeshConfig som_config() {
-    MeshConfig config;
-    config.balance.enabled = false;
-    config.t_max = 60;
-    config.prr = 2;
-    config.prr_final = 10;
-    config.magnification = 1.3;
-    config.border = MeshBorder::slide;
-    return config;
+    return {.t_max = 60,
+            .prr = 2,
+            .prr_final = 10,
+            .magnification = 1.3,
+            .border = MeshBorder::slide,
+            .balance = {.enabled = false}};
 }
 
 Case made_up_case(int width, int height) {
@@ -73,8 +64,8 @@ void emit(const Bench& bench, const std::string& experiment, Row row) {
 
 // Returns the parameters of sections 6.2 and 6.3, with SSR and CRR, which the text does not give,
 // as in section 6.4.
-paper::Config wide_config(const Bench& bench) {
-    paper::Config config = bench.paper;
+Config wide_config(const Bench& bench) {
+    Config config = bench.options.paper;
     config.sigma_init = kSigma;
     config.ssr = 4;
     return config;
@@ -85,7 +76,7 @@ void memory(Bench& bench) {
     for_each_case(
         bench, {"tsukuba", "venus", "teddy", "cones", "conesM", "conesL"},
         {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c) {
-            paper::Config config = wide_config(bench);
+            Config config = wide_config(bench);
             config.kernels = Kernels::single;
             config.block_single = 32;
             config.time_kernels = true;
@@ -99,31 +90,25 @@ void memory(Bench& bench) {
 }
 
 void keep_fastest(Bench& bench, int co, int block, const Row& row, std::map<std::string, double>& least) {
-    const auto consider = [&](const char* kernel, const Times& times) {
-        if (times.empty()) return;
+    for (const auto& [kernel, times] : row.kernels) {
         const auto [at, fresh] = least.try_emplace(kernel, times.median());
-        if (!fresh && at->second <= times.median()) return;
+        if (!fresh && at->second <= times.median()) continue;
         at->second = times.median();
         bench.fastest[{co, kernel}] = block;
-    };
-    consider("single", row.single_s);
-    consider("extraction", row.extraction_s);
-    consider("search", row.search_s);
-    consider("learning", row.learning_s);
+    }
 }
 
 // Section 6.2, Fig. 9. Rows are shown if `show` is set.
 void sweep_blocks(Bench& bench, const Case& c, int runs, bool show) {
     for (const int co : {10, 20, 30}) {
-        paper::Config config = wide_config(bench);
+        Config config = wide_config(bench);
         config.co = co;
         config.time_kernels = true;
         std::map<std::string, double> least;
         for (const Kernels kernels : {Kernels::single, Kernels::multiple})
             for (const int block : kBlocks) {
                 config.kernels = kernels;
-                config.block_single = config.block_extraction = config.block_search = config.block_learning =
-                    block;
+                set_block(config, block);
                 const Row row = bench.solvers.paper(c, config, runs);
                 keep_fastest(bench, co, block, row, least);
                 if (show) emit(bench, "blocks", row);
@@ -141,7 +126,7 @@ void kernels(Bench& bench) {
     for_each_case(bench, {"conesM"}, {{900, 750}}, [&](const Case& c) {
         if (bench.fastest.empty()) sweep_blocks(bench, c, 1, false);
         for (const int co : {10, 20, 30}) {
-            paper::Config config = wide_config(bench);
+            Config config = wide_config(bench);
             config.co = co;
             config.time_kernels = true;
             config.block_single = bench.fastest.at({co, "single"});
@@ -164,7 +149,7 @@ void tradeoff(Bench& bench) {
         bench, {"cones", "conesM", "conesL"}, {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c) {
             for (const int ssr : {2, 3, 4, 5, 10, 0})
                 for (const int crr : {1, 10, 20, 30, 40, 50, 100}) {
-                    paper::Config config = wide_config(bench);
+                    Config config = wide_config(bench);
                     config.ssr = ssr;
                     config.crr = crr;
                     const int runs = bench.options.sweep_runs;
@@ -179,7 +164,7 @@ void iterations(Bench& bench) {
     for_each_case(bench, {"cones", "conesM", "conesL", "teddy", "teddyM", "teddyL"},
                   {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c) {
                       for (int t_max = 100; t_max <= 1500; t_max += 100) {
-                          paper::Config config = wide_config(bench);
+                          Config config = wide_config(bench);
                           config.t_max = t_max;
                           const int runs = bench.options.sweep_runs;
                           emit(bench, "iterations", bench.solvers.paper(c, config, runs));
@@ -193,7 +178,7 @@ void iterations(Bench& bench) {
 std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
     const long long pixels = static_cast<long long>(c.density.width) * c.density.height;
     const int runs = bench.options.runs, few = pixels > kManyPixels ? bench.options.sweep_runs : runs;
-    paper::Config config = bench.paper;
+    Config config = bench.options.paper;
     config.ssr = ssr;
     MeshConfig som, balanced;
     som.balance.enabled = false;

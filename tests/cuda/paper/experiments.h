@@ -20,10 +20,7 @@ struct BenchOptions {
     int runs = 20;                         // timed runs of each row; medians are shown
     int sweep_runs = 3;   // the same for the paper baseline outside `size`, for sweeps, and above 2^24 px
     int largest = 16384;  // side of the largest synthetic map of `size`, px
-    // Settings of the paper baseline, for experiments that do not vary them:
-    std::string kernels = "single";  // or "multiple"
-    std::string memory = "2";        // or "1", "2-texture": Fig. 7
-    int block = 8;                   // threads of a block; 8 is the paper's fastest with co 20
+    Config paper;         // of the paper baseline, for experiments that do not vary it
 
     int threads = 0;             // of the CPU backend and of measuring quality; 0 = all
     std::filesystem::path json;  // the results as JSON; empty = not written
@@ -33,12 +30,16 @@ struct BenchOptions {
 struct Bench {
     const BenchOptions& options;
     const std::vector<FoundMap>& found;  // empty = the synthetic scene is used instead
-    paper::Config paper;                 // for experiments that do not vary it
     Solvers& solvers;
     std::function<void(Row)> emit;                       // receives each row as it is measured
     std::function<void(const std::string&)> note;        // receives a line for people
     std::map<std::pair<int, std::string>, int> fastest;  // fastest block of (co, kernel), found by `blocks`
 };
+
+// Sets the threads of a block of all kernels.
+inline void set_block(Config& config, int block) {
+    config.block_single = config.block_extraction = config.block_search = config.block_learning = block;
+}
 
 // Returns the experiments' names in the paper's order.
 const std::vector<std::string>& experiment_names();

@@ -14,15 +14,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-paper::Config paper_config(const BenchOptions& options) {
-    paper::Config config;
-    config.kernels = options.kernels == "single" ? paper::Kernels::single : paper::Kernels::multiple;
-    config.memory = options.memory == "1"   ? paper::Memory::version1
-                    : options.memory == "2" ? paper::Memory::version2
-                                            : paper::Memory::version2_texture;
-    config.block_single = config.block_extraction = config.block_search = config.block_learning =
-        options.block;
-    return config;
+// Returns the values by their names.
+template <typename Value>
+std::map<std::string, Value> named(const auto& names) {
+    std::map<std::string, Value> values;
+    for (const char* const name : names) values.emplace(name, static_cast<Value>(values.size()));
+    return values;
 }
 
 // Writes a row a line, because there are some hundred.
@@ -44,16 +41,15 @@ void run(const BenchOptions& options) {
     std::cout << "cuda: " << solvers.device() << "; cpu: " << solvers.cpu() << ", threads " << threads
               << "\npaper: the paper's own program; hexrelief: ours on its schedule; default: ours on its "
                  "own, without balancing; balanced: with it; som: config/som.yaml; cut: the mesh cut along "
-                 "silhouettes; cpu: as hexrelief, on the CPU.\n"
-              << headings() << std::flush;
+                 "silhouettes; cpu: as hexrelief, on the CPU."
+              << std::endl;
     std::vector<Json> rows;
     Bench bench{options,
                 found,
-                paper_config(options),
                 solvers,
                 [&](const Row& row) {
-                    std::cout << row_text(row) << std::flush;
                     rows.push_back(row_json(row));
+                    std::cout << rows.back() << std::endl;
                 },
                 [](const std::string& line) { std::cout << line << std::endl; },
                 {}};
@@ -78,6 +74,8 @@ void run(const BenchOptions& options) {
 int main(int count, char** words) {
     using namespace hexrelief;
     paper::BenchOptions options;
+    options.paper.memory = paper::Memory::version2;
+    int block = 8;  // the paper's fastest with co 20
     CLI::App program("The paper's GPU experiments: its own program and ours on this machine's device");
     program.add_option("--data", options.data, "folder with Middlebury's sets; without it a made-up scene");
     program.add_option("--experiments", options.experiments)
@@ -90,15 +88,16 @@ int main(int count, char** words) {
         ->check(CLI::PositiveNumber);
     program.add_option("--largest", options.largest, "side of the largest made-up map, px")
         ->check(CLI::Range(512, 32767));
-    program.add_option("--kernels", options.kernels, "the paper's program")
-        ->check(CLI::IsMember({"single", "multiple"}));
-    program.add_option("--memory", options.memory, "the paper's program: its Fig. 7 and 8")
-        ->check(CLI::IsMember({"1", "2", "2-texture"}));
-    program.add_option("--block", options.block, "the paper's program: threads of a block")
+    program.add_option("--kernels", options.paper.kernels, "the paper's program")
+        ->transform(CLI::CheckedTransformer(paper::named<paper::Kernels>(paper::kKernelsNames)));
+    program.add_option("--memory", options.paper.memory, "the paper's program: its Fig. 7 and 8")
+        ->transform(CLI::CheckedTransformer(paper::named<paper::Memory>(paper::kMemoryNames)));
+    program.add_option("--block", block, "the paper's program: threads of a block")
         ->check(CLI::Range(1, 1024));
     program.add_option("--threads", options.threads, "0 = all");
     program.add_option("--json", options.json, "write the rows as JSON, too (samples/paper/plot.py)");
     CLI11_PARSE(program, count, words);
+    paper::set_block(options.paper, block);
     try {
         paper::run(options);
     } catch (const Error& error) {

@@ -33,8 +33,7 @@ std::vector<FoundMap> find_maps(const std::filesystem::path& data) {
 }
 
 DisparityMap load_map(const FoundMap& found) {
-    readers::DisparityFileConfig file;
-    file.scale = found.map.scale;
+    readers::DisparityFileConfig file{.scale = found.map.scale};
     return readers::read_disparity_map(found.path, file);
 }
 

@@ -1,6 +1,6 @@
 #include "tests/cuda/paper/solvers.h"
 
-#include <stdexcept>
+#include <utility>
 
 #include "pipeline/data/clock.h"
 #include "pipeline/job/backend.h"
@@ -10,7 +10,7 @@ namespace hexrelief::paper {
 struct Solvers::State {
     int threads;
     job::BackendPointer cuda, cpu;
-    std::unique_ptr<paper::Som> som;
+    std::unique_ptr<Som> som;
 };
 
 namespace {
@@ -35,13 +35,18 @@ void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs
     row.rows = mesh.rows;
 }
 
-Row measure(const Case& c, const std::string& solver, job::Backend& backend, const MeshConfig& config,
-            int runs, int threads) {
-    Row row = empty_row(c, solver);
+// Of MeshConfig and of Config alike.
+void describe(const auto& config, Row& row) {
     row.co = config.co;
     row.ssr = config.ssr;
     row.crr = config.crr;
     row.sigma_init = config.sigma_init;
+}
+
+Row measure(const Case& c, const std::string& solver, job::Backend& backend, const MeshConfig& config,
+            int runs, int threads) {
+    Row row = empty_row(c, solver);
+    describe(config, row);
     Times costs;
     for (int run = 0; run < runs; ++run) {
         backend.expect_map(c.disparity);
@@ -58,53 +63,30 @@ Row measure(const Case& c, const std::string& solver, job::Backend& backend, con
     return row;
 }
 
-void describe(const paper::Config& config, Row& row) {
-    const bool single = config.kernels == paper::Kernels::single;
-    row.kernels = single ? "single" : "multiple";
-    row.memory = config.memory == paper::Memory::version1   ? "1"
-                 : config.memory == paper::Memory::version2 ? "2"
-                                                            : "2-texture";
-    if (single) {
-        row.block_single = config.block_single;
-    } else {
-        row.block_extraction = config.block_extraction;
-        row.block_search = config.block_search;
-        row.block_learning = config.block_learning;
-    }
-    row.co = config.co;
-    row.ssr = config.ssr;
-    row.crr = config.crr;
-    row.sigma_init = config.sigma_init;
-    row.iterations = config.t_max;
-}
-
-void add_times(const paper::Result& result, const paper::Config& config, Row& row) {
+void add_times(const Result& result, Row& row) {
     row.som_s.runs.push_back(result.som_s);
-    if (!config.time_kernels) return;
-    if (config.kernels == paper::Kernels::single) {
-        row.single_s.runs.push_back(result.single_s);
-        return;
-    }
-    row.extraction_s.runs.push_back(result.extraction_s);
-    row.search_s.runs.push_back(result.search_s);
-    row.learning_s.runs.push_back(result.learning_s);
+    const std::pair<const char*, double> kernels[] = {{"single", result.single_s},
+                                                      {"extraction", result.extraction_s},
+                                                      {"search", result.search_s},
+                                                      {"learning", result.learning_s}};
+    for (const auto& [kernel, seconds] : kernels)
+        if (seconds > 0) row.kernels[kernel].runs.push_back(seconds);
 }
 
 }  // namespace
 
-MeshConfig same_schedule(const paper::Config& config) {
-    MeshConfig same;
-    same.spacing_px = config.spacing_px;
-    same.levels = 1;
-    same.t_max = config.t_max;
-    same.alpha_init = config.alpha_init;
-    same.alpha_final = config.alpha_final;
-    same.sigma_init = config.sigma_init;
-    same.sigma_final = config.sigma_final;
-    same.co = config.co;
-    same.delta = config.delta;
-    same.ssr = config.ssr;
-    same.crr = config.crr;
+MeshConfig same_schedule(const Config& config) {
+    MeshConfig same{.spacing_px = config.spacing_px,
+                    .levels = 1,
+                    .t_max = config.t_max,
+                    .alpha_init = config.alpha_init,
+                    .alpha_final = config.alpha_final,
+                    .sigma_init = config.sigma_init,
+                    .sigma_final = config.sigma_final,
+                    .co = config.co,
+                    .delta = config.delta,
+                    .ssr = config.ssr,
+                    .crr = config.crr};
     same.prr_final = 100;  // as in config/paper.yaml
     same.magnification = 1;
     same.border = MeshBorder::free;
@@ -156,17 +138,19 @@ Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
     return measure(c, "cpu", *state_->cpu, config, 1, state_->threads);
 }
 
-Row Solvers::paper(const Case& c, const paper::Config& config, int runs) {
-    if (!state_->som) state_->som = std::make_unique<paper::Som>();
+Row Solvers::paper(const Case& c, const Config& config, int runs) {
+    if (!state_->som) state_->som = std::make_unique<Som>();
     Row row = empty_row(c, "paper");
     describe(config, row);
+    row.baseline = config;
+    row.iterations = config.t_max;
     Times costs;
     for (int run = runs > kMeasuredRuns ? -1 : 0; run < runs; ++run) {
         const double start = now_seconds();
-        const paper::Result result = state_->som->train(c.density, config);
+        const Result result = state_->som->train(c.density, config);
         if (run < 0) continue;
         row.stage_s.runs.push_back(now_seconds() - start);
-        add_times(result, config, row);
+        add_times(result, row);
         if (run >= kMeasuredRuns) continue;
         row.device_bytes = result.device_bytes;
         row.escaped = result.escaped;

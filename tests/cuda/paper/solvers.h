@@ -21,7 +21,7 @@ struct Case {
 };
 
 // Returns our configuration with the paper baseline's schedule: Table 1 on one level, with a free border.
-MeshConfig same_schedule(const paper::Config& config);
+MeshConfig same_schedule(const Config& config);
 
 class Solvers {
   public:
@@ -32,7 +32,7 @@ class Solvers {
 
     // Measure `runs` runs, after one that is not counted; the paper baseline has no such run if `runs` is at
     // most three. Its %cost differs from run to run: the median of the first three is taken.
-    Row paper(const Case& c, const paper::Config& config, int runs);
+    Row paper(const Case& c, const Config& config, int runs);
     Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
     // Measures cutting the default configuration's lattice along silhouettes by CUDA: som_s is the kernels'
     // time, stage_s that of the whole call.

@@ -14,18 +14,16 @@ using paper::Kernels;
 using paper::Memory;
 
 Config small_config(Kernels kernels, Memory memory) {
-    Config config;
-    config.kernels = kernels;
-    config.memory = memory;
-    config.block_single = 8;
-    config.block_extraction = 256;
-    config.block_search = 1;
-    config.block_learning = 64;
-    config.t_max = 40;
-    config.sigma_init = 5;
-    config.ssr = 0;
-    config.crr = 1;
-    return config;
+    return {.kernels = kernels,
+            .memory = memory,
+            .block_single = 8,
+            .block_extraction = 256,
+            .block_search = 1,
+            .block_learning = 64,
+            .t_max = 40,
+            .sigma_init = 5,
+            .ssr = 0,
+            .crr = 1};
 }
 
 struct Point {
@@ -136,8 +134,7 @@ TEST(CudaPaper, MovesTowardsWhatIsDense) {
 
 TEST(CudaPaper, RefusesBlocksOutOfRange) {
     HEXRELIEF_NEEDS_DEVICE();
-    Config config;
-    config.block_single = 1025;
+    Config config{.block_single = 1025};
     paper::Som som;
     EXPECT_THROW(som.train(testing_mesher::flat_density(90, 80), config), Error);
 }

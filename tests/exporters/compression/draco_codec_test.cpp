@@ -4,7 +4,6 @@
 #include <cstdlib>
 
 #include "exporters/compression/draco_codec.h"
-#include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
 namespace hexrelief::exporters {
@@ -24,9 +23,8 @@ std::vector<std::array<float, N>> values(const draco::Mesh& mesh, draco::Geometr
     const draco::PointAttribute* attribute = mesh.GetNamedAttribute(type);
     EXPECT_NE(attribute, nullptr);
     std::vector<std::array<float, N>> out(mesh.num_points());
-    for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    for (std::uint32_t i = 0; i < mesh.num_points(); ++i)
         attribute->ConvertValue<float, N>(attribute->mapped_index(draco::PointIndex(i)), out[i].data());
-    }
     return out;
 }
 
@@ -68,8 +66,7 @@ TEST_P(DracoBits, DrcHoldsTheMeshWithinQuantisation) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(16, 16);
-    ExportConfig config;
-    config.draco = {12, 8, 12, GetParam()};
+    ExportConfig config{.draco = {12, 8, 12, GetParam()}};
     export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "a.drc");
     const auto back = decode(contents(folder / "a.drc"));
     EXPECT_EQ(back->num_points(), mesh.positions.size());

@@ -181,8 +181,7 @@ TEST(GridSmoothing, LowersTheUnevennessWithinTheRanges) {
 double worst_decoded_px(const SurfaceMesh& mesh, const Calibration& camera, GridShape shape,
                         double tolerance_px) {
     const Scene scene{&mesh, nullptr, "", "", &camera};
-    ExportConfig config;
-    config.tolerance_px = tolerance_px;
+    ExportConfig config{.tolerance_px = tolerance_px};
     const DracoPlan plan = plan_draco(untextured_mesh(scene, config), &camera, config, shape);
     const DracoGeometry back = decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes);
     EXPECT_EQ(back.positions.size(), mesh.positions.size());
@@ -233,9 +232,7 @@ TEST(DracoPlan, GivenBitsWin) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Calibration camera = sample_camera();
     const Scene scene{&mesh, nullptr, "", "", &camera};
-    ExportConfig config;
-    config.draco.position_bits = 9;
-    config.draco.normal_bits = 5;
+    ExportConfig config{.draco = {.position_bits = 9, .normal_bits = 5}};
     const DracoPlan plan = plan_draco(untextured_mesh(scene, config), &camera, config, GridShape::per_axis);
     EXPECT_FALSE(plan.quantisation.positions);
     EXPECT_EQ(plan.quantisation.position_bits, 9);
@@ -249,8 +246,7 @@ TEST(DracoPlan, CoarserTolerancesTakeFewerBytes) {
     const Scene scene{&mesh, nullptr, "", "", &camera};
     std::size_t before = 0;
     for (const double tolerance : {1.0, 0.3, 0.1, 0.03}) {
-        ExportConfig config;
-        config.tolerance_px = tolerance;
+        ExportConfig config{.tolerance_px = tolerance};
         const DracoPlan plan =
             plan_draco(untextured_mesh(scene, config), &camera, config, GridShape::per_axis);
         const std::size_t bytes = encode_draco(plan.mesh, plan.quantisation).bytes.size();

@@ -73,8 +73,7 @@ class Gltf : public ::testing::TestWithParam<const char*> {
 TEST_P(Gltf, PlainMeshComesBackExactly) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
-    ExportConfig config;
-    config.normals = NormalsKind::always;
+    ExportConfig config{.normals = NormalsKind::always};
     const tinygltf::Model model = exported(mesh, &texture, config);
     ASSERT_EQ(model.meshes.size(), 1u);
     const tinygltf::Primitive& primitive = model.meshes[0].primitives.at(0);
@@ -179,8 +178,7 @@ TEST_P(Gltf, CameraSeesWhatTheLeftCameraSaw) {
     }
     EXPECT_EQ(extras.Get("focal_px").GetNumberAsDouble(), 64);
     EXPECT_EQ(extras.Get("size_px").Get(0).GetNumberAsInt(), 64);
-    ExportConfig without;
-    without.camera = false;
+    ExportConfig without{.camera = false};
     export_scene(scene, without, path_);
     EXPECT_TRUE(load(path_).cameras.empty());
 }
@@ -189,8 +187,7 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     const Image texture = sample_texture(64, 48);
     for (const TextureFormat format : {TextureFormat::jpeg, TextureFormat::png}) {
-        ExportConfig config;
-        config.texture = format;
+        ExportConfig config{.texture = format};
         const tinygltf::Model model = exported(mesh, &texture, config);
         const tinygltf::Material& material = model.materials.at(0);
         EXPECT_TRUE(material.extensions.contains("KHR_materials_unlit"));
@@ -219,9 +216,7 @@ TEST_P(Gltf, MaterialDecidesAboutNormals) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     const Image texture = sample_texture(64, 48);
     const auto written = [&](MaterialKind material, NormalsKind normals) {
-        ExportConfig config;
-        config.material = material;
-        config.normals = normals;
+        ExportConfig config{.normals = normals, .material = material};
         const tinygltf::Model model = exported(mesh, &texture, config);
         const bool is_unlit = material == MaterialKind::unlit;
         EXPECT_EQ(model.materials.at(0).extensions.contains("KHR_materials_unlit"), is_unlit);
@@ -287,9 +282,7 @@ TEST_P(Gltf, IndicesGrowWithTheMesh) {
 TEST_P(Gltf, DracoViewDecodesToWhatTheAccessorsSay) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
-    ExportConfig config;
-    config.normals = NormalsKind::always;
-    config.compression = Compression::draco;
+    ExportConfig config{.compression = Compression::draco, .normals = NormalsKind::always};
     const tinygltf::Model model = exported(mesh, &texture, config);
     const std::vector<std::string> required = {"KHR_draco_mesh_compression"};
     EXPECT_EQ(model.extensionsRequired, required);

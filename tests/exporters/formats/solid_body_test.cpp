@@ -187,9 +187,7 @@ TEST(SolidBody, OneFarVertexDoesNotFlattenTheOthers) {
 TEST(SolidBody, IsWhatFilesForPrintersHold) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = surface(), body = solid_body(mesh, 50);
-    ExportConfig config;
-    config.solid = SolidKind::base;
-    config.solid_size_mm = 50;
+    ExportConfig config{.solid = SolidKind::base, .solid_size_mm = 50};
     const Image texture = sample_texture(64, 48);
     for (const char* name : {"a.stl", "a.3mf", "a.glb"}) {
         export_scene({&mesh, &texture, "test", ""}, config, folder / name);

@@ -65,8 +65,8 @@ TEST(Obj, ComesBackToTheBit) {
     }
     EXPECT_EQ(obj.library, paths.at(1).filename());
     const std::string material = contents(paths[1]);
-    EXPECT_NE(material.find("newmtl " + obj.material + "\n"), std::string::npos);
-    EXPECT_NE(material.find("map_Kd " + paths.at(2).filename().string() + "\n"), std::string::npos);
+    EXPECT_CONTAINS(material, "newmtl " + obj.material + "\n");
+    EXPECT_CONTAINS(material, "map_Kd " + paths.at(2).filename().string() + "\n");
     EXPECT_EQ(contents(paths[2]).substr(0, 2), "\xff\xd8");
 }
 
@@ -111,8 +111,7 @@ TEST(Obj, TextureNeverTakesThePhotographsName) {
     const SurfaceMesh mesh = sample_mesh(4, 4);
     const Image texture = sample_texture(8, 8);
     for (const TextureFormat format : {TextureFormat::png, TextureFormat::jpeg}) {
-        ExportConfig config;
-        config.texture = format;
+        ExportConfig config{.texture = format};
         export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "photo.obj");
         export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "photo.gltf");
     }
@@ -146,8 +145,8 @@ TEST_P(Ply, ComesBackWithColours) {
     const std::size_t end = bytes.find("end_header\n") + 11;
     const std::string header = bytes.substr(0, end);
     EXPECT_TRUE(header.starts_with("ply\nformat binary_little_endian 1.0\n"));
-    EXPECT_NE(header.find("element vertex 432\n"), std::string::npos);
-    EXPECT_NE(header.find("element face 782\n"), std::string::npos);
+    EXPECT_CONTAINS(header, "element vertex 432\n");
+    EXPECT_CONTAINS(header, "element face 782\n");
     EXPECT_EQ(header.find("red") != std::string::npos, GetParam() != 0);
     const std::size_t vertex_size = 24 + (GetParam() ? 3 : 0);
     ASSERT_EQ(bytes.size(), end + 432 * vertex_size + 782 * 13);
@@ -177,8 +176,7 @@ class Stl : public ::testing::TestWithParam<StlUnit> {};
 TEST_P(Stl, ComesBackInItsUnit) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(24, 18);
-    ExportConfig config;
-    config.stl_unit = GetParam();
+    ExportConfig config{.stl_unit = GetParam()};
     const float scale = GetParam() == StlUnit::metre ? 1 : 1000;
     const auto paths = export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / "a.stl");
     EXPECT_EQ(paths.size(), 1u);
@@ -208,11 +206,10 @@ TEST(PlyFile, TheLastPropertyOfAVertexTellsWhichCamerasSawIt) {
     const TemporaryFolder folder;
     SurfaceMesh mesh = sample_mesh(4, 3);
     add_provenance(mesh);
-    ExportConfig config;
-    config.normals = NormalsKind::never;
+    ExportConfig config{.normals = NormalsKind::never};
     export_scene({&mesh, nullptr, kGenerator, "{}"}, config, folder / "a.ply");
     const std::string bytes = contents(folder / "a.ply");
-    EXPECT_NE(bytes.find("property float z\nproperty uchar provenance\nelement face"), std::string::npos);
+    EXPECT_CONTAINS(bytes, "property float z\nproperty uchar provenance\nelement face");
     const std::size_t begin = bytes.find("end_header\n") + 11;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
         EXPECT_EQ(bytes.at(begin + 13 * i + 12), static_cast<char>(mesh.provenance[i])) << i;
@@ -221,15 +218,14 @@ TEST(PlyFile, TheLastPropertyOfAVertexTellsWhichCamerasSawIt) {
 TEST(UpAxis, ZTurnsPositionsAndNormalsAlike) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(4, 4);
-    ExportConfig config;
-    config.up = UpAxis::z;
+    ExportConfig config{.up = UpAxis::z};
     for (const char* name : {"a.obj", "a.ply", "a.stl"})
         export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / name);
     const auto turned = [](const Vec3f& v) { return Vec3f{v.x, -v.z, v.y}; };
     const ObjFile obj = read_obj(folder / "a.obj");
     const std::string ply = contents(folder / "a.ply"), stl = contents(folder / "a.stl");
     for (const std::string& text : {contents(folder / "a.obj"), ply})
-        EXPECT_NE(text.find("+Z up, camera looking along +Y\n"), std::string::npos);
+        EXPECT_CONTAINS(text, "+Z up, camera looking along +Y\n");
     ASSERT_EQ(obj.positions.size(), mesh.positions.size());
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         EXPECT_EQ(obj.positions[i], turned(mesh.positions[i]));
@@ -247,9 +243,7 @@ TEST(UpAxis, ZTurnsPositionsAndNormalsAlike) {
 TEST(PlyFile, HasTextureCoordinatesOnRequest) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(4, 4);
-    ExportConfig config;
-    config.normals = NormalsKind::never;
-    config.ply_texcoords = true;
+    ExportConfig config{.normals = NormalsKind::never, .ply_texcoords = true};
     export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / "a.ply");
     const std::string bytes = contents(folder / "a.ply");
     const std::size_t begin = bytes.find("property float s\nproperty float t\nelement face");

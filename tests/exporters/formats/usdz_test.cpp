@@ -52,9 +52,7 @@ TEST(Usdz, ComesBack) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
-    ExportConfig config;
-    config.material = MaterialKind::lit;
-    config.origin = FileOrigin::camera;
+    ExportConfig config{.material = MaterialKind::lit, .origin = FileOrigin::camera};
     EXPECT_EQ(export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "a.usdz").size(), 1u);
     const std::vector<StoredFile> files = read_archive(contents(folder / "a.usdz"));
     ASSERT_EQ(files.size(), 2u);
@@ -63,7 +61,7 @@ TEST(Usdz, ComesBack) {
     EXPECT_EQ(files[1].bytes.substr(0, 2), "\xff\xd8");
     const std::string& text = files[0].bytes;
     EXPECT_TRUE(text.starts_with("#usda 1.0\n"));
-    EXPECT_NE(text.find("@texture.jpg@"), std::string::npos);
+    EXPECT_CONTAINS(text, "@texture.jpg@");
     const std::vector<float> points = numbers(text, "point3f[] points"),
                              normals = numbers(text, "normal3f[] normals"),
                              texcoords = numbers(text, "texCoord2f[] primvars:st"),
@@ -90,8 +88,7 @@ TEST(Usdz, NumbersHaveTheDigitsThatTheToleranceNeeds) {
     const Calibration camera = sample_camera();
     Scene scene{&mesh, nullptr, kGenerator, ""};
     scene.camera = &camera;
-    ExportConfig config;
-    config.origin = FileOrigin::camera;
+    ExportConfig config{.origin = FileOrigin::camera};
     std::size_t bytes = 1u << 30;
     for (const double tolerance : {0.01, 0.1, 1.0}) {
         config.tolerance_px = tolerance;
@@ -119,21 +116,21 @@ TEST(Usdz, MaterialsAndTextures) {
     export_scene({&mesh, &texture, "a \"b\"\n", ""}, config, folder / "a.usdz");
     std::vector<StoredFile> files = read_archive(contents(folder / "a.usdz"));
     EXPECT_EQ(files.at(1).name, "texture.jpg");
-    EXPECT_NE(files[0].bytes.find("inputs:emissiveColor.connect"), std::string::npos);
+    EXPECT_CONTAINS(files[0].bytes, "inputs:emissiveColor.connect");
     EXPECT_EQ(files[0].bytes.find("normal3f[]"), std::string::npos);
-    EXPECT_NE(files[0].bytes.find("doc = \"a ?b??\""), std::string::npos);
+    EXPECT_CONTAINS(files[0].bytes, "doc = \"a ?b??\"");
     config.texture = TextureFormat::png;
     config.material = MaterialKind::lit;
     export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "a.usdz");
     files = read_archive(contents(folder / "a.usdz"));
     EXPECT_EQ(files.at(1).name, "texture.png");
-    EXPECT_NE(files[0].bytes.find("inputs:diffuseColor.connect"), std::string::npos);
+    EXPECT_CONTAINS(files[0].bytes, "inputs:diffuseColor.connect");
     EXPECT_EQ(files[0].bytes.find("emissive"), std::string::npos);
     export_scene({&mesh, nullptr, kGenerator, ""}, {}, folder / "a.usdz");
     files = read_archive(contents(folder / "a.usdz"));
     EXPECT_EQ(files.size(), 1u);
     EXPECT_EQ(files[0].bytes.find("UsdUVTexture"), std::string::npos);
-    EXPECT_NE(files[0].bytes.find("normal3f[]"), std::string::npos);
+    EXPECT_CONTAINS(files[0].bytes, "normal3f[]");
 }
 
 }  // namespace

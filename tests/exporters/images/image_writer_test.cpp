@@ -1,8 +1,5 @@
 #include "exporters/images/image_writer.h"
 
-#include <cstdio>
-
-#include <jpeglib.h>
 #include <png.h>
 
 #include <cmath>
@@ -11,6 +8,7 @@
 
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
+#include "tests/libjpeg.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -26,40 +24,6 @@ Image decode_png(const std::vector<std::uint8_t>& bytes, int channels) {
     return out;
 }
 
-struct DecodedJpeg {
-    Image image;
-    bool progressive = false;
-    int largest_sampling = 0;
-};
-
-DecodedJpeg decode_jpeg(const std::vector<std::uint8_t>& bytes) {
-    jpeg_decompress_struct jpeg = {};
-    jpeg_error_mgr errors = {};
-    jpeg.err = jpeg_std_error(&errors);
-    jpeg_create_decompress(&jpeg);
-    jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
-    jpeg_read_header(&jpeg, TRUE);
-    DecodedJpeg out;
-    out.progressive = jpeg.progressive_mode;
-    for (int i = 0; i < jpeg.num_components; ++i) {
-        out.largest_sampling = std::max(out.largest_sampling, jpeg.comp_info[i].h_samp_factor);
-    }
-    jpeg_start_decompress(&jpeg);
-    out.image = {static_cast<int>(jpeg.output_width),
-                 static_cast<int>(jpeg.output_height),
-                 jpeg.output_components,
-                 {}};
-    out.image.pixels.resize(static_cast<std::size_t>(out.image.width) * out.image.height *
-                            out.image.channels);
-    while (jpeg.output_scanline < jpeg.output_height) {
-        JSAMPROW row = out.image.at(0, static_cast<int>(jpeg.output_scanline));
-        jpeg_read_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_decompress(&jpeg);
-    jpeg_destroy_decompress(&jpeg);
-    return out;
-}
-
 class ImageWriter : public ::testing::TestWithParam<int> {};
 
 TEST_P(ImageWriter, PngGivesTheSamePixels) {
@@ -72,7 +36,7 @@ TEST_P(ImageWriter, PngGivesTheSamePixels) {
 
 TEST_P(ImageWriter, JpegIsBaseline444AndClose) {
     const Image image = sample_texture(37, 21, GetParam());
-    const DecodedJpeg back = decode_jpeg(encode_jpeg(image, 95));
+    const test::DecodedJpeg back = test::decoded_by_libjpeg(encode_jpeg(image, 95));
     EXPECT_EQ(back.image.width, 37);
     EXPECT_EQ(back.image.height, 21);
     ASSERT_EQ(back.image.channels, GetParam());
@@ -87,7 +51,7 @@ TEST_P(ImageWriter, JpegIsBaseline444AndClose) {
 TEST_P(ImageWriter, OnePixel) {
     const Image image{1, 1, GetParam(), std::vector<std::uint8_t>(static_cast<std::size_t>(GetParam()), 77)};
     EXPECT_EQ(decode_png(encode_png(image), GetParam()).pixels, image.pixels);
-    EXPECT_NEAR(decode_jpeg(encode_jpeg(image, 90)).image.pixels[0], 77, 2);
+    EXPECT_NEAR(test::decoded_by_libjpeg(encode_jpeg(image, 90)).image.pixels[0], 77, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, ImageWriter, ::testing::Values(1, 3));
@@ -101,20 +65,14 @@ TEST(ImageWriter, SmoothBlocksKeepTheirLevel) {
     Image image{256 * 8, 8, 1, {}};
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) image.pixels.push_back(static_cast<std::uint8_t>(x / 8));
-    const Image decoded = decode_jpeg(encode_jpeg(image, 30)).image;
+    const Image decoded = test::decoded_by_libjpeg(encode_jpeg(image, 30)).image;
     for (std::size_t i = 0; i < image.pixels.size(); ++i)
         ASSERT_NEAR(decoded.pixels[i], image.pixels[i], 1) << i;
 }
 
 TEST(ImageWriter, TooWideForJpegIsErrorThatNamesPng) {
     const Image image{70000, 1, 1, std::vector<std::uint8_t>(70000, 1)};
-    try {
-        encode_jpeg(image, 90);
-        FAIL() << "no Error";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::output);
-        EXPECT_NE(std::string(error.what()).find("PNG"), std::string::npos) << error.what();
-    }
+    EXPECT_CONTAINS(test::error_of([&] { encode_jpeg(image, 90); }, ErrorKind::output), "PNG");
     EXPECT_EQ(decode_png(encode_png(image), 1).pixels, image.pixels);
 }
 

@@ -4,15 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
-// After stdio.h.
-#include <jpeglib.h>
+#include <iterator>
 
 #include "exporters/images/image_writer.h"
 #include "exporters/images/texture.h"
 #include "pipeline/data/crop.h"
 #include "tests/exporters/sample_scene.h"
+#include "tests/libjpeg.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -24,56 +23,21 @@ struct Kind {
     bool progressive;
 };
 
+// With a comment of 1,000 bytes.
 Bytes encoded(const Image& image, const Kind& kind, int quality) {
-    jpeg_compress_struct jpeg = {};
-    jpeg_error_mgr errors = {};
-    jpeg.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&jpeg);
-    unsigned char* data = nullptr;
-    unsigned long size = 0;
-    jpeg_mem_dest(&jpeg, &data, &size);
-    jpeg.image_width = static_cast<JDIMENSION>(image.width);
-    jpeg.image_height = static_cast<JDIMENSION>(image.height);
-    jpeg.input_components = image.channels;
-    jpeg.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-    jpeg_set_defaults(&jpeg);
-    jpeg_set_quality(&jpeg, quality, TRUE);
-    jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = kind.sampling;
-    if (kind.progressive) jpeg_simple_progression(&jpeg);
-    jpeg_start_compress(&jpeg, TRUE);
-    const Bytes comment(1000, 'x');
-    jpeg_write_marker(&jpeg, JPEG_COM, comment.data(), static_cast<unsigned>(comment.size()));
-    while (jpeg.next_scanline < jpeg.image_height) {
-        JSAMPROW row = const_cast<JSAMPROW>(image.at(0, static_cast<int>(jpeg.next_scanline)));
-        jpeg_write_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_compress(&jpeg);
-    jpeg_destroy_compress(&jpeg);
-    Bytes out(data, data + size);
-    std::free(data);
-    return out;
+    Bytes file = test::encoded_by_libjpeg(image, [&](jpeg_compress_struct& jpeg) {
+        jpeg_set_quality(&jpeg, quality, TRUE);
+        jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = kind.sampling;
+        if (kind.progressive) jpeg_simple_progression(&jpeg);
+    });
+    Bytes comment(1004, 'x');
+    std::copy_n(std::begin({0xff, 0xfe, 1002 >> 8, 1002 & 255}), 4, comment.begin());
+    file.insert(file.begin() + 2, comment.begin(), comment.end());
+    return file;
 }
 
 Image decoded(const Bytes& bytes) {
-    jpeg_decompress_struct jpeg = {};
-    jpeg_error_mgr errors = {};
-    jpeg.err = jpeg_std_error(&errors);
-    jpeg_create_decompress(&jpeg);
-    jpeg_mem_src(&jpeg, bytes.data(), static_cast<unsigned long>(bytes.size()));
-    jpeg_read_header(&jpeg, TRUE);
-    jpeg_start_decompress(&jpeg);
-    Image image{static_cast<int>(jpeg.output_width),
-                static_cast<int>(jpeg.output_height),
-                jpeg.output_components,
-                {}};
-    image.pixels.resize(static_cast<std::size_t>(image.width) * image.height * image.channels);
-    while (jpeg.output_scanline < jpeg.output_height) {
-        JSAMPROW row = image.at(0, static_cast<int>(jpeg.output_scanline));
-        jpeg_read_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_decompress(&jpeg);
-    jpeg_destroy_decompress(&jpeg);
-    return image;
+    return test::decoded_by_libjpeg(bytes).image;
 }
 
 // A picture without smooth parts, which no coder keeps by chance.

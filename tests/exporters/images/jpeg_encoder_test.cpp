@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "pipeline/data/error.h"
+#include "tests/libjpeg.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -18,30 +17,10 @@ struct Encoded {
 };
 
 Bytes by_libjpeg(const Image& image, const JpegSettings& settings) {
-    jpeg_compress_struct jpeg = {};
-    jpeg_error_mgr errors = {};
-    jpeg.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&jpeg);
-    unsigned char* data = nullptr;
-    unsigned long size = 0;
-    jpeg_mem_dest(&jpeg, &data, &size);
-    jpeg.image_width = static_cast<JDIMENSION>(image.width);
-    jpeg.image_height = static_cast<JDIMENSION>(image.height);
-    jpeg.input_components = image.channels;
-    jpeg.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
-    jpeg_set_defaults(&jpeg);
-    settings.prepare(jpeg);
-    jpeg.optimize_coding = TRUE;
-    jpeg_start_compress(&jpeg, TRUE);
-    for (int y = 0; y < image.height; ++y) {
-        JSAMPROW row = const_cast<JSAMPROW>(image.at(0, y));
-        jpeg_write_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_compress(&jpeg);
-    jpeg_destroy_compress(&jpeg);
-    Bytes out(data, data + size);
-    std::free(data);
-    return out;
+    return test::encoded_by_libjpeg(image, [&](jpeg_compress_struct& jpeg) {
+        settings.prepare(jpeg);
+        jpeg.optimize_coding = TRUE;
+    });
 }
 
 Image noisy_picture(const Encoded& kind) {

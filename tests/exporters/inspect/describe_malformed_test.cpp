@@ -17,14 +17,7 @@ namespace hexrelief::inspect {
 namespace {
 
 void expect_input_error(const std::filesystem::path& path, const std::string& what) {
-    try {
-        exporters::describe_mesh(path);
-        ADD_FAILURE() << path << ": no Error for " << what;
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::input) << what;
-        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    }
+    EXPECT_CONTAINS(test::error_of([&] { exporters::describe_mesh(path); }), path.string()) << what;
 }
 
 class Malformed : public ::testing::TestWithParam<const exporters::MeshFormat*> {
@@ -61,15 +54,10 @@ TEST_P(Malformed, Truncated) {
     for (const double share : {0.01, 0.1, 0.3, 0.5, 0.7, 0.9}) {
         exporters::put(path_, bytes.substr(0, static_cast<std::size_t>(bytes.size() * share)));
         // An OBJ cut between two lines is a valid shorter OBJ; only the number of its faces differs.
-        if (path_.extension() == ".obj") {
-            try {
-                EXPECT_LT(exporters::describe_mesh(path_).triangles, 176);
-            } catch (const Error& error) {
-                EXPECT_EQ(error.kind(), ErrorKind::input);
-            }
-        } else {
+        if (path_.extension() == ".obj")
+            test::refusal_of([&] { EXPECT_LT(exporters::describe_mesh(path_).triangles, 176); });
+        else
             expect_input_error(path_, "a file cut at " + std::to_string(share));
-        }
     }
 }
 
@@ -81,11 +69,7 @@ TEST_P(Malformed, RandomBytesChanged) {
         const std::size_t reach = round % 2 ? std::min<std::size_t>(200, bytes.size()) : bytes.size();
         for (int i = 0; i <= round % 4; ++i) broken[random() % reach] = static_cast<char>(random());
         exporters::put(path_, broken);
-        try {
-            exporters::describe_mesh(path_);
-        } catch (const Error& error) {
-            EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
-        }
+        test::refusal_of([&] { exporters::describe_mesh(path_); });
     }
 }
 
@@ -206,14 +190,7 @@ TEST(Describe, TheBufferOfAGlbIsNotRead) {
 }
 
 std::string refusal(const WorkLimits& limits, const std::function<WorkBytes()>& work) {
-    try {
-        run_limited(limits, "cannot: ", work);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::input);
-        return error.what();
-    }
-    ADD_FAILURE() << "nothing was thrown";
-    return "";
+    return test::error_of([&] { run_limited(limits, "cannot: ", work); });
 }
 
 TEST(Limited, ResultsAndErrorsComeBack) {
@@ -232,26 +209,23 @@ TEST(Limited, WorkIsNotDoneInThisProcess) {
     setrlimit(RLIMIT_NOFILE, &none);  // no pipe to another process
     const std::string told = refusal({5, 1000000, 1000}, []() -> WorkBytes { return {1}; });
     setrlimit(RLIMIT_NOFILE, &before);
-    EXPECT_NE(told.find("a process of its own"), std::string::npos) << told;
+    EXPECT_CONTAINS(told, "a process of its own");
 }
 
 TEST(Limited, WildWorkEndsAlone) {
-    EXPECT_NE(refusal({5, 1u << 30, 10}, []() -> WorkBytes { throw std::bad_alloc(); }).find("memory"),
-              std::string::npos);
-    EXPECT_NE(refusal({5, 1u << 30, 10},
-                      []() -> WorkBytes {
-                          raise(SIGKILL);
-                          return {};
-                      })
-                  .find("crashes"),
-              std::string::npos);
-    EXPECT_NE(refusal({1, 1u << 30, 10},
-                      []() -> WorkBytes {
-                          raise(SIGXCPU);  // as the kernel does when the time is up
-                          return {};
-                      })
-                  .find("more than 1 s"),
-              std::string::npos);
+    EXPECT_CONTAINS(refusal({5, 1u << 30, 10}, []() -> WorkBytes { throw std::bad_alloc(); }), "memory");
+    EXPECT_CONTAINS(refusal({5, 1u << 30, 10},
+                            []() -> WorkBytes {
+                                raise(SIGKILL);
+                                return {};
+                            }),
+                    "crashes");
+    EXPECT_CONTAINS(refusal({1, 1u << 30, 10},
+                            []() -> WorkBytes {
+                                raise(SIGXCPU);  // as the kernel does when the time is up
+                                return {};
+                            }),
+                    "more than 1 s");
 }
 
 }  // namespace

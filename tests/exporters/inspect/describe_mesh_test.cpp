@@ -17,9 +17,8 @@ TEST_P(Describe, TellsWhatWasWritten) {
     const exporters::TemporaryFolder folder;
     const SurfaceMesh mesh = exporters::sample_mesh(24, 18);
     const Image texture = exporters::sample_texture(64, 48);
-    exporters::ExportConfig config;
-    config.normals = exporters::NormalsKind::always;
-    config.origin = exporters::FileOrigin::camera;
+    exporters::ExportConfig config{.normals = exporters::NormalsKind::always,
+                                   .origin = exporters::FileOrigin::camera};
     if (draco) config.compression = exporters::Compression::draco;
     const auto paths = exporters::export_scene(
         {&mesh, textured ? &texture : nullptr, exporters::kGenerator, "{}"}, config, folder / name);
@@ -63,11 +62,10 @@ TEST(Describe, TellsWhichCamerasSawTheVertices) {
     using exporters::Compression;
     const exporters::TemporaryFolder folder;
     SurfaceMesh mesh = exporters::sample_mesh(24, 18);
-    const decltype(inspect::MeshDescription::provenance) none = {}, wanted = {216, 72, 72, 71, 1};
+    const decltype(MeshDescription::provenance) none = {}, wanted = {216, 72, 72, 71, 1};
     for (const auto compression : {Compression::none, Compression::quantized, Compression::meshopt})
         for (const char* const name : {"a.glb", "a.ply"}) {
-            exporters::ExportConfig config;
-            config.compression = compression;
+            exporters::ExportConfig config{.compression = compression};
             mesh.provenance.clear();
             exporters::export_scene({&mesh, nullptr, exporters::kGenerator, "{}"}, config, folder / name);
             EXPECT_EQ(exporters::describe_mesh(folder / name).provenance, none) << name;

@@ -113,8 +113,7 @@ TEST_P(ExactGrid, EveryPositionIsItsCell) {
     const auto& [name, compression, step_m, far, columns] = GetParam();
     exporters::TemporaryFolder folder;
     const Image texture = exporters::sample_texture(16, 16);
-    exporters::ExportConfig config;
-    config.compression = compression;
+    exporters::ExportConfig config{.compression = compression};
     std::array<std::set<Place>, 2> found;
     for (int side = 0; side < 2; ++side) {
         const GridTile tile = grid_tile({side * columns, 0}, {(side + 1) * columns, 4}, 1, step_m, far);

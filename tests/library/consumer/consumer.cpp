@@ -9,8 +9,8 @@ int main(int argc, char** argv) try {
     const hexrelief::Disparities disparity = hexrelief::read_disparities(folder + "/disparity.pfm");
     const hexrelief::Picture left = hexrelief::read_picture(folder + "/left.png");
     const hexrelief::Camera camera{.file = folder + "/calib.txt"};
-    hexrelief::Options options;
-    options.settings = {{"mesh.spacing_px", "8"}, {"density.background.fraction", "0.1"}};
+    hexrelief::Options options{
+        .settings = {{"mesh.spacing_px", "8"}, {"density.background.fraction", "0.1"}}};
     if (argc > 3) {
         hexrelief::FileRequest files{.disparity = folder + "/disparity.pfm", .color = folder + "/left.png"};
         files.outputs = {argv[2]};

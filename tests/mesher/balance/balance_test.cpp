@@ -18,9 +18,7 @@ namespace {
 using namespace testing_mesher;
 
 MeshConfig balanced(bool enabled = true) {
-    MeshConfig config;
-    config.balance.enabled = enabled;
-    return config;
+    return {.balance = {.enabled = enabled}};
 }
 
 void expect_inside(const HexMesh2D& mesh, const DensityMap& density, const std::string& what) {
@@ -154,8 +152,7 @@ TEST(BalancePlan, DistortionIsOneForTheEquilateralAndGrowsWhenThinner) {
 }
 
 TEST(BalancePlan, CoarserLevelsIterateMore) {
-    BalanceConfig config;
-    config.iterations = 20;
+    BalanceConfig config{.iterations = 20};
     EXPECT_EQ(balance_iterations(config, 0), 20);
     EXPECT_EQ(balance_iterations(config, 1), 20);
     EXPECT_EQ(balance_iterations(config, 2), 40);

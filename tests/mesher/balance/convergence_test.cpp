@@ -86,8 +86,7 @@ TEST(Thin, EachTriangleCountsAtItsVertices) {
 }
 
 TEST(Threshold, FollowsTheShareOfThinTriangles) {
-    BalanceConfig config;
-    config.least_angle_deg = 10;
+    BalanceConfig config{.least_angle_deg = 10};
     som::LevelPlan plan;
     plan.lattice = {101, 51};  // 10,000 triangles, at three vertices each
     const step::BalanceView view = balance_view(plan, config, true);
@@ -145,8 +144,7 @@ int iterations(const step::BalanceLimits& limits, const Deviation& of, int in_sh
 }
 
 TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
-    BalanceConfig config;
-    config.iterations = 24;
+    BalanceConfig config{.iterations = 24};
     const step::BalanceLimits finest = balance_limits(config, 0), next = balance_limits(config, 1),
                               coarse = balance_limits(config, 2);
     EXPECT_EQ(finest.planned, 24);

@@ -31,9 +31,7 @@ TEST(Start, AStepIsSolved) {
     DensityMap density = flat_density(120, 90);
     for (int y = 0; y < 90; ++y)
         for (int x = 60; x < 120; ++x) density.values[static_cast<std::size_t>(y) * 120 + x] = 1.0f / 9;
-    MeshConfig config;
-    config.levels = 1;
-    config.spacing_px = 2;
+    MeshConfig config{.spacing_px = 2, .levels = 1};
     const som::LevelPlan plan = som::plan_levels(120, 90, config, {0, 0, 120, 90}).front();
     som::LatticePositions positions = som::regular_positions(plan);
     const som::LatticePositions regular = positions;

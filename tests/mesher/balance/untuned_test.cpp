@@ -59,8 +59,7 @@ TEST_P(Untuned, BalancedAndInShape) {
     config.floor = 0;
     const DensityMap density = stages::compute_density(map, config);
     for (const int seed : {1, 2}) {
-        MeshConfig mesh_config;
-        mesh_config.seed = static_cast<std::uint64_t>(seed);
+        MeshConfig mesh_config{.seed = static_cast<std::uint64_t>(seed)};
         const HexMesh2D mesh = mesher::solve_mesh(density, mesh_config, 1, {});
         const quality::MeshQuality quality = quality::measure_quality(mesh, density, 1);
         std::printf("%-22s %%cost %5.2f, 1st percentile angle %5.2f deg\n", GetParam().name.c_str(),

@@ -19,8 +19,7 @@ bool same_bytes(const HexMesh2D& a, const HexMesh2D& b) {
 }
 
 TEST(Threads, SameBytesForAnyNumberAndAgain) {
-    MeshConfig coarse_to_fine;
-    coarse_to_fine.t_max = 25;
+    MeshConfig coarse_to_fine{.t_max = 25};
     MeshConfig paper = coarse_to_fine;
     paper.levels = 1;
     paper.co = 20;
@@ -45,15 +44,13 @@ TEST(Threads, SameBytesForAnyNumberAndAgain) {
 }
 
 TEST(Threads, MoreThanRowsAndCells) {
-    MeshConfig config;
-    config.t_max = 10;
+    MeshConfig config{.t_max = 10};
     const DensityMap density = bumps_density(24, 22);
     EXPECT_EQ(solve(density, config, 1).positions, solve(density, config, 16).positions);
 }
 
 TEST(Progress, RisesToOneAndMayStop) {
-    MeshConfig config;
-    config.t_max = 40;
+    MeshConfig config{.t_max = 40};
     const DensityMap density = bumps_density(160, 150);
     for (const int threads : {1, 3}) {
         std::vector<double> shares;

@@ -93,10 +93,7 @@ TEST(Learning, PositionsStayInTheImage) {
 }
 
 TEST(Plan, RatesFallGeometrically) {
-    MeshConfig config;
-    config.levels = 1;
-    config.t_max = 100;
-    config.sigma_init = 12;
+    MeshConfig config{.levels = 1, .t_max = 100, .sigma_init = 12};
     const std::vector<LevelPlan> plans = plan_levels(450, 375, config, {0, 0, 450, 375});
     ASSERT_EQ(plans.size(), 1u);
     ASSERT_EQ(plans[0].iterations.size(), 100u);
@@ -111,8 +108,7 @@ TEST(Plan, RatesFallGeometrically) {
 TEST(Plan, CoarseLatticesKeepTwelveVerticesASide) {
     for (const int levels : {0, 1, 2, 3, 6, 12})
         for (const int width : {18, 40, 75, 150, 450, 1800}) {
-            MeshConfig config;
-            config.levels = levels;
+            MeshConfig config{.levels = levels};
             const int height = width * 5 / 6 + 3;
             const std::vector<LevelPlan> plans = plan_levels(width, height, config, {0, 0, width, height});
             ASSERT_FALSE(plans.empty());

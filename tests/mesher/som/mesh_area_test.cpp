@@ -81,8 +81,7 @@ TEST(MeshArea, BordersBendAlikeInAMirror) {
     DensityMap density = flat_density(240, 160), mirrored = density;
     for (int y = 0; y < 60; ++y)
         for (int x = 50; x < 130; ++x) density.values[y * 240 + x] = mirrored.values[y * 240 + 239 - x] = 0;
-    MeshConfig config;
-    config.balance.enabled = true;
+    MeshConfig config{.balance = {.enabled = true}};
     const MeshArea area = mesh_area(density, config);
     const std::vector<float> upper = mesh_outline(density, area, config).upper;
     std::vector<float> back = mesh_outline(mirrored, area, config).upper;

@@ -13,15 +13,8 @@ namespace {
 using namespace testing_mesher;
 
 MeshConfig paper_schedule(MeshMethod method, int t_max) {
-    MeshConfig config;
+    MeshConfig config = paper_config(t_max);
     config.method = method;
-    config.levels = 1;
-    config.t_max = t_max;
-    config.sigma_init = 12;
-    config.co = 20;
-    config.delta = 1;
-    config.magnification = 1;
-    config.border = MeshBorder::free;
     return config;
 }
 

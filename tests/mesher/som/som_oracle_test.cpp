@@ -18,100 +18,49 @@ struct OracleCase {
     friend void PrintTo(const OracleCase& c, std::ostream* out) { *out << describe(c.density, c.config); }
 };
 
-MeshConfig quick(int levels, int t_max) {
-    MeshConfig config;
+// The cases have folds at a magnification of 1.3, which stands for its default.
+MeshConfig quick(int levels, int t_max, MeshConfig config = {}) {
     config.levels = levels;
     config.t_max = t_max;
     config.balance.enabled = false;  // the oracle only trains
-    config.magnification = 1.3;      // the cases below have folds at this magnification
+    if (config.magnification == MeshConfig{}.magnification) config.magnification = 1.3;
     return config;
 }
 
-template <typename Change>
-OracleCase changed(std::string name, DensityMap density, int levels, int t_max, const Change& change) {
-    MeshConfig config = quick(levels, t_max);
-    change(config);
-    return {std::move(name), std::move(density), config, levels};
+OracleCase made(std::string name, DensityMap density, int levels, int t_max, const MeshConfig& config = {}) {
+    return {std::move(name), std::move(density), quick(levels, t_max, config), levels};
 }
 
 std::vector<OracleCase> cases() {
     const DensityMap bumps = bumps_density(60, 48), wide = bumps_density(160, 150);
-    const auto unchanged = [](MeshConfig&) {};
     return {
-        changed("OneLevel", bumps, 1, 40, unchanged),
-        changed("TwoLevels", wide, 2, 20, unchanged),
-        changed("FoldsOfThreeLevelsAreRepaired", bumps_density(101, 99), 3, 4,
-                [](MeshConfig& c) {
-                    c.spacing_px = 2;
-                    c.prr = 1;
-                }),
-        changed("OddSize", bumps_density(61, 53), 1, 40, unchanged),
-        changed("LastCellsSmaller", noise_density(57, 49, 3), 1, 40, [](MeshConfig& c) { c.co = 13; }),
-        changed("FreeBorder", bumps, 1, 40, [](MeshConfig& c) { c.border = MeshBorder::free; }),
-        changed("PaperRule", bumps, 1, 60,
-                [](MeshConfig& c) {
-                    c.co = 20;
-                    c.delta = 1;
-                    c.magnification = 1;
-                    c.border = MeshBorder::free;
-                    c.sigma_init = 4;
-                }),
-        changed("ExactSearch", bumps, 1, 40,
-                [](MeshConfig& c) {
-                    c.ssr = 0;
-                    c.crr = 1;
-                }),
-        changed("AlwaysTheNewestPositions", bumps, 1, 40, [](MeshConfig& c) { c.prr = 1; }),
-        changed("BatchesThatARefreshCuts", bumps, 1, 40,
-                [](MeshConfig& c) {
-                    c.prr = 7;
-                    c.crr = 16;
-                }),
-        changed("BatchesThatGrow", bumps_density(101, 99), 2, 40,
-                [](MeshConfig& c) {
-                    c.spacing_px = 3;
-                    c.prr = 2;
-                    c.prr_final = 40;
-                    c.crr = 9;
-                }),
-        changed("BatchesThatShrink", bumps, 1, 40,
-                [](MeshConfig& c) {
-                    c.prr = 12;
-                    c.prr_final = 1;
-                }),
-        changed("UnlimitedSearchOnStaleLists", noise_density(60, 48, 7), 1, 40,
-                [](MeshConfig& c) {
-                    c.ssr = 0;
-                    c.crr = 50;
-                    c.co = 7;
-                }),
-        changed("NarrowSearchLosesPoints", noise_density(60, 48, 8), 1, 30,
-                [](MeshConfig& c) {
-                    c.ssr = 1;
-                    c.co = 2;
-                    c.crr = 1000;
-                    c.spacing_px = 9;
-                }),
-        changed("FoldsOfAFreeBorderAreRepaired", bumps_density(101, 99), 3, 12,
-                [](MeshConfig& c) {
-                    c.spacing_px = 2;
-                    c.prr = 1;
-                    c.border = MeshBorder::free;
-                }),
-        changed("ManyDrawsACell", bumps, 1, 30, [](MeshConfig& c) { c.delta = 23.5; }),
-        changed("DrawsByTheThousand", bumps, 1, 3, [](MeshConfig& c) { c.delta = 1000; }),
-        changed("DrawsByTheThousandEverywhere", flat_density(60, 48), 1, 2,
-                [](MeshConfig& c) { c.delta = 1000; }),
-        changed("FractionalDelta", bumps, 1, 80, [](MeshConfig& c) { c.delta = 0.37; }),
-        changed("PixelCells", noise_density(30, 24, 1), 1, 20,
-                [](MeshConfig& c) {
-                    c.co = 1;
-                    c.delta = 0.5;
-                    c.ssr = 4;
-                }),
-        changed("OneCell", bumps, 1, 60, [](MeshConfig& c) { c.co = 64; }),
-        changed("WideSeed", bumps, 1, 40, [](MeshConfig& c) { c.seed = 0xFEDCBA9876543210u; }),
-        changed("HalfLearningRate", bumps, 1, 40, [](MeshConfig& c) { c.alpha_init = 0.5; }),
+        made("OneLevel", bumps, 1, 40),
+        made("TwoLevels", wide, 2, 20),
+        made("FoldsOfThreeLevelsAreRepaired", bumps_density(101, 99), 3, 4, {.spacing_px = 2, .prr = 1}),
+        made("OddSize", bumps_density(61, 53), 1, 40),
+        made("LastCellsSmaller", noise_density(57, 49, 3), 1, 40, {.co = 13}),
+        made("FreeBorder", bumps, 1, 40, {.border = MeshBorder::free}),
+        made("PaperRule", bumps, 1, 60,
+             {.sigma_init = 4, .co = 20, .delta = 1, .magnification = 1, .border = MeshBorder::free}),
+        made("ExactSearch", bumps, 1, 40, {.ssr = 0, .crr = 1}),
+        made("AlwaysTheNewestPositions", bumps, 1, 40, {.prr = 1}),
+        made("BatchesThatARefreshCuts", bumps, 1, 40, {.crr = 16, .prr = 7}),
+        made("BatchesThatGrow", bumps_density(101, 99), 2, 40,
+             {.spacing_px = 3, .crr = 9, .prr = 2, .prr_final = 40}),
+        made("BatchesThatShrink", bumps, 1, 40, {.prr = 12, .prr_final = 1}),
+        made("UnlimitedSearchOnStaleLists", noise_density(60, 48, 7), 1, 40, {.co = 7, .ssr = 0, .crr = 50}),
+        made("NarrowSearchLosesPoints", noise_density(60, 48, 8), 1, 30,
+             {.spacing_px = 9, .co = 2, .ssr = 1, .crr = 1000}),
+        made("FoldsOfAFreeBorderAreRepaired", bumps_density(101, 99), 3, 12,
+             {.spacing_px = 2, .prr = 1, .border = MeshBorder::free}),
+        made("ManyDrawsACell", bumps, 1, 30, {.delta = 23.5}),
+        made("DrawsByTheThousand", bumps, 1, 3, {.delta = 1000}),
+        made("DrawsByTheThousandEverywhere", flat_density(60, 48), 1, 2, {.delta = 1000}),
+        made("FractionalDelta", bumps, 1, 80, {.delta = 0.37}),
+        made("PixelCells", noise_density(30, 24, 1), 1, 20, {.co = 1, .delta = 0.5, .ssr = 4}),
+        made("OneCell", bumps, 1, 60, {.co = 64}),
+        made("WideSeed", bumps, 1, 40, {.seed = 0xFEDCBA9876543210u}),
+        made("HalfLearningRate", bumps, 1, 40, {.alpha_init = 0.5}),
     };
 }
 

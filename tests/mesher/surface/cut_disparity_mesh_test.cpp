@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <map>
-#include <set>
 
 #include "mesher/surface/pixels/pixel_surfaces.h"
 #include "pipeline/data/error.h"

@@ -78,9 +78,9 @@ std::set<PlacedTriangle> inner_triangles(const DisparityMesh& mesh, int x, int y
 }
 
 WholeMap whole_of(const DisparityMap& map, const HexMesh2D& lattice) {
-    WholeMap whole;
-    whole.cell_px = static_cast<double>(map.values.size()) / static_cast<double>(lattice.positions.size());
-    whole.columns = lattice.columns;
+    WholeMap whole{
+        .cell_px = static_cast<double>(map.values.size()) / static_cast<double>(lattice.positions.size()),
+        .columns = lattice.columns};
     for (const float d : map.values) {
         if (!std::isfinite(d)) continue;
         whole.nearest_px = std::max(whole.nearest_px, d);
@@ -97,8 +97,7 @@ TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
     const std::uint32_t seed = GetParam();
     const DisparityMap map = busy_map(kWide, kHigh, seed);
     const HexMesh2D lattice = jittered_lattice(seed);
-    SurfaceConfig config;
-    config.silhouette_inset_px = seed % 2 ? 0.5 : 0;
+    SurfaceConfig config{.silhouette_inset_px = seed % 2 ? 0.5 : 0};
     WholeMap whole = whole_of(map, lattice);
     const DisparityMesh all = cut_disparity_mesh({&lattice, &map, 10, whole}, config, 2);
 

@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::batch {
@@ -21,10 +20,9 @@ using test::TemporaryFolder;
 job::RunRequest request_of_test(const std::vector<std::string>& words) {
     if (words.size() > 2 && words[2] == "die") ::kill(::getpid(), SIGKILL);
     if (words.size() > 2 && words[2] == "break") throw std::runtime_error("not even an Error");
-    job::RunRequest request;
-    request.source = job::DisparityFiles{words[1]};
-    request.outputs = {words[0] + ".drc"};
-    request.report = words[0] + ".json";
+    job::RunRequest request{.source = job::DisparityFiles{words[1]},
+                            .outputs = {words[0] + ".drc"},
+                            .report = words[0] + ".json"};
     config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }
@@ -56,7 +54,7 @@ TEST(RunUnits, DoesEachOnceAndThenNothing) {
     const TemporaryFolder folder;
     const std::vector<BatchUnit> units = sample_units(folder, 5);
     EXPECT_EQ(outcomes(run_two_at_a_time(units)), std::vector<UnitOutcome>(5, UnitOutcome::done));
-    EXPECT_EQ(folder.entries(), 10u);
+    EXPECT_EQ(folder.entries(), 10);
     EXPECT_EQ(outcomes(run_two_at_a_time(units)), std::vector<UnitOutcome>(5, UnitOutcome::up_to_date));
     for (int i = 1; i < 5; ++i)
         EXPECT_EQ(test::read_text(folder / ("u" + std::to_string(i) + ".drc")),
@@ -91,7 +89,7 @@ TEST(RunUnits, AKilledWorkerIsReplaced) {
     const BatchResult result = run_units(units, settings, {});
     EXPECT_EQ(outcomes(result), (std::vector<UnitOutcome>{UnitOutcome::done, UnitOutcome::failed,
                                                           UnitOutcome::done, UnitOutcome::done}));
-    EXPECT_NE(result.units[1].message.find("Killed"), std::string::npos) << result.units[1].message;
+    EXPECT_CONTAINS(result.units[1].message, "Killed");
 }
 
 TEST(RunUnits, LittleMemoryMeansOneAtATime) {
@@ -108,10 +106,9 @@ TEST(CheckUnits, FilesThatRowsWouldShareAreFound) {
     units[3].words[1] = units[0].words[1];
     check_units(units, request_of_test);
     EXPECT_EQ(units[0].wrong, "");
-    EXPECT_NE(units[1].wrong.find("is an output of m:0, too"), std::string::npos) << units[1].wrong;
+    EXPECT_CONTAINS(units[1].wrong, "is an output of m:0, too");
     EXPECT_EQ(units[2].wrong, "");
-    EXPECT_NE(units[3].wrong.find("an input of one row and an output of another, m:2"), std::string::npos)
-        << units[3].wrong;
+    EXPECT_CONTAINS(units[3].wrong, "an input of one row and an output of another, m:2");
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "pipeline/batch/file_pattern.h"
 #include "pipeline/batch/manifest.h"
-#include "pipeline/batch/manifest_rows.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::batch {
@@ -59,7 +58,7 @@ TEST(FolderRows, FoldersGiveTheirPairs) {
               (Words{"--left", folder / "a_left.jpg", "--right", folder / "a_right.jpg", "--calib",
                      folder / "a_calib.txt", "-o", "out/a.glb", "--report", "out/a.json"}));
     EXPECT_EQ(units[1].wrong, "");
-    EXPECT_NE(units[2].wrong.find("right image is missing"), std::string::npos);
+    EXPECT_CONTAINS(units[2].wrong, "right image is missing");
 }
 
 TEST(FolderRows, PatternsMayNameFolders) {
@@ -173,13 +172,8 @@ TEST(FolderRows, ForeignFilesAreLeftAlone) {
               std::vector<std::string>{"a = a_left.png a_right.png (-left and -right)"});
     const TemporaryFolder folder;
     make_files(folder, {"wall.png", "notes.txt"});
-    try {
-        read_manifest(folder.path(), kFolderOptions);
-        FAIL();
-    } catch (const Error& error) {
-        for (const PairRule& rule : pair_rules())
-            EXPECT_NE(std::string(error.what()).find(rule.files()), std::string::npos) << error.what();
-    }
+    const std::string message = test::error_of([&] { read_manifest(folder.path(), kFolderOptions); });
+    for (const PairRule& rule : pair_rules()) EXPECT_CONTAINS(message, rule.files());
 }
 
 TEST(FolderRows, AViewWithoutTheOtherIsTold) {
@@ -233,9 +227,8 @@ TEST(FolderRows, ThePageListsAllRules) {
     std::ifstream file(HEXRELIEF_SOURCE_DIR "/pipeline/batch/FOLDERS.md");
     std::stringstream page;
     page << file.rdbuf();
-    EXPECT_NE(page.str().find("| --- | --- | --- |\n" + rows + "\n"), std::string::npos)
-        << "write FOLDERS.md anew as this:\n"
-        << rows;
+    EXPECT_CONTAINS(page.str(), "| --- | --- | --- |\n" + rows + "\n") << "write FOLDERS.md anew as this:\n"
+                                                                       << rows;
 }
 
 }  // namespace

@@ -84,8 +84,8 @@ TEST(Manifest, YamlDefaultsGiveWayToTheRowHoweverItSpellsTheKey) {
     EXPECT_EQ(units[0].name, "y");
     EXPECT_EQ(units[0].words, (Words{"--calib", folder / "d.txt", "--max-bytes=5", "--seed=1", "--disparity",
                                      folder / "a.pfm", "-o", "out/y.glb", "--report", "out/y.json"}));
-    EXPECT_NE(units[1].wrong.find("'calib' is given twice"), std::string::npos) << units[1].wrong;
-    EXPECT_NE(units[2].wrong.find("'seed' is given twice"), std::string::npos) << units[2].wrong;
+    EXPECT_CONTAINS(units[1].wrong, "'calib' is given twice");
+    EXPECT_CONTAINS(units[2].wrong, "'seed' is given twice");
 }
 
 TEST(Manifest, NamesComeFromTheFirstInput) {
@@ -99,17 +99,15 @@ TEST(Manifest, NamesComeFromTheFirstInput) {
 }
 
 TEST(Manifest, RowsSayWhatIsWrongWithThem) {
-    EXPECT_NE(wrong_of("m.csv", "lefft\na.png\n").find("did you mean 'left'"), std::string::npos);
-    EXPECT_NE(wrong_of("m.csv", "left,right\na,b,c\n").find("3 cells, but the header names 2"),
-              std::string::npos);
-    EXPECT_NE(wrong_of("m.csv", "left\n\"a\n").find("never closed"), std::string::npos);
-    EXPECT_NE(wrong_of("m.csv", "left,calib,calibration\na,b,c\n").find("'calib' is given twice"),
-              std::string::npos);
+    EXPECT_CONTAINS(wrong_of("m.csv", "lefft\na.png\n"), "did you mean 'left'");
+    EXPECT_CONTAINS(wrong_of("m.csv", "left,right\na,b,c\n"), "3 cells, but the header names 2");
+    EXPECT_CONTAINS(wrong_of("m.csv", "left\n\"a\n"), "never closed");
+    EXPECT_CONTAINS(wrong_of("m.csv", "left,calib,calibration\na,b,c\n"), "'calib' is given twice");
     EXPECT_EQ(wrong_of("m.csv", "left,strict\na,yes\n"), "strict must be true or false, not 'yes'");
-    EXPECT_NE(wrong_of("m.csv", "left,fov\na,60\n").find("did you mean 'fov-x'"), std::string::npos);
-    EXPECT_NE(wrong_of("m.jsonl", "{\"left\": }\n").find("not valid JSON"), std::string::npos);
-    EXPECT_NE(wrong_of("m.jsonl", "[1]\n").find("not a JSON object"), std::string::npos);
-    EXPECT_NE(wrong_of("m.yaml", "- left: {a: {b: {c: {d: {e: 1}}}}}\n").find("too deep"), std::string::npos);
+    EXPECT_CONTAINS(wrong_of("m.csv", "left,fov\na,60\n"), "did you mean 'fov-x'");
+    EXPECT_CONTAINS(wrong_of("m.jsonl", "{\"left\": }\n"), "not valid JSON");
+    EXPECT_CONTAINS(wrong_of("m.jsonl", "[1]\n"), "not a JSON object");
+    EXPECT_CONTAINS(wrong_of("m.yaml", "- left: {a: {b: {c: {d: {e: 1}}}}}\n"), "too deep");
     // The error in a row is a single line.
     for (const std::string row : {"left,strict\na,\"x\ny\"\n", "left,\"x.\ny\",\"x.\ny\"\na,1,2\n"}) {
         const std::string wrong = wrong_of("m.csv", row);
@@ -117,8 +115,7 @@ TEST(Manifest, RowsSayWhatIsWrongWithThem) {
     }
     for (const std::string name : {"../a", "/a", "a/", "batch", "."})
         EXPECT_NE(wrong_of("m.csv", "left,name\nl.png," + name + "\n"), "") << name;
-    EXPECT_NE(wrong_of("m.csv", "name,mesh.spacing_px\n,4\n").find("give the row a 'name'"),
-              std::string::npos);
+    EXPECT_CONTAINS(wrong_of("m.csv", "name,mesh.spacing_px\n,4\n"), "give the row a 'name'");
 }
 
 TEST(Manifest, TheSecondOfTwoRowsOfOneNameIsWrong) {
@@ -126,7 +123,7 @@ TEST(Manifest, TheSecondOfTwoRowsOfOneNameIsWrong) {
     const auto units = read_units(folder, "m.csv", "left\na/x.png\nb/x.png\n");
     ASSERT_EQ(units.size(), 2u);
     EXPECT_EQ(units[0].wrong, "");
-    EXPECT_NE(units[1].wrong.find("m.csv:2"), std::string::npos) << units[1].wrong;
+    EXPECT_CONTAINS(units[1].wrong, "m.csv:2");
 }
 
 TEST(Manifest, FilesThatAreNoneAreRefused) {
@@ -173,15 +170,14 @@ TEST(Manifest, OneFileUnderTwoNamesIsFound) {
     const std::vector<BatchUnit> units = read_manifest(folder / "m.csv", options);
     ASSERT_EQ(units.size(), 2u);
     EXPECT_EQ(units[0].wrong, "");
-    EXPECT_NE(units[1].wrong.find("is that of"), std::string::npos) << units[1].wrong;
+    EXPECT_CONTAINS(units[1].wrong, "is that of");
 }
 
 TEST(Manifest, WhatWouldFillTheMemoryIsRefusedByItsSize) {
     const TemporaryFolder folder;
     EXPECT_THROW(read_units(folder, "m.csv", "left,right\n" + std::string(2 << 20, ',')), Error);
     EXPECT_THROW(read_units(folder, "m.yaml", std::string(3 << 20, '[')), Error);
-    EXPECT_NE(wrong_of("m.jsonl", R"({"left":)" + std::string(100000, '[')).find("nested"),
-              std::string::npos);
+    EXPECT_CONTAINS(wrong_of("m.jsonl", R"({"left":)" + std::string(100000, '[')), "nested");
 }
 
 TEST(ShellWords, HaveNoControlCharacters) {

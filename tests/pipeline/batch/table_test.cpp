@@ -35,8 +35,7 @@ TEST(BatchTable, HasAColumnForEveryValueOfEveryReport) {
 }
 
 TEST(BatchProgress, TellsRateAndTimeLeft) {
-    BatchCounts counts;
-    counts.units = 200;
+    BatchCounts counts{.units = 200};
     for (int i = 0; i < 78; ++i) counts.add(UnitOutcome::done);
     for (int i = 0; i < 2; ++i) counts.add(UnitOutcome::failed);
     EXPECT_EQ(progress_bar(counts, 10), "[########............] 80/200, 2 failed, 8.0 a second, 0:15 left");

@@ -263,9 +263,7 @@ TEST(CheckMap, IsSilentOfMapsThatKnowFewPixels) {
 }
 
 TEST(CheckCamera, NoticesUnits) {
-    Calibration camera;
-    camera.focal_px = 1000;
-    camera.baseline_m = 0.16;
+    Calibration camera{.focal_px = 1000, .baseline_m = 0.16};
     EXPECT_TRUE(check_camera(camera, 0.01).empty()) << "not metric";
     camera.metric = true;
     EXPECT_TRUE(check_camera(camera, 80).empty());
@@ -282,10 +280,7 @@ TEST(CheckCamera, NoticesUnits) {
 }
 
 TEST(CheckFocal, NoticesMillimetres) {
-    Calibration camera;
-    camera.width = 480;
-    camera.height = 640;
-    camera.focal_px = 640;
+    Calibration camera{.focal_px = 640, .width = 480, .height = 640};
     EXPECT_TRUE(check_focal(camera).empty());
     camera.focal_px = 160;
     EXPECT_TRUE(check_focal(camera).empty()) << "127 degrees, as the widest lenses have";

@@ -36,8 +36,7 @@ std::vector<TestScene> load(const fs::path& data, const std::string& wanted) {
         if (!fs::is_regular_file(folder / files.map)) continue;
         if (folder.string().find(wanted) == std::string::npos) continue;
         TestScene scene{&files, folder.filename().string(), {}, {}, 0};
-        readers::DisparityFileConfig file;
-        file.scale = files.scale;
+        readers::DisparityFileConfig file{.scale = files.scale};
         scene.map = readers::read_disparity_map(folder / files.map, file);
         for (const float d : scene.map.values)
             if (DisparityMap::known(d)) scene.largest_px = std::max(scene.largest_px, static_cast<double>(d));

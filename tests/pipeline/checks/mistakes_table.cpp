@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -192,12 +191,10 @@ void cameras(const TestScene& scene, Table& table) {
     if (f.focal_px == 0 || scene.pair.left.empty()) return;
     const double median_px = median_disparity_px(stages::match_coarsely(scene.pair, 0, kThreads));
     const auto camera = [&](double factor) {
-        Calibration c;
-        c.focal_px = f.focal_px;
-        c.baseline_m = f.baseline_m * factor;
-        c.doffs_px = f.doffs_px;
-        c.metric = true;
-        return c;
+        return Calibration{.focal_px = f.focal_px,
+                           .baseline_m = f.baseline_m * factor,
+                           .doffs_px = f.doffs_px,
+                           .metric = true};
     };
     table.add("right camera", scene.name, check_camera(camera(1), median_px), {});
     table.add("baseline in mm", scene.name, check_camera(camera(1000), median_px), {Mistake::baseline_in_mm});

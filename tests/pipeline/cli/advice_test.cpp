@@ -36,9 +36,7 @@ std::string changed_map(const TemporaryFolder& folder, const std::function<float
 }
 
 ProcessResult run_strictly(const TemporaryFolder& folder, const Words& options) {
-    Words arguments = {"run", "--strict", "--set", "mesh.spacing_px=8", "-o", folder / "a.drc"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    return run_program(arguments);
+    return run_program({"run", "--strict", "--set", "mesh.spacing_px=8", "-o", folder / "a.drc"}, options);
 }
 
 // The first run is refused in a line with the advice; the second one follows it.
@@ -46,7 +44,7 @@ void expect_help(const TemporaryFolder& folder, const Words& wrong, const std::s
                  const Words& right) {
     const ProcessResult refused = run_strictly(folder, wrong);
     EXPECT_EQ(refused.exit_code, 3) << advice;
-    EXPECT_NE(refused.err.find(advice), std::string::npos) << refused.err;
+    EXPECT_CONTAINS(refused.err, advice);
     const ProcessResult done = run_strictly(folder, right);
     EXPECT_EQ(done.exit_code, 0) << advice << "\n" << done.err;
 }
@@ -56,10 +54,7 @@ void expect_map_help(const std::function<float(float)>& change, bool flip, const
     const TemporaryFolder folder;
     const std::string map = changed_map(folder, change, flip);
     const Words rest = {map, "--color", kLeft, "--calib", kCamera};
-    Words wrong = {as}, followed = right;
-    wrong.insert(wrong.end(), rest.begin(), rest.end());
-    followed.insert(followed.end(), rest.begin(), rest.end());
-    expect_help(folder, wrong, advice, followed);
+    expect_help(folder, test::joined({as}, rest), advice, test::joined(right, rest));
 }
 
 float depth_of(float disparity) {

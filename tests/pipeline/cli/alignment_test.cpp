@@ -24,11 +24,9 @@ ProcessResult run_on(const StereoPair& pair, const TemporaryFolder& folder,
                      const std::vector<std::string>& options) {
     write_picture(folder / "left.pgm", pair.left);
     write_picture(folder / "right.pgm", pair.right);
-    std::vector<std::string> arguments = {
-        "run", "--left",         folder / "left.pgm", "--right",        folder / "right.pgm",
-        "-o",  folder / "o.glb", "--report",          folder / "r.json"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    return run_program(arguments);
+    return run_program({"run", "--left", folder / "left.pgm", "--right", folder / "right.pgm", "-o",
+                        folder / "o.glb", "--report", folder / "r.json"},
+                       options);
 }
 
 nlohmann::json report_in(const TemporaryFolder& folder) {
@@ -45,8 +43,7 @@ TEST(Alignment, AnUnrectifiedPairIsMeshedInMetres) {
                {"--fov-x", std::to_string(kFovX_deg), "--set", "input.calibration.baseline_m=0.15",
                 "--save-stages", folder / "stages", "--strict"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_NE((result.out + result.err).find("aligned: rows were off by"), std::string::npos)
-        << result.out << result.err;
+    EXPECT_CONTAINS(result.out + result.err, "aligned: rows were off by");
     const nlohmann::json report = report_in(folder);
     const nlohmann::json& alignment = report["input"]["alignment"];
     EXPECT_TRUE(alignment["aligned"].get<bool>());
@@ -82,7 +79,7 @@ TEST(Alignment, NeverLeavesThePairAsItIs) {
     const TemporaryFolder folder;
     const ProcessResult result = run_on(render_pair(kTurned), folder, {"--rectify", "never"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_NE(result.err.find("rows differ"), std::string::npos) << result.err;
+    EXPECT_CONTAINS(result.err, "rows differ");
     EXPECT_TRUE(report_in(folder)["input"]["alignment"].is_null());
 }
 
@@ -111,7 +108,7 @@ TEST(Alignment, NegativeDisparitiesAreSearched) {
     const ProcessResult result = run_on(pair, folder, {});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err.find("lie below the range"), std::string::npos) << result.err;
-    EXPECT_NE(result.err.find("where infinity lies is not known"), std::string::npos) << result.err;
+    EXPECT_CONTAINS(result.err, "where infinity lies is not known");
     const nlohmann::json report = report_in(folder);
     EXPECT_LT(report["disparity"]["min_disparity_px"].get<int>(), -14);
     EXPECT_GT(report["picture"]["meshed_share"].get<double>(), 0.8);
@@ -156,11 +153,11 @@ TEST(Alignment, InfoNoticesThatAPictureHoldsBothViews) {
     };
     write({&pair.left, &pair.right}, "both.ppm");
     const std::string told = run_program({"info", folder / "both.ppm"}).out;
-    EXPECT_NE(told.find("with --layout sbs: its halves show one scene"), std::string::npos) << told;
-    EXPECT_NE(told.find("aligned: rows were off by"), std::string::npos) << told;
+    EXPECT_CONTAINS(told, "with --layout sbs: its halves show one scene");
+    EXPECT_CONTAINS(told, "aligned: rows were off by");
     write({&pair.left, &pair.right}, "both-sbs.ppm");
     const std::string named = run_program({"info", folder / "both-sbs.ppm"}).out;
-    EXPECT_NE(named.find("as its name says: its halves show one scene"), std::string::npos) << named;
+    EXPECT_CONTAINS(named, "as its name says: its halves show one scene");
     EXPECT_EQ(named.find("--layout"), std::string::npos) << named;
     write({&pair.left}, "one.ppm");
     EXPECT_EQ(run_program({"info", folder / "one.ppm"}).out.find("as stereo"), std::string::npos);
@@ -172,9 +169,7 @@ TEST(Alignment, AMaskForAPairThatHasToBeAlignedIsRefusedInOneLine) {
     write_picture(folder / "mask.pgm", {640, 480, 1, std::vector<std::uint8_t>(640 * 480, 255)});
     const ProcessResult result = run_on(pair, folder, {"--mask", folder / "mask.pgm"});
     EXPECT_EQ(result.exit_code, 3);
-    EXPECT_NE(result.err.find("the mask is for the left picture as it is, but the pair has to be aligned"),
-              std::string::npos)
-        << result.err;
+    EXPECT_CONTAINS(result.err, "the mask is for the left picture as it is, but the pair has to be aligned");
 }
 
 TEST(Alignment, TwoFilesOfOneMountThatAreShiftedForAStereoWindowKeepTheirOrder) {
@@ -186,8 +181,8 @@ TEST(Alignment, TwoFilesOfOneMountThatAreShiftedForAStereoWindowKeepTheirOrder) 
         return run_program({"info", folder / "l.pgm", folder / "r.pgm"}).out;
     };
     const std::string one_mount = told({.pitch = 0.3}, 60), by_hand = told({.pitch = 3}, 60);
-    EXPECT_NE(one_mount.find("taken for a pair shifted for a stereo window"), std::string::npos) << one_mount;
-    EXPECT_NE(by_hand.find("the views were exchanged"), std::string::npos) << by_hand;
+    EXPECT_CONTAINS(one_mount, "taken for a pair shifted for a stereo window");
+    EXPECT_CONTAINS(by_hand, "the views were exchanged");
 }
 
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {

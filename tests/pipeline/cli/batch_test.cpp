@@ -25,7 +25,7 @@ TEST(Batch, WritesWhatSingleRunsWrite) {
     const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
     ASSERT_EQ(batch.exit_code, 0) << batch.err;
     EXPECT_EQ(std::count(batch.out.begin(), batch.out.end(), '\n'), 4) << batch.out;
-    EXPECT_NE(batch.out.find(R"("event":"end","units":2,"done":2)"), std::string::npos) << batch.out;
+    EXPECT_CONTAINS(batch.out, R"("event":"end","units":2,"done":2)");
     const ProcessResult single = run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
                                               sample("calib.txt"), "-o", folder / "single.drc"});
     ASSERT_EQ(single.exit_code, 0) << single.err;
@@ -38,8 +38,8 @@ TEST(Batch, ChecksAllLinesBeforeTheFirstJob) {
     write_text(folder / "jobs.txt", job(folder / "a.drc") + job(folder / "b.drc", "--no-such-option 1"));
     const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
     EXPECT_EQ(batch.exit_code, 2);
-    EXPECT_NE(batch.err.find("jobs.txt:2: "), std::string::npos) << batch.err;
-    EXPECT_EQ(folder.entries(), 1u);
+    EXPECT_CONTAINS(batch.err, "jobs.txt:2: ");
+    EXPECT_EQ(folder.entries(), 1);
 }
 
 TEST(Batch, AJobThatFailsStopsNoOther) {
@@ -49,8 +49,8 @@ TEST(Batch, AJobThatFailsStopsNoOther) {
                                         (folder / "b.drc") + "\n" + job(folder / "c.drc"));
     const ProcessResult batch = run_program({"batch", folder / "jobs.txt", "--log", "text"});
     EXPECT_EQ(batch.exit_code, 3);
-    EXPECT_NE(batch.err.find("jobs.txt:2: "), std::string::npos) << batch.err;
-    EXPECT_NE(batch.out.find("2 done, 0 up to date, 1 failed"), std::string::npos) << batch.out;
+    EXPECT_CONTAINS(batch.err, "jobs.txt:2: ");
+    EXPECT_CONTAINS(batch.out, "2 done, 0 up to date, 1 failed");
     EXPECT_TRUE(std::filesystem::exists(folder / "a.drc"));
     EXPECT_TRUE(std::filesystem::exists(folder / "c.drc"));
 }
@@ -66,7 +66,7 @@ TEST(Batch, AManifestIsDoneOnceWithItsTable) {
         arguments.push_back(more);
         return run_program(arguments);
     };
-    EXPECT_NE(with("--dry-run").out.find("b: to do, no result yet"), std::string::npos);
+    EXPECT_CONTAINS(with("--dry-run").out, "b: to do, no result yet");
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     const ProcessResult commands = with("--print-commands");
     EXPECT_EQ(std::count(commands.out.begin(), commands.out.end(), '\n'), 2) << commands.out;
@@ -74,16 +74,16 @@ TEST(Batch, AManifestIsDoneOnceWithItsTable) {
 
     const ProcessResult first = run_program(batch);
     ASSERT_EQ(first.exit_code, 0) << first.err;
-    EXPECT_NE(first.out.find("2 done, 0 up to date"), std::string::npos) << first.out;
+    EXPECT_CONTAINS(first.out, "2 done, 0 up to date");
     EXPECT_TRUE(
         read_text(folder / "out/batch.csv").starts_with("name,status,exit_code,error,warnings,schema"));
     EXPECT_EQ(read_text(folder / "out/a.d"), (folder / "out/a.drc") + ": \\\n  " + sample("disparity.pfm") +
                                                  "\n\n" + sample("disparity.pfm") + ":\n");
-    EXPECT_NE(run_program(batch).out.find("0 done, 2 up to date"), std::string::npos);
-    EXPECT_NE(with("--force").out.find("2 done"), std::string::npos);
-    EXPECT_NE(with("--shard=2/2").out.find("1 row in"), std::string::npos);
+    EXPECT_CONTAINS(run_program(batch).out, "0 done, 2 up to date");
+    EXPECT_CONTAINS(with("--force").out, "2 done");
+    EXPECT_CONTAINS(with("--shard=2/2").out, "1 row in");
     EXPECT_TRUE(std::filesystem::exists(folder / "out/batch-2-of-2.csv"));
-    EXPECT_NE(with("--set=mesh.seed=2").out.find("2 done"), std::string::npos);
+    EXPECT_CONTAINS(with("--set=mesh.seed=2").out, "2 done");
 }
 
 TEST(Batch, TellsEachWarningOnceWithItsRows) {
@@ -96,7 +96,7 @@ TEST(Batch, TellsEachWarningOnceWithItsRows) {
     EXPECT_TRUE(told.err.starts_with("hexrelief: warning: " + (folder / "m.csv") + ":2 (and 1 more rows): "))
         << told.err;
     EXPECT_EQ(std::count(told.err.begin(), told.err.end(), '\n'), 1) << told.err;
-    EXPECT_NE(told.out.find("\"warnings\":[\""), std::string::npos) << told.out;
+    EXPECT_CONTAINS(told.out, "\"warnings\":[\"");
     EXPECT_EQ(run_program(batch).err, "");  // nothing was done, so nothing is told
 }
 
@@ -106,7 +106,7 @@ TEST(Batch, RowsThatAreWrongEndItUnlessItKeepsGoing) {
                                      sample("disparity.pfm") + ",b,24\n");
     const ProcessResult refused = run_program({"batch", folder / "m.csv", "-o", folder / "out"});
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_NE(refused.err.find("m.csv:2: "), std::string::npos) << refused.err;
+    EXPECT_CONTAINS(refused.err, "m.csv:2: ");
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     const ProcessResult going =
         run_program({"batch", folder / "m.csv", "-o", folder / "out", "--keep-going"});
@@ -120,8 +120,7 @@ TEST(Batch, NamesThatMakeWouldRunAreRefusedWithDepfiles) {
     write_text(folder / "m.csv", "disparity,name\n\";id>pwned;x=.pfm\",a\n");
     const ProcessResult refused = run_program({"batch", folder / "m.csv", "-o", folder / "out", "--depfile"});
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_NE(refused.err.find("m.csv:2: --depfile: make cannot read the name"), std::string::npos)
-        << refused.err;
+    EXPECT_CONTAINS(refused.err, "m.csv:2: --depfile: make cannot read the name");
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 }
@@ -145,7 +144,7 @@ TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
     }
     const ProcessResult again = run_program(batch);
     EXPECT_EQ(again.exit_code, 0) << again.err;
-    EXPECT_NE(again.out.find(R"("status":"up_to_date")"), std::string::npos) << again.out;
+    EXPECT_CONTAINS(again.out, R"("status":"up_to_date")");
     EXPECT_EQ(read_text(folder / "out/n11.glb"), read_text(folder / "out/n0.glb"));
 }
 
@@ -160,7 +159,7 @@ TEST(Batch, ADryRunSaysByWhichRulePairsAreFound) {
     EXPECT_TRUE(dry_run("text").starts_with(
         "scene: to do, no result yet; found as Middlebury 2014 (im0.* and im1.*)\n"))
         << dry_run("text");
-    EXPECT_NE(dry_run("jsonl").find(R"x("rule":"Middlebury 2014 (im0.* and im1.*)")x"), std::string::npos);
+    EXPECT_CONTAINS(dry_run("jsonl"), R"x("rule":"Middlebury 2014 (im0.* and im1.*)")x");
 }
 
 TEST(Batch, OptionsThatAreNoneAreRefused) {
@@ -170,7 +169,7 @@ TEST(Batch, OptionsThatAreNoneAreRefused) {
          {"--shard=0/2", "--shard=3/2", "--shard=1", "--memory=much", "--memory=-1G", "--memory=99999999T",
           "--log=loud", "--jobs=-1", "--gpus=none"})
         EXPECT_NE(run_program({"batch", folder / "jobs.txt", option}).exit_code, 0) << option;
-    EXPECT_EQ(folder.entries(), 1u);
+    EXPECT_EQ(folder.entries(), 1);
 }
 
 TEST(Run, UpdatesOnlyWhatChanged) {
@@ -184,7 +183,7 @@ TEST(Run, UpdatesOnlyWhatChanged) {
     EXPECT_EQ(run_program(reported).exit_code, 0);
     const ProcessResult second = run_program(reported);
     EXPECT_EQ(second.exit_code, 0);
-    EXPECT_NE(second.out.find("a.json: up to date"), std::string::npos) << second.out;
+    EXPECT_CONTAINS(second.out, "a.json: up to date");
 }
 
 TEST(Batch, NeedsAFileWithJobs) {

@@ -34,7 +34,7 @@ TEST(Files, ADemoLeavesOthersFilesAlone) {
     const std::vector<std::string> demo = {"demo", "--no-open", folder / "a b"};
     const ProcessResult first = run_program(demo);
     EXPECT_EQ(first.exit_code, 0) << first.err;
-    EXPECT_NE(first.out.find("--left '" + (folder / "a b/left.png'")), std::string::npos) << first.out;
+    EXPECT_CONTAINS(first.out, "--left '" + (folder / "a b/left.png'"));
     EXPECT_EQ(run_program(demo).exit_code, 0) << "its own are written anew";
     write_text(folder / "a b/left.png", "mine");
     expect_failure(demo, 4, "left.png is there already");

@@ -88,24 +88,22 @@ TEST(Matchers, AWorkerServesABatchAndThePairThatItDiesOfFailsAlone) {
     };
     const std::string commands = batch("--print-commands").out;
     EXPECT_EQ(std::count(commands.begin(), commands.end(), '\n'), 3) << commands;
-    EXPECT_NE(commands.find("disparity.worker=/usr/bin/python3 " + worker), std::string::npos) << commands;
+    EXPECT_CONTAINS(commands, "disparity.worker=/usr/bin/python3 " + worker);
 
     const ProcessResult first = batch("--threads=2");
     EXPECT_EQ(first.exit_code, 3);
-    EXPECT_NE(first.out.find("2 done, 0 up to date, 1 failed"), std::string::npos) << first.out;
-    EXPECT_NE(
-        first.err.find("m.csv:3: disparity.worker: '/usr/bin/python3' ended with exit code 1: 'no memory'"),
-        std::string::npos)
-        << first.err;
+    EXPECT_CONTAINS(first.out, "2 done, 0 up to date, 1 failed");
+    EXPECT_CONTAINS(first.err,
+                    "m.csv:3: disparity.worker: '/usr/bin/python3' ended with exit code 1: 'no memory'");
     std::istringstream lines(read_text(pids));
     const std::vector<std::string> asked{std::istream_iterator<std::string>(lines), {}};
     ASSERT_EQ(asked.size(), 5u);  // two views of each pair, but one of the second
     EXPECT_TRUE(asked[0] == asked[1] && asked[1] == asked[2] && asked[2] != asked[3] && asked[3] == asked[4]);
 
-    EXPECT_NE(batch("--threads=2").out.find("1 done, 2 up to date"), std::string::npos);
-    EXPECT_NE(batch("--threads=2").out.find("0 done, 3 up to date"), std::string::npos);
+    EXPECT_CONTAINS(batch("--threads=2").out, "1 done, 2 up to date");
+    EXPECT_CONTAINS(batch("--threads=2").out, "0 done, 3 up to date");
     write_text(worker, read_text(worker) + "# another program\n");
-    EXPECT_NE(batch("--threads=2").out.find("3 done, 0 up to date"), std::string::npos);
+    EXPECT_CONTAINS(batch("--threads=2").out, "3 done, 0 up to date");
 }
 
 TEST(Matchers, AdaptersOfNetworksAreWholePython) {
@@ -201,10 +199,9 @@ TEST(Matchers, TheRightPictureAloneChecksASuppliedMap) {
     };
     const ProcessResult fits = with(sample("right.png")), other = with(sample("left.png"));
     EXPECT_EQ(fits.exit_code, 0) << fits.err;
-    EXPECT_NE(fits.err.find("of the pixels have another colour in the right picture"), std::string::npos)
-        << fits.err;
+    EXPECT_CONTAINS(fits.err, "of the pixels have another colour in the right picture");
     EXPECT_EQ(other.exit_code, 0) << other.err;
-    EXPECT_NE(other.err.find("so that is not looked at"), std::string::npos) << other.err;
+    EXPECT_CONTAINS(other.err, "so that is not looked at");
     expect_failure({"run", "-o", folder / "x.ply", "--disparity", sample("disparity.pfm"), "--color-right",
                     sample("right.png")},
                    2, "--color-right needs --color");

@@ -19,11 +19,9 @@ std::string refusal_of(std::vector<std::string> options) {
     const TemporaryFolder folder;
     for (std::string& word : options)
         if (fs::exists(kData / word)) word = (kData / word).string();
-    std::vector<std::string> arguments = {
-        "run",     "--strict", "--report", folder / "r.json",
-        "--fov-x", "60",       "--set",    "input.calibration.baseline_m=0.1"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    const ProcessResult result = run_program(arguments);
+    const ProcessResult result = run_program({"run", "--strict", "--report", folder / "r.json", "--fov-x",
+                                              "60", "--set", "input.calibration.baseline_m=0.1"},
+                                             options);
     EXPECT_EQ(result.exit_code, result.err.empty() ? 0 : 3) << result.err;
     return result.err;
 }
@@ -34,11 +32,11 @@ TEST(OpenCvData, RightInputsPassAndWrongOnesAreNoticed) {
     EXPECT_EQ(refusal_of({"--disparity", "aloeGT.png", "--disparity-scale", "1", "--color", "aloeL.jpg"}),
               "");
     const std::string swapped = refusal_of({"--left", "aloeR.jpg", "--right", "aloeL.jpg"});
-    EXPECT_NE(swapped.find("swapped"), std::string::npos) << swapped;
+    EXPECT_CONTAINS(swapped, "swapped");
     // Taken by two cameras side by side and never rectified.
     const std::string raw =
         refusal_of({"--left", "left01.jpg", "--right", "right01.jpg", "--rectify", "never"});
-    EXPECT_NE(raw.find("rows differ"), std::string::npos) << raw;
+    EXPECT_CONTAINS(raw, "rows differ");
 }
 
 // By cv::stereoCalibrate from the 13 pairs of the chessboard.

@@ -43,13 +43,13 @@ TEST(Pipes, AreNamedAsTheyWereGiven) {
         run_line("echo no map | " + program + " run --disparity - -o " + (folder / "a.glb") + " 2>" + err),
         3);
     const std::string told = read_text(err);
-    EXPECT_NE(told.find("cannot read '-': "), std::string::npos) << told;
+    EXPECT_CONTAINS(told, "cannot read '-': ");
     EXPECT_EQ(told.find("/proc/"), std::string::npos) << told;
     EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
     EXPECT_EQ(run_line("echo no map | " + program + " run --left - --right - -o " + (folder / "a.glb") +
                        " 2>" + err),
               2);
-    EXPECT_NE(read_text(err).find("twice"), std::string::npos) << read_text(err);
+    EXPECT_CONTAINS(read_text(err), "twice");
     EXPECT_EQ(run_line("cat " + sample("left.png") + " | " + program + " info --json - >" + (folder / "out")),
               0);
     EXPECT_EQ(nlohmann::json::parse(read_text(folder / "out"))["size"]["width"], 320);
@@ -63,8 +63,8 @@ TEST(Configurations, LaterOnesWin) {
         return run_program(words).out;
     };
     const std::string both = shown({"--config", "compact", "--config", folder / "scene.yaml"});
-    EXPECT_NE(both.find("spacing_px: 9\n"), std::string::npos);
-    EXPECT_NE(both.find("compression: draco"), std::string::npos);
+    EXPECT_CONTAINS(both, "spacing_px: 9\n");
+    EXPECT_CONTAINS(both, "compression: draco");
     EXPECT_EQ(shown({"--config", folder / "scene.yaml", "--config", "compact"}),
               shown({"--config", "compact"}));
     write_text(folder / "jobs.csv", "disparity,name\n" + sample("disparity.pfm") + ",a\n");

@@ -10,7 +10,6 @@
 #include "pipeline/config/document.h"
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::config {
@@ -139,10 +138,10 @@ TEST(Suggest, FindsSlipsAndMissingUnits) {
     EXPECT_EQ(edit_distance("kitten", "sitting"), 3);
     EXPECT_EQ(edit_distance("", "abc"), 3);
     EXPECT_EQ(edit_distance("ab", "ba"), 1);
-    EXPECT_NE(suggest_key("mesh.spacing").find("'mesh.spacing_px'"), std::string::npos);
-    EXPECT_NE(suggest_key("spacing_px").find("'mesh.spacing_px'"), std::string::npos);
-    EXPECT_NE(suggest_key("mseh").find("'mesh'"), std::string::npos);
-    EXPECT_NE(suggest_key("export.draco.leve").find("'export.draco.level'"), std::string::npos);
+    EXPECT_CONTAINS(suggest_key("mesh.spacing"), "'mesh.spacing_px'");
+    EXPECT_CONTAINS(suggest_key("spacing_px"), "'mesh.spacing_px'");
+    EXPECT_CONTAINS(suggest_key("mseh"), "'mesh'");
+    EXPECT_CONTAINS(suggest_key("export.draco.leve"), "'export.draco.level'");
     EXPECT_EQ(suggest_key("quite_another_thing_altogether"), "");
 }
 
@@ -202,10 +201,9 @@ TEST(ConfigDocument, SchemaKnowsEveryKeyAndNoOther) {
 TEST(ConfigDocument, MarkdownNamesEveryKey) {
     const std::string page = config_markdown();
     for (const Field& field : config_fields())
-        EXPECT_NE(page.find("\n- `" + field.path + "` (default `"), std::string::npos) << field.path;
+        EXPECT_CONTAINS(page, "\n- `" + field.path + "` (default `") << field.path;
     for (const Section& section : config_sections())
-        EXPECT_NE(page.find("# `" + section.path + "`\n\n" + section.help + ".\n"), std::string::npos)
-            << section.path;
+        EXPECT_CONTAINS(page, "# `" + section.path + "`\n\n" + section.help + ".\n") << section.path;
     std::istringstream lines(page);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 132u) << line;
 }

@@ -33,12 +33,7 @@ std::string some_value(const Field& field) {
 }
 
 std::string error_of(const std::string& flag, const std::vector<std::string>& files) {
-    try {
-        row_of_option(flag, files);
-    } catch (const Error& error) {
-        return error.kind() == ErrorKind::usage ? error.what() : "not of usage";
-    }
-    return {};
+    return test::error_of([&] { row_of_option(flag, files); }, ErrorKind::usage);
 }
 
 TEST(KeyOptions, StandInHelpManualCompletionsAndDocuments) {
@@ -53,17 +48,17 @@ TEST(KeyOptions, StandInHelpManualCompletionsAndDocuments) {
         const std::size_t at = help.find("\n  " + shown);
         ASSERT_NE(at, std::string::npos) << flag;
         const std::size_t end = help.find("\n  --", at + 1);
-        EXPECT_NE(help.substr(at, end - at).find(option_help(row)), std::string::npos) << flag;
-        EXPECT_NE(keys.find("; also " + flag + "  ["), std::string::npos) << flag;
+        EXPECT_CONTAINS(help.substr(at, end - at), option_help(row)) << flag;
+        EXPECT_CONTAINS(keys, "; also " + flag + "  [") << flag;
         std::string dashed;
         for (const char c : flag) dashed += c == '-' ? "\\-" : std::string(1, c);
-        EXPECT_NE(manual.find("\\fB" + dashed + "\\fR"), std::string::npos) << flag;
+        EXPECT_CONTAINS(manual, "\\fB" + dashed + "\\fR") << flag;
         for (const auto& [shell, script] : scripts) {
             const std::string name = shell == "fish" ? "-l " + flag.substr(2) : flag;
-            EXPECT_NE(script.find(name), std::string::npos) << shell << " " << flag;
+            EXPECT_CONTAINS(script, name) << shell << " " << flag;
             std::string words;
             for (const std::string& choice : row.choices) words += (words.empty() ? "" : " ") + choice;
-            EXPECT_NE(script.find(words), std::string::npos) << shell << " " << flag;
+            EXPECT_CONTAINS(script, words) << shell << " " << flag;
         }
     }
 }

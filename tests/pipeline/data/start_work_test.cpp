@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "pipeline/data/error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief {
 namespace {
@@ -13,13 +13,7 @@ TEST(StartWork, GivesTheResultAndPassesErrorsOn) {
     for (const int threads : {1, 2}) {
         EXPECT_EQ(start_work(threads, [] { return 7; }).get(), 7);
         auto failing = start_work(threads, []() -> int { throw Error(ErrorKind::input, "no picture"); });
-        try {
-            failing.get();
-            FAIL() << "no error";
-        } catch (const Error& error) {
-            EXPECT_EQ(error.kind(), ErrorKind::input);
-            EXPECT_STREQ(error.what(), "no picture");
-        }
+        EXPECT_EQ(test::error_of([&] { failing.get(); }), "no picture");
     }
 }
 

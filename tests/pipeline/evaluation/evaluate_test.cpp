@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/pipeline/stages/expect_error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::evaluation {
 namespace {
@@ -67,8 +67,7 @@ TEST(Evaluation, NonoccludedByTheRightViewsTruth) {
     const DisparityMap truth{5, 1, {2, 2, 2.5f, 2, 2}};  // match columns -2, -1, 0, 1, 2: 2.5 rounds to 2
     const DisparityMap right{5, 1, {3.5f, 4, kNo, 2, 2}};
     const DisparityMap map{5, 1, {9, 9, 9, 9, 2}};
-    EvaluationConfig config;
-    config.right_truth = &right;
+    EvaluationConfig config{.right_truth = &right};
     const DisparityEvaluation e = evaluate_disparity(map, truth, config);
     EXPECT_EQ(e.nonoccluded_pixels, 1);  // 3 disagrees, 4 is unknown in the right view
     EXPECT_DOUBLE_EQ(e.bad_nonoccluded_percent[2], 100);
@@ -177,8 +176,7 @@ TEST(Evaluation, AgreesWithTheDefinitions) {
             const float t = truth.at(x, y);
             return one_in(6) || !std::isfinite(t) ? kNo : t + float(random() % 17) * 0.5f - 4 + 1.125f;
         });
-        EvaluationConfig config;
-        config.discontinuity_px = round % 2 ? 1 : 2;
+        EvaluationConfig config{.discontinuity_px = round % 2 ? 1.0 : 2.0};
         const DisparityEvaluation e = evaluate_disparity(map, truth, config);
         const Oracle oracle{map, truth, static_cast<float>(config.discontinuity_px)};
         long long edges[4] = {}, visible = 0, bad = 0;
@@ -251,21 +249,21 @@ TEST(Evaluation, RoughnessAgreesWithPlanesSolvedDirectly) {
 }
 
 TEST(Evaluation, RefusesOtherSizesAndEmptyTruth) {
-    stages::expect_error(ErrorKind::input, "2x1", [] { evaluate_disparity({2, 1, {1, 2}}, {1, 1, {1}}); });
-    stages::expect_error(ErrorKind::input, "no known pixel", [] {
-        evaluate_disparity({1, 1, {1}}, {1, 1, {kNo}});
-    });
-    stages::expect_error(ErrorKind::input, "right view", [] {
-        const DisparityMap right{2, 1, {1, 2}};
-        EvaluationConfig config;
-        config.right_truth = &right;
-        evaluate_disparity({1, 1, {1}}, {1, 1, {1}}, config);
-    });
-    stages::expect_error(ErrorKind::usage, "above 0", [] {
-        EvaluationConfig config;
-        config.discontinuity_px = 0;
-        evaluate_disparity({1, 1, {1}}, {1, 1, {1}}, config);
-    });
+    EXPECT_CONTAINS(test::error_of([] { evaluate_disparity({2, 1, {1, 2}}, {1, 1, {1}}); }), "2x1");
+    EXPECT_CONTAINS(test::error_of([] { evaluate_disparity({1, 1, {1}}, {1, 1, {kNo}}); }), "no known pixel");
+    EXPECT_CONTAINS(test::error_of([] {
+                        const DisparityMap right{2, 1, {1, 2}};
+                        EvaluationConfig config{.right_truth = &right};
+                        evaluate_disparity({1, 1, {1}}, {1, 1, {1}}, config);
+                    }),
+                    "right view");
+    EXPECT_CONTAINS(test::error_of(
+                        [] {
+                            EvaluationConfig config{.discontinuity_px = 0};
+                            evaluate_disparity({1, 1, {1}}, {1, 1, {1}}, config);
+                        },
+                        ErrorKind::usage),
+                    "above 0");
 }
 
 }  // namespace

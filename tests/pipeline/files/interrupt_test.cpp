@@ -42,14 +42,14 @@ TEST_P(Interrupt, EndsTheLongStageAtOnceWithoutFiles) {
     kill(process, GetParam());
     EXPECT_EQ(wait_for_exit(process), 130);
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(2));
-    EXPECT_EQ(folder.entries(), 0u);
+    EXPECT_EQ(folder.entries(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM));
 
 // Whenever the signal comes, all files are there or none.
 TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
-    constexpr std::size_t kAll = 5 + 11;  // glb, obj, mtl, texture, report; the folder and its ten
+    constexpr std::ptrdiff_t kAll = 5 + 11;  // glb, obj, mtl, texture, report; the folder and its ten
     int interrupted = 0;
     for (int delay_ms = 20; delay_ms <= 1200; delay_ms += 60) {
         const TemporaryFolder folder;

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
@@ -39,7 +38,7 @@ TEST(OutputSet, WithoutCommitItsFoldersGo) {
         set.place(folder / "new/deep/a.glb");
         set.files().write(folder / "new/deep/a.glb", std::string("mesh"));
     }
-    EXPECT_EQ(folder.entries(), 0u);
+    EXPECT_EQ(folder.entries(), 0);
 }
 
 // The first set made the folder; the second one needs it.

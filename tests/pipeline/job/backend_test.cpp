@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "pipeline/data/error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::job {
 namespace {
@@ -26,13 +26,8 @@ TEST(Backend, ThreadsDefaultToAtLeastOne) {
 
 #ifndef HEXRELIEF_HAS_CUDA
 TEST(Backend, CudaIsADeviceErrorWhereItIsNotBuiltIn) {
-    try {
-        pick_backend(config::BackendChoice::cuda, 1, MeshMethod::cellular);
-        FAIL() << "no error";
-    } catch (const Error& e) {
-        EXPECT_EQ(e.kind(), ErrorKind::device);
-        EXPECT_NE(std::string(e.what()).find("built without CUDA"), std::string::npos);
-    }
+    const auto pick = [] { pick_backend(config::BackendChoice::cuda, 1, MeshMethod::cellular); };
+    EXPECT_CONTAINS(test::error_of(pick, ErrorKind::device), "built without CUDA");
     EXPECT_EQ(pick_backend(config::BackendChoice::automatic, 1, MeshMethod::cellular)->name(), "cpu");
 }
 #endif

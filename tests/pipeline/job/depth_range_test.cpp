@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <ostream>
@@ -36,9 +35,8 @@ std::pair<double, double> range_of(std::vector<double> depths) {
 }
 
 void expect_range_of_truth(const fs::path& folder, const TruePair& pair) {
-    RunRequest request;
-    request.source = PairFiles{folder / (std::string("left.") + pair.images),
-                               folder / (std::string("right.") + pair.images)};
+    RunRequest request{.source = PairFiles{folder / (std::string("left.") + pair.images),
+                                           folder / (std::string("right.") + pair.images)}};
     if (pair.calibration) request.config.input.calibration.file = folder / pair.calibration;
     const test::TemporaryFolder outputs;
     request.outputs = {outputs / "a.glb"};
@@ -48,8 +46,7 @@ void expect_range_of_truth(const fs::path& folder, const TruePair& pair) {
     for (const Vec3f& position : relief.surface.mesh.positions) depths.push_back(-double(position.z));
     const auto [nearest, farthest] = range_of(std::move(depths));
 
-    readers::DisparityFileConfig file;
-    file.scale = pair.scale;
+    readers::DisparityFileConfig file{.scale = pair.scale};
     if (pair.scale > 1) file.unknown = 0;
     const Calibration& camera = relief.pair_camera;
     std::vector<double> true_depths;

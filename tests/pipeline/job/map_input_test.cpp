@@ -1,9 +1,9 @@
 // Tests what happens to supplied disparities before the stages.
 #include <gtest/gtest.h>
 
-#include "pipeline/data/error.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/maps/disparity_input.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::job {
 namespace {
@@ -35,15 +35,9 @@ TEST(DisparityInput, FewBeyondInfinityAreNotTold) {
 
 TEST(DisparityInput, ATurnedSignIsTold) {
     readers::DisparityFile file = file_of({-3, -4});
-    try {
-        keep_in_front(file, 1);
-        FAIL() << "nothing was thrown";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), ErrorKind::input);
-        const std::string text = error.what();
-        EXPECT_NE(text.find("from -4 to -3 px, none above -1 px"), std::string::npos) << text;
-        EXPECT_NE(text.find("--disparity-scale -1"), std::string::npos) << text;
-    }
+    const std::string text = test::error_of([&] { keep_in_front(file, 1); });
+    EXPECT_CONTAINS(text, "from -4 to -3 px, none above -1 px");
+    EXPECT_CONTAINS(text, "--disparity-scale -1");
 }
 
 TEST(DisparityInput, AnAssumedScaleOfIntegersIsDoubted) {

@@ -11,13 +11,11 @@
 #include "pipeline/data/error.h"
 #include "pipeline/job/matchers/network/network.h"
 #include "tests/pipeline/process.h"
-#include "tests/pipeline/stages/expect_error.h"
 
 namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
-using stages::expect_error;
 
 // The graphs of make_models.py.
 class NetworkMatcherTest : public testing::Test {
@@ -74,7 +72,7 @@ TEST_F(NetworkMatcherTest, PicturesArePaddedToTheMultipleAndMapsCutOut) {
     const StereoPair pair = pair_of(75, 41);
     const NetworkAnswer answer = match("red", pair);
     expect_red(answer, pair.left);
-    EXPECT_NE(all_told(answer).find("padded to 96x64 px"), std::string::npos) << all_told(answer);
+    EXPECT_CONTAINS(all_told(answer), "padded to 96x64 px");
     EXPECT_TRUE(match("red", pair_of(96, 64)).told.empty());
 }
 
@@ -82,8 +80,8 @@ TEST_F(NetworkMatcherTest, LevelsAreNormalisedAsTheTableSays) {
     const StereoPair pair = pair_of(40, 30);
     expect_red(match("imagenet-red", pair), pair.left, 255, 0.485, 0.229);
     expect_red(NetworkMatcher(model("red"), "unit", 1).match(pair, 16), pair.left, 255);
-    expect_error(ErrorKind::usage, "disparity.model_kind must be one of levels, unit",
-                 [&] { NetworkMatcher(model("red"), "other", 1); });
+    EXPECT_CONTAINS(test::error_of([&] { NetworkMatcher(model("red"), "other", 1); }, ErrorKind::usage),
+                    "disparity.model_kind must be one of levels, unit");
 }
 
 TEST_F(NetworkMatcherTest, GreyPicturesAreGivenInThreeChannels) {
@@ -99,8 +97,7 @@ TEST_F(NetworkMatcherTest, ANetworkOfAFixedSizeSeesTilesWithACollar) {
     const StereoPair pair = pair_of(300, 211);
     const NetworkAnswer answer = match("red-tiles", pair, 16);
     expect_red(answer, pair.left);
-    EXPECT_NE(all_told(answer).find("takes 128x96 px: the pair is matched in"), std::string::npos)
-        << all_told(answer);
+    EXPECT_CONTAINS(all_told(answer), "takes 128x96 px: the pair is matched in");
 }
 
 TEST_F(NetworkMatcherTest, DisparitiesThatNoTileHoldsMakeThePairSmaller) {
@@ -110,7 +107,7 @@ TEST_F(NetworkMatcherTest, DisparitiesThatNoTileHoldsMakeThePairSmaller) {
     const NetworkAnswer answer = match("red-tiles", pair, 64);
     ASSERT_EQ(answer.map.values.size(), std::size_t{300} * 211);
     for (const float d : answer.map.values) ASSERT_NEAR(d, 8 * 300 / 128.0, 1e-4);
-    EXPECT_NE(all_told(answer).find("made smaller, 128x90 px"), std::string::npos) << all_told(answer);
+    EXPECT_CONTAINS(all_told(answer), "made smaller, 128x90 px");
 }
 
 TEST_F(NetworkMatcherTest, WindowsKeepEachPixelOnce) {
@@ -155,15 +152,15 @@ TEST_F(NetworkMatcherTest, AnOperatorIsRunOrNamed) {
     if (network_library().starts_with("ONNX Runtime"))
         expect_red(match("grid-sample", pair), pair.left, 1, 0, 1, 1e-3);  // between places
     else
-        expect_error(ErrorKind::input, "cannot run the network's operator 'GridSample'",
-                     [&] { match("grid-sample", pair); });
+        EXPECT_CONTAINS(test::error_of([&] { match("grid-sample", pair); }),
+                        "cannot run the network's operator 'GridSample'");
 }
 
 TEST_F(NetworkMatcherTest, WhatCannotBeRunIsRefusedInALine) {
     const StereoPair pair = pair_of(64, 64);
     const auto expect = [&](const std::string& name, const std::string& part) {
-        expect_error(ErrorKind::input, part, [&] { match(name, pair); });
-        expect_error(ErrorKind::input, name + ".onnx", [&] { match(name, pair); });
+        EXPECT_CONTAINS(test::error_of([&] { match(name, pair); }), part);
+        EXPECT_CONTAINS(test::error_of([&] { match(name, pair); }), name + ".onnx");
     };
     expect("own-operator", "cannot run the network's operator 'OwnOperator'");
     expect("four-inputs", "has 4 inputs");
@@ -208,12 +205,7 @@ TEST_F(NetworkMatcherTest, AnyBytesAreReadOrRefused) {
         for (int k = 0; k < 3 && !bytes.empty(); ++k)
             bytes[next(bytes.size())] = static_cast<char>(next(256));
         std::ofstream(path, std::ios::binary) << bytes;
-        try {
-            const ModelFile read = read_model_file(path);
-            EXPECT_FALSE(read.inputs.empty());
-        } catch (const Error& error) {
-            EXPECT_EQ(error.kind(), ErrorKind::input);
-        }
+        test::refusal_of([&] { EXPECT_FALSE(read_model_file(path).inputs.empty()); });
     }
 }
 

@@ -13,13 +13,11 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/other_views/other_view.h"
 #include "tests/pipeline/process.h"
-#include "tests/pipeline/stages/expect_error.h"
 
 namespace hexrelief::job {
 namespace {
 
 namespace fs = std::filesystem;
-using stages::expect_error;
 
 // A folder with a matcher in sh, which answers with the maps left.pfm and right.pfm in turn.
 class ProgramMatcherTest : public testing::Test {
@@ -97,7 +95,7 @@ TEST_F(ProgramMatcherTest, DisparitiesOfTheOtherSignAreTurnedAndTold) {
     write(left, right);
     config_.command = copying();
     expect_maps(matcher_.match(pair_, config_, 1, log_));
-    EXPECT_NE(told.find("have the other sign"), std::string::npos) << told;
+    EXPECT_CONTAINS(told, "have the other sign");
 }
 
 TEST_F(ProgramMatcherTest, AMapOfHalfTheSizeIsBroughtToThePairs) {
@@ -127,7 +125,7 @@ TEST_F(ProgramMatcherTest, DisparitiesBelowZeroAreCountedFromTheLeast) {
 TEST_F(ProgramMatcherTest, FailuresAreOneLine) {
     const auto expect = [&](const std::string& command, const std::string& part) {
         config_.command = command;
-        expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, 1, log_); });
+        EXPECT_CONTAINS(test::error_of([&] { matcher_.match(pair_, config_, 1, log_); }), part);
     };
     expect(sh("echo first >&2; echo 'no model' >&2; exit 3\n", "{out}"),
            "ended with exit code 3: 'no model'");
@@ -162,7 +160,7 @@ TEST_F(ProgramMatcherTest, AWorkerServesManyPairs) {
 TEST_F(ProgramMatcherTest, AWorkerThatFailsIsReplaced) {
     const auto expect = [&](const std::string& text, const std::string& part) {
         config_.worker = sh(text, "");
-        expect_error(ErrorKind::input, part, [&] { matcher_.match(pair_, config_, 1, log_); });
+        EXPECT_CONTAINS(test::error_of([&] { matcher_.match(pair_, config_, 1, log_); }), part);
     };
     expect("read line; echo loading the model\n", "loading the model");
     expect("read line; echo 'out of memory' >&2; exit 4\n", "ended with exit code 4: 'out of memory'");

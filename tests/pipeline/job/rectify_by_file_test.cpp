@@ -41,7 +41,7 @@ TEST(RectifyByFile, ThePairTellsWhetherItWasRectified) {
     const FileRectification raw = both.rectify(pair);
     EXPECT_TRUE(raw.is_done);
     ASSERT_EQ(raw.warnings.size(), 1u);
-    EXPECT_NE(raw.warnings[0].find("rectify=never"), std::string::npos);
+    EXPECT_CONTAINS(raw.warnings[0], "rectify=never");
     EXPECT_NEAR(raw.calibration.baseline_m, 0.16, 1e-4);
     const FileRectification again = both.rectify(pair);  // the same file, and the pair that it made
     EXPECT_FALSE(again.is_done);
@@ -71,7 +71,7 @@ TEST(RectifyByFile, CamerasOfAnotherSizeAreScaled) {
     whole.rectify(one);
     const FileRectification scaled = twice.rectify(two);
     EXPECT_EQ(one.left.pixels, two.left.pixels);
-    EXPECT_NE(scaled.decisions.at(0).find("160x120"), std::string::npos);
+    EXPECT_CONTAINS(scaled.decisions.at(0), "160x120");
     Rig other("image_size: [160, 90]\n" + std::string(kCameras));
     EXPECT_THROW(other.rectify(two), Error);
 }

@@ -1,8 +1,6 @@
 // The right view's map by the surface, on a made-up scene: a box of 20 px of disparity before a wall of 4 px.
 #include <gtest/gtest.h>
 
-#include <cstddef>
-
 #include "pipeline/job/other_views.h"
 
 namespace hexrelief::job {

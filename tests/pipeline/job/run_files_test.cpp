@@ -27,9 +27,9 @@ class RunFiles : public testing::Test {
 
     void expect_one_file(const std::string& one, const std::string& other) const {
         const std::string refusal = refusal_of(request_);
-        EXPECT_NE(refusal.find("would be one file"), std::string::npos) << refusal;
-        EXPECT_NE(refusal.find(one), std::string::npos) << refusal;
-        EXPECT_NE(refusal.find(other), std::string::npos) << refusal;
+        EXPECT_CONTAINS(refusal, "would be one file");
+        EXPECT_CONTAINS(refusal, one);
+        EXPECT_CONTAINS(refusal, other);
     }
 
     test::TemporaryFolder folder_;
@@ -51,10 +51,8 @@ TEST_F(RunFiles, EstimatesOfMoreMemoryThanTheLimitAreRefused) {
     EXPECT_EQ(refusal_of(request_), "");
     --request_.config.limits.max_memory;
     const std::string refusal = refusal_of(request_);
-    EXPECT_NE(refusal.find("disparity.pfm: its 320x240 px are estimated to take 53463040 bytes"),
-              std::string::npos)
-        << refusal;
-    EXPECT_NE(refusal.find("53463039 (limits.max_memory)"), std::string::npos) << refusal;
+    EXPECT_CONTAINS(refusal, "disparity.pfm: its 320x240 px are estimated to take 53463040 bytes");
+    EXPECT_CONTAINS(refusal, "53463039 (limits.max_memory)");
 }
 
 // Only the headers are read: the files hold no sample.
@@ -133,7 +131,7 @@ TEST_F(RunFiles, NoInputIsOverwritten) {
     request_.config_files = {folder_ / "c.yaml"};
     test::write_text(request_.config_files[0], "");
     request_.report = request_.config_files[0];
-    EXPECT_NE(refusal_of(request_).find("would overwrite the input"), std::string::npos);
+    EXPECT_CONTAINS(refusal_of(request_), "would overwrite the input");
 }
 
 TEST_F(RunFiles, AllInputsCountInTheEstimate) {
@@ -151,14 +149,14 @@ TEST_F(RunFiles, AMaskMuchLargerThanItsMapIsRefusedUndecoded) {
         request_.source = DisparityFiles{test::sample("disparity.pfm"), {}, folder_ / "mask.pgm"};
         return refusal_of(request_);
     };
-    EXPECT_NE(with_mask("20000 20000").find("it has 20000x20000 px, but"), std::string::npos);
+    EXPECT_CONTAINS(with_mask("20000 20000"), "it has 20000x20000 px, but");
     EXPECT_EQ(with_mask("16000 12000"), "") << "the same shape";
     EXPECT_EQ(with_mask("12000 16000"), "") << "turned";
 }
 
 TEST_F(RunFiles, NamesHoldNoByteOfZero) {
     request_.outputs = {folder_ / std::string("r.glb\0.ply", 10)};
-    EXPECT_NE(refusal_of(request_).find("a byte of 0"), std::string::npos);
+    EXPECT_CONTAINS(refusal_of(request_), "a byte of 0");
 }
 
 TEST_F(RunFiles, OutputsInAFolderOfAnotherUserAreNotOneFile) {

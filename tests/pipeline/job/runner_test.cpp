@@ -86,7 +86,7 @@ TEST(Runner, UnderAutoTheCpuGoesOnForADeviceThatFails) {
         const auto json = nlohmann::json::parse(report_json(report));
         EXPECT_EQ(json["backend"], "cpu");
         EXPECT_NE(json["device"], "a test's");
-        EXPECT_NE(json["backend_reason"].get<std::string>().find("but the device failed"), std::string::npos);
+        EXPECT_CONTAINS(json["backend_reason"].get<std::string>(), "but the device failed");
         EXPECT_EQ(test::read_text(folder / "a.glb"), expected);
     }
     RunLog log;
@@ -113,12 +113,7 @@ TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
     request.config.run.backend = config::BackendChoice::cuda;
     for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
         RunLog log;
-        try {
-            run_failing(request, log, when);
-            ADD_FAILURE() << "the device has failed";
-        } catch (const Error& error) {
-            EXPECT_EQ(error.kind(), ErrorKind::device);
-        }
+        test::error_of([&] { run_failing(request, log, when); }, ErrorKind::device);
         EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
     }
 }
@@ -130,9 +125,7 @@ TEST(Runner, TheCalibrationSaysTheRange) {
     ASSERT_EQ(calibration.ndisp_px, 48);
     std::string said;
     const auto searched = [&](int min_px, int count_px) {
-        stages::DisparityConfig config;
-        config.min_disparity_px = min_px;
-        config.num_disparities_px = count_px;
+        stages::DisparityConfig config{.min_disparity_px = min_px, .num_disparities_px = count_px};
         const stages::FoundRange range = stages::find_range(pair, calibration, config, 1);
         said = range_text(range.config, range.origin);
         return range.config.num_disparities_px;

@@ -135,9 +135,7 @@ Points decoded_page(const std::string& page) {
 
 TEST(AsWritten, IsWhatDracoReadsBack) {
     const SurfaceMesh mesh = wave();
-    exporters::ExportConfig coarse;
-    coarse.compression = exporters::Compression::draco;
-    coarse.tolerance_px = 0.6;
+    exporters::ExportConfig coarse{.compression = exporters::Compression::draco, .tolerance_px = 0.6};
     exporters::ExportConfig fixed = coarse;
     fixed.draco.position_bits = 7;
     for (const exporters::ExportConfig& config : {coarse, fixed})

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/data/error.h"
 #include "pipeline/job/disparities.h"
 #include "pipeline/job/runner.h"
 #include "pipeline/readers/image_reader.h"
@@ -105,10 +104,7 @@ TEST(Reduction, HalvesSoftPicturesOnlyIfTheirPointsSayTheCamera) {
 }
 
 TEST(Reduction, KeepsWhatTheRangeHolds) {
-    stages::DisparityConfig config;
-    config.min_disparity_px = -5;
-    config.num_disparities_px = 24;
-    config.farthest_px = -4;
+    stages::DisparityConfig config{.min_disparity_px = -5, .num_disparities_px = 24, .farthest_px = -4};
     const stages::DisparityConfig half = for_reduced(config, 2);
     EXPECT_EQ(half.min_disparity_px, -3);
     EXPECT_EQ(half.num_disparities_px, 13) << "up to 9.5 px";
@@ -116,8 +112,7 @@ TEST(Reduction, KeepsWhatTheRangeHolds) {
     const stages::DisparityConfig chosen = for_reduced(stages::DisparityConfig{}, 2);
     EXPECT_EQ(chosen.num_disparities_px, 0);
     EXPECT_TRUE(std::isnan(chosen.farthest_px));
-    stages::DensityConfig density;
-    density.background_threshold_px = 9;
+    stages::DensityConfig density{.background_threshold_px = 9};
     EXPECT_EQ(for_reduced(density, 2).background_threshold_px, 4.5);
 }
 
@@ -127,8 +122,7 @@ TEST(Reduction, CutsWhatIsLeftAndHidesWhatIsHiddenInPart) {
     input.mask = {641, 49, std::vector<std::uint8_t>(641 * 49, 1)};
     input.mask.kept[641 + 2] = 0;
     input.calibration = {800, 320.5, 20, 0.1, 3, true, 641, 49, 33};
-    stages::DisparityConfig config;
-    config.working_px = 330;
+    stages::DisparityConfig config{.working_px = 330};
     reduce_pair(input, config, 1, {});
     ASSERT_EQ(input.reduced_by(), 2);
     EXPECT_EQ(input.color().width, 320);
@@ -207,7 +201,7 @@ TEST_F(WorkingSize, GivesTheSameBytesOnAnyNumberOfThreads) {
     }
     EXPECT_EQ(bytes[0], bytes[1]);
     EXPECT_EQ(bytes[0], bytes[2]);
-    EXPECT_NE(bytes[0].find("\"working_px\":320"), std::string::npos);
+    EXPECT_CONTAINS(bytes[0], "\"working_px\":320");
 }
 
 TEST_F(WorkingSize, TooSmallIsAMistakeInTheConfiguration) {
@@ -225,9 +219,7 @@ TEST_F(WorkingSize, TooSmallIsAMistakeInTheConfiguration) {
     test::expect_failure(with("disparity.working_px=-1"), 2, "disparity.working_px");
     const test::ProcessResult told = test::run_program(with("disparity.working_px=320"));
     EXPECT_EQ(told.exit_code, 0) << told.err;
-    EXPECT_NE(told.out.find("matched and meshed at 320 x 240 px, 1/2 of the picture's size"),
-              std::string::npos)
-        << told.out;
+    EXPECT_CONTAINS(told.out, "matched and meshed at 320 x 240 px, 1/2 of the picture's size");
 }
 
 }  // namespace

@@ -80,9 +80,8 @@ Image with_other_channels(const Image& image) {
 }
 
 Settings any_settings(Random& random) {
-    Settings settings;
-    settings.min_px = random.any_of<int>({0, 0, -7, -3, 2, 9});
-    settings.count = random.any_of<int>({1, 2, 3, 5, 16, 16, 40, 64});
+    Settings settings{.min_px = random.any_of<int>({0, 0, -7, -3, 2, 9}),
+                      .count = random.any_of<int>({1, 2, 3, 5, 16, 16, 40, 64})};
     if (random.one_in(2)) {
         settings.p1 = random.any_of<int>({1, 10, 100, 15999});
         settings.p2 = std::min(16000, settings.p1 + random.any_of<int>({1, 7, 200, 15000}));

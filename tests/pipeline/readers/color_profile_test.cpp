@@ -146,8 +146,7 @@ TEST(ColorProfile, NumbersOfAMapStay) {
     const Bytes profile = grey_profile(1.8);
     const Bytes values = {1, 30, 60, 100, 128, 170, 220, 255};
     const Folder folder;
-    DisparityFileConfig config;
-    config.scale = 1;
+    DisparityFileConfig config{.scale = 1};
     const DisparityMap map =
         read_disparity_map(folder.write("map.png", png_with(profile, values, 0)), config);
     for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(map.values[i], values[i]);

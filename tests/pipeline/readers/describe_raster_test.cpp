@@ -121,8 +121,7 @@ TEST(DescribeRaster, ThePageOfFormatsFollowsTheTable) {
             rows += (codec.gives & one) != 0 ? " yes |" : " |";
         rows += "\n";
     }
-    EXPECT_NE(page.str().find("\n" + rows + "\n"), std::string::npos) << "write FORMATS.md anew as this:\n"
-                                                                      << rows;
+    EXPECT_CONTAINS(page.str(), "\n" + rows + "\n") << "write FORMATS.md anew as this:\n" << rows;
     const Folder folder;
     const auto text = folder.write("a.txt", "1,2,3\n");
     EXPECT_CONTAINS(error_of([&] { read_image(text); }), codec::names_of(codec::kPicture));

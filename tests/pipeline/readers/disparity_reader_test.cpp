@@ -1,6 +1,5 @@
 #include "pipeline/readers/disparity_reader.h"
 
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -43,9 +42,8 @@ TEST(ReadDisparity, EightBitsWithoutScaleListsMiddleburysScales) {
         const std::string message = error_for(file);
         for (const char* part :
              {"--disparity-scale", "input.disparity.scale", "2001 sets 8 (tsukuba 16)",
-              "2003 quarter size 4, half 2, full 1", "2005/2006 third size 3, half 2, full 1"}) {
+              "2003 quarter size 4, half 2, full 1", "2005/2006 third size 3, half 2, full 1"})
             EXPECT_CONTAINS(message, part);
-        }
     }
 }
 

@@ -36,10 +36,9 @@ const Bytes kColour = {1, 2, 3, 40, 50, 60, 7, 8, 9, 100, 110, 120, 13, 14, 15, 
 Bytes gradient(int width, int height, int channels) {
     Bytes samples;
     for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
+        for (int x = 0; x < width; ++x)
             for (int c = 0; c < channels; ++c)
                 samples.push_back(static_cast<std::uint8_t>(60 + 3 * x + 2 * y + 20 * c));
-        }
     }
     return samples;
 }
@@ -94,18 +93,16 @@ TEST(ReadPng, ExpandsPalettesAndFewBits) {
 
 TEST(ReadPng, RefusesTruncatedFiles) {
     const Bytes whole = make_png(40, 30, gradient(40, 30, 3), {.colour_type = 2});
-    for (std::size_t length = 8; length < whole.size(); length += 7) {
+    for (std::size_t length = 8; length < whole.size(); length += 7)
         EXPECT_CONTAINS(error_for(Bytes(whole.begin(), whole.begin() + length)), "malformed PNG");
-    }
 }
 
 // Returns a PNG that has only its header chunk (with the correct checksum) and an empty IDAT.
 Bytes png_header_only(std::uint32_t width, std::uint32_t height) {
     Bytes header = {0, 0, 0, 13, 'I', 'H', 'D', 'R'};
-    for (std::uint32_t side : {width, height}) {
+    for (std::uint32_t side : {width, height})
         for (int shift = 24; shift >= 0; shift -= 8)
             header.push_back(static_cast<std::uint8_t>(side >> shift));
-    }
     for (std::uint8_t b : {8, 2, 0, 0, 0}) header.push_back(b);
     std::uint32_t crc = 0xffffffff;
     for (std::size_t i = 4; i < header.size(); ++i) {
@@ -192,9 +189,8 @@ TEST(ReadJpeg, ConvertsInks) {
 
 TEST(ReadJpeg, RefusesTruncatedFiles) {
     const Bytes whole = make_jpeg(64, 48, gradient(64, 48, 3), JpegKind::rgb);
-    for (std::size_t length = 4; length < whole.size(); length += 11) {
+    for (std::size_t length = 4; length < whole.size(); length += 11)
         EXPECT_CONTAINS(error_for(Bytes(whole.begin(), whole.begin() + length)), "malformed JPEG");
-    }
 }
 
 TEST(ReadJpeg, RefusesHugeHeadersBeforeAllocating) {
@@ -210,9 +206,8 @@ TEST(ReadJpeg, RefusesHugeHeadersBeforeAllocating) {
 
 TEST(ReadWebp, GivesColourWithoutAlpha) {
     Bytes rgba;
-    for (std::size_t i = 0; i < kColour.size(); i += 3) {
+    for (std::size_t i = 0; i < kColour.size(); i += 3)
         rgba = std::move(rgba) + Bytes{kColour[i], kColour[i + 1], kColour[i + 2], 255};
-    }
     EXPECT_TRUE(read(make_webp(3, 2, rgba, true)).alpha.empty());
     const Bytes lossy = read(make_webp(3, 2, rgba, false)).pixels;
     rgba[3] = 100;
@@ -224,17 +219,15 @@ TEST(ReadWebp, GivesColourWithoutAlpha) {
 
 TEST(ReadWebp, RefusesTruncatedFiles) {
     const Bytes whole = make_webp(40, 30, gradient(40, 30, 4), true);
-    for (std::size_t length = 12; length + 2 < whole.size(); length += 5) {
+    for (std::size_t length = 12; length + 2 < whole.size(); length += 5)
         EXPECT_CONTAINS(error_for(Bytes(whole.begin(), whole.begin() + length)), "WebP");
-    }
 }
 
 TEST(ReadTiff, GivesGreyAndColourHoweverStored) {
     const Bytes large = gradient(37, 21, 3);
     Bytes planar;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 3; ++c)
         for (std::size_t i = c; i < large.size(); i += 3) planar.push_back(large[i]);
-    }
     expect_image(read(make_tiff(3, 2, kGrey, {})), 3, 2, 1, kGrey);
     for (int compression : {1, 5, 8}) {
         for (int tile : {0, 16}) {
@@ -304,9 +297,8 @@ TEST(ReadTiff, RefusesTruncatedFiles) {
     for (int compression : {1, 5}) {
         const TiffKind kind{.samples = 3, .photometric = 2, .compression = compression};
         const Bytes whole = make_tiff(40, 30, gradient(40, 30, 3), kind);
-        for (std::size_t length = 4; length + 1 < whole.size(); length += 13) {
+        for (std::size_t length = 4; length + 1 < whole.size(); length += 13)
             EXPECT_FALSE(error_for(Bytes(whole.begin(), whole.begin() + length)).empty()) << length;
-        }
     }
 }
 

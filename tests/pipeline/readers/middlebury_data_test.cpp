@@ -29,9 +29,8 @@ TEST_F(MiddleburyData, PianoIsInPixels) {
     EXPECT_EQ(calibration.width, map.width);
     EXPECT_EQ(calibration.height, map.height);
     float low = 1e9f, high = 0;
-    for (float d : map.values) {
+    for (float d : map.values)
         if (DisparityMap::known(d)) low = std::min(low, d), high = std::max(high, d);
-    }
     EXPECT_GT(low, 8);  // calib.txt: vmin=9, vmax=55
     EXPECT_LT(high, 56);
     EXPECT_GT(high, 50);
@@ -45,9 +44,8 @@ TEST_F(MiddleburyData, PairsAndMapsFit) {
         const auto folder = folder_ / scene;
         const DisparityMap map = read_disparity_map(folder / name, {.scale = double(scale)});
         const char* left = nullptr;
-        for (const char* candidate : {"left.png", "left.ppm", "left.pgm"}) {
+        for (const char* candidate : {"left.png", "left.ppm", "left.pgm"})
             if (std::filesystem::exists(folder / candidate)) left = candidate;
-        }
         ASSERT_NE(left, nullptr) << scene;
         const Image image = read_image(folder / left);
         EXPECT_EQ(image.width, map.width) << scene;

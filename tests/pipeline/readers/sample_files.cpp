@@ -1,38 +1,26 @@
 #include "tests/pipeline/readers/sample_files.h"
 
 #include <png.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <webp/encode.h>
 
-#include <cstdio>
-// libjpeg's header needs stdio first
-#include <jpeglib.h>
-#include <unistd.h>
-
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
+#include "tests/libjpeg.h"
+
 namespace hexrelief::readers {
-
-Folder::Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hexrelief-readers-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path_ = name;
-}
-
-Folder::~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
 
 std::filesystem::path Folder::write(const std::string& name, const Bytes& bytes) const {
     // A new file each time, because some file systems flush to disk when a truncated file is closed.
-    std::filesystem::remove(path_ / name);
-    std::ofstream file(path_ / name, std::ios::binary);
+    std::filesystem::remove(path() / name);
+    std::ofstream file(path() / name, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     if (!file.flush()) throw std::runtime_error("cannot write " + name);
-    return path_ / name;
+    return path() / name;
 }
 
 std::filesystem::path Folder::write(const std::string& name, std::string_view text) const {
@@ -46,6 +34,12 @@ Bytes read_bytes(const std::filesystem::path& path) {
 
 Bytes to_bytes(std::string_view text) {
     return Bytes(text.begin(), text.end());
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
 Bytes operator+(Bytes left, const Bytes& right) {
@@ -87,34 +81,11 @@ Bytes make_png(int width, int height, const Bytes& rows, const PngKind& kind) {
 }
 
 Bytes make_jpeg(int width, int height, const Bytes& samples, JpegKind kind) {
-    jpeg_compress_struct jpeg{};
-    jpeg_error_mgr errors{};
-    jpeg.err = jpeg_std_error(&errors);
-    jpeg_create_compress(&jpeg);
-    unsigned char* buffer = nullptr;
-    unsigned long size = 0;
-    jpeg_mem_dest(&jpeg, &buffer, &size);
     const int channels = kind == JpegKind::grey ? 1 : kind == JpegKind::cmyk ? 4 : 3;
-    jpeg.image_width = width;
-    jpeg.image_height = height;
-    jpeg.input_components = channels;
-    jpeg.in_color_space = kind == JpegKind::grey   ? JCS_GRAYSCALE
-                          : kind == JpegKind::cmyk ? JCS_CMYK
-                                                   : JCS_RGB;
-    jpeg_set_defaults(&jpeg);
-    jpeg_set_quality(&jpeg, 95, TRUE);
-    if (kind == JpegKind::rgb_progressive) jpeg_simple_progression(&jpeg);
-    jpeg_start_compress(&jpeg, TRUE);
-    while (jpeg.next_scanline < jpeg.image_height) {
-        JSAMPROW row = const_cast<JSAMPROW>(samples.data()) +
-                       static_cast<std::size_t>(jpeg.next_scanline) * width * channels;
-        jpeg_write_scanlines(&jpeg, &row, 1);
-    }
-    jpeg_finish_compress(&jpeg);
-    Bytes out(buffer, buffer + size);
-    std::free(buffer);
-    jpeg_destroy_compress(&jpeg);
-    return out;
+    return test::encoded_by_libjpeg({width, height, channels, samples}, [&](jpeg_compress_struct& jpeg) {
+        jpeg_set_quality(&jpeg, 95, TRUE);
+        if (kind == JpegKind::rgb_progressive) jpeg_simple_progression(&jpeg);
+    });
 }
 
 Bytes make_webp(int width, int height, const Bytes& rgba, bool lossless) {
@@ -136,13 +107,29 @@ Bytes make_pfm(int width, int height, const std::vector<float>& values, bool lit
     Bytes samples;
     for (float value : values) {
         const auto bits = std::bit_cast<std::uint32_t>(value);
-        for (int i = 0; i < 4; ++i) {
+        for (int i = 0; i < 4; ++i)
             samples.push_back(static_cast<std::uint8_t>(bits >> (little_endian ? 8 * i : 24 - 8 * i)));
-        }
     }
     return to_bytes("Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n" +
                     (little_endian ? "-0.003922\n" : "0.003922\n")) +
            samples;
+}
+
+long peak_memory_MiB(const std::function<void()>& work) {
+    const pid_t child = fork();
+    if (child == 0) {
+        try {
+            work();
+        } catch (const std::exception&) {
+            _exit(1);
+        }
+        _exit(testing::Test::HasFailure() ? 1 : 0);
+    }
+    int status = 1;
+    rusage usage{};
+    wait4(child, &status, 0, &usage);
+    EXPECT_EQ(status, 0);
+    return usage.ru_maxrss >> 10;
 }
 
 }  // namespace hexrelief::readers

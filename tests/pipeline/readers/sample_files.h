@@ -1,38 +1,30 @@
 // Makes the files that the readers' tests read.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "pipeline/data/error.h"
+#include "tests/expect_error.h"
+#include "tests/temporary_folder.h"
 
 namespace hexrelief::readers {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// A temporary folder for each test case, removed with its contents.
-class Folder {
+class Folder : public test::Folder {
   public:
-    Folder();
-    ~Folder();
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
     std::filesystem::path write(const std::string& name, const Bytes& bytes) const;
     std::filesystem::path write(const std::string& name, std::string_view text) const;
-
-  private:
-    std::filesystem::path path_;
 };
 
 Bytes read_bytes(const std::filesystem::path& path);
 Bytes to_bytes(std::string_view text);
+// Returns the text with the first `from`, which must be there, replaced.
+std::string replaced(std::string text, const std::string& from, const std::string& to);
 Bytes operator+(Bytes left, const Bytes& right);
 
 struct PngKind {
@@ -76,27 +68,9 @@ Bytes make_pgm(int width, int height, int max_value, const Bytes& samples, char 
 // Makes a PFM. values: bottom row first, as in the file.
 Bytes make_pfm(int width, int height, const std::vector<float>& values, bool little_endian = true);
 
-// Returns the one-line message of the Error that the action throws; fails if it throws
-// nothing or another kind.
-template <typename Action>
-std::string error_of(Action&& action, ErrorKind kind = ErrorKind::input) {
-    try {
-        action();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), kind) << error.what();
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-        return error.what();
-    } catch (const std::exception& other) {
-        ADD_FAILURE() << "threw something that is no Error: " << other.what();
-        return "";
-    }
-    ADD_FAILURE() << "nothing was thrown";
-    return "";
-}
+using test::error_of;
+
+// Returns the peak memory, in MiB, of a process that does the work, which must not throw.
+long peak_memory_MiB(const std::function<void()>& work);
 
 }  // namespace hexrelief::readers
-
-// Expects that `text` contains `part`; shows both if not.
-#define EXPECT_CONTAINS(text, part)                                                                         \
-    EXPECT_PRED2([](const std::string& a, const std::string& b) { return a.find(b) != std::string::npos; }, \
-                 text, part)

@@ -6,10 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 
 #include "pipeline/stages/density.h"
-#include "tests/pipeline/stages/expect_error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -103,8 +102,7 @@ TEST(DensityDetail, ScalesWithTheImage) {
 TEST(Density, DetailIsAShareOfTheWhole) {
     const DisparityMap map = map_of(wall_and_ripples);
     const auto ripples_share = [&](double detail) {
-        DensityConfig config;
-        config.detail = detail;
+        DensityConfig config{.detail = detail};
         const std::vector<float> density = compute_density(map, config).values;
         EXPECT_EQ(*std::max_element(density.begin(), density.end()), 1);
         return mean(density, 84, kWidth) * (kWidth - 84) / (mean(density, 0, kWidth) * kWidth);
@@ -119,10 +117,10 @@ TEST(Density, DetailIsAShareOfTheWhole) {
 }
 
 TEST(Density, DetailIsCheckedForItsRange) {
-    DensityConfig config;
-    config.detail = 1;
-    expect_error(ErrorKind::usage, "density.detail",
-                 [&] { compute_density(map_of(wall_and_ripples), config); });
+    DensityConfig config{.detail = 1};
+    EXPECT_CONTAINS(
+        test::error_of([&] { compute_density(map_of(wall_and_ripples), config); }, ErrorKind::usage),
+        "density.detail");
 }
 
 }  // namespace

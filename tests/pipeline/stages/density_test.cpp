@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "tests/pipeline/stages/expect_error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -19,18 +19,14 @@ DisparityMap row(std::vector<float> values) {
 }
 
 TEST(Density, IsTheCubeOfTheShareOfTheLargest) {
-    DensityConfig config;
-    config.background_method = BackgroundMethod::none;
-    config.floor = 0;
+    DensityConfig config{.background_method = BackgroundMethod::none, .floor = 0};
     const DensityMap density = compute_density(row({10, 20, 40, kUnknownDisparity}), config);
     EXPECT_EQ(density.values, (std::vector<float>{0.25f * 0.25f * 0.25f, 0.125f, 1, 0}));
     EXPECT_EQ(density.background_px, 0);
 }
 
 TEST(Density, TakesAnyExponent) {
-    DensityConfig config;
-    config.background_method = BackgroundMethod::none;
-    config.floor = 0;
+    DensityConfig config{.background_method = BackgroundMethod::none, .floor = 0};
     for (const double exponent : {0.0, 0.5, 1.0, 2.0, 2.5, 8.0}) {
         config.exponent = exponent;
         const DensityMap density = compute_density(row({3, 7, 9}), config);
@@ -67,9 +63,7 @@ double object_or(double behind, double x, double y) {
 }
 
 TEST(Density, ByFractionRemovesWhatIsBelowAShareOfTheScale) {
-    DensityConfig config;
-    config.background_method = BackgroundMethod::fraction;
-    config.floor = 0;
+    DensityConfig config{.background_method = BackgroundMethod::fraction, .floor = 0};
     const DensityMap density = compute_density(row({9.99f, 10, 40}), config);
     EXPECT_EQ(density.values[0], 0);
     EXPECT_GT(density.values[1], 0);
@@ -80,8 +74,7 @@ TEST(Density, AutomaticCutsAnObjectOutOfItsFarWall) {
     for (const int scale : {1, 2, 4}) {
         const DisparityMap map =
             scene(scale, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
-        DensityConfig config;
-        config.floor = 0;
+        DensityConfig config{.floor = 0};
         const DensityMap density = compute_density(map, config);
         for (int y = 0; y < map.height; ++y)
             for (int x = 0; x < map.width; ++x)
@@ -179,14 +172,11 @@ TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
     const DensityMap density = compute_density(map, {}), same = compute_density(wrong, {});
     EXPECT_NEAR(same.background_px, density.background_px, 0.02 * density.background_px);
     EXPECT_LE(*std::max_element(same.values.begin(), same.values.end()), 1);
-    for (std::size_t i = 0; i < map.values.size(); ++i) {
+    for (std::size_t i = 0; i < map.values.size(); ++i)
         if (map.values[i] == wrong.values[i]) {
             EXPECT_NEAR(same.values[i], density.values[i], 0.05);
         }
-    }
-    DensityConfig largest;
-    largest.scale_percentile = 100;
-    largest.background_method = BackgroundMethod::fraction;
+    DensityConfig largest{.scale_percentile = 100, .background_method = BackgroundMethod::fraction};
     EXPECT_EQ(compute_density(wrong, largest).background_px, 125);
 }
 
@@ -224,10 +214,8 @@ TEST(Density, ASmallPatchDoesNotSetTheScale) {
 }
 
 TEST(Density, RemovesBackgroundBelowAThreshold) {
-    DensityConfig config;
-    config.background_method = BackgroundMethod::threshold_px;
-    config.background_threshold_px = 20;
-    config.floor = 0;
+    DensityConfig config{
+        .background_method = BackgroundMethod::threshold_px, .background_threshold_px = 20, .floor = 0};
     const DensityMap density = compute_density(row({19, 20, 40}), config);
     EXPECT_EQ(density.values[0], 0);
     EXPECT_EQ(density.values[1], 0.125f);
@@ -241,42 +229,34 @@ TEST(Density, OtsuSplitsTwoModesBetweenThem) {
         const float noise = static_cast<float>(random() % 1000) / 250;  // 0..4
         map.values[i] = i % 5 == 0 ? kUnknownDisparity : (i % 3 == 0 ? 50 + noise : 12 + noise);
     }
-    DensityConfig config;
-    config.background_method = BackgroundMethod::otsu;
-    config.floor = 0;
+    DensityConfig config{.background_method = BackgroundMethod::otsu, .floor = 0};
     const DensityMap density = compute_density(map, config);
     EXPECT_NEAR(density.background_px, 33, 3);  // the middle of the empty stretch from 16 to 50
-    for (std::size_t i = 0; i < map.values.size(); ++i) {
+    for (std::size_t i = 0; i < map.values.size(); ++i)
         EXPECT_EQ(density.values[i] > 0, DisparityMap::known(map.values[i]) && map.values[i] > 33);
-    }
 }
 
 TEST(Density, OtsuKeepsAllOfAConstantMap) {
-    DensityConfig config;
-    config.background_method = BackgroundMethod::otsu;
+    DensityConfig config{.background_method = BackgroundMethod::otsu};
     EXPECT_EQ(compute_density(row({8, 8, 8}), config).values, (std::vector<float>{1, 1, 1}));
 }
 
 TEST(Density, CountsZeroAndNegativeAsBackgroundAndUnknownAsNothing) {
-    DensityConfig config;
-    config.background_method = BackgroundMethod::none;
-    config.floor = 0.1;
+    DensityConfig config{.background_method = BackgroundMethod::none, .floor = 0.1};
     const DensityMap density =
         compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}), config);
     EXPECT_EQ(density.values, (std::vector<float>{0.1f, 0.1f, 0, 0, 0, 1}));
 }
 
 TEST(Density, FloorLiftsWhatIsKnown) {
-    DensityConfig config;
-    config.floor = 0.05;
+    DensityConfig config{.floor = 0.05};
     const DensityMap density = compute_density(row({1, 12, 40, kUnknownDisparity}), config);
     EXPECT_EQ(density.values, (std::vector<float>{0.05f, 0.05f, 1, 0}));
 }
 
 TEST(Density, OfNothingIsZero) {
-    for (const DisparityMap& map : {row({0, 0}), row({-1, kUnknownDisparity}), row({kUnknownDisparity})}) {
+    for (const DisparityMap& map : {row({0, 0}), row({-1, kUnknownDisparity}), row({kUnknownDisparity})})
         for (const float value : compute_density(map, {}).values) EXPECT_EQ(value, 0);
-    }
 }
 
 TEST(Density, DoesNotChangeWithScaleOrMirror) {
@@ -297,18 +277,21 @@ TEST(Density, DoesNotChangeWithScaleOrMirror) {
 }
 
 TEST(Density, RefusesImpossibleParameters) {
-    DensityConfig config;
-    config.exponent = -1;
-    expect_error(ErrorKind::usage, "density.exponent", [&] { compute_density(row({1}), config); });
+    DensityConfig config{.exponent = -1};
+    EXPECT_CONTAINS(test::error_of([&] { compute_density(row({1}), config); }, ErrorKind::usage),
+                    "density.exponent");
     config = {};
     config.background_fraction = 1.5;
-    expect_error(ErrorKind::usage, "density.background.fraction", [&] { compute_density(row({1}), config); });
+    EXPECT_CONTAINS(test::error_of([&] { compute_density(row({1}), config); }, ErrorKind::usage),
+                    "density.background.fraction");
     config = {};
     config.scale_percentile = 100.5;
-    expect_error(ErrorKind::usage, "density.scale_percentile", [&] { compute_density(row({1}), config); });
+    EXPECT_CONTAINS(test::error_of([&] { compute_density(row({1}), config); }, ErrorKind::usage),
+                    "density.scale_percentile");
     config = {};
     config.floor = std::nan("");
-    expect_error(ErrorKind::usage, "density.floor", [&] { compute_density(row({1}), config); });
+    EXPECT_CONTAINS(test::error_of([&] { compute_density(row({1}), config); }, ErrorKind::usage),
+                    "density.floor");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "tests/pipeline/stages/expect_error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -70,18 +70,14 @@ DisparityMap visible_truth() {
 
 double share_at(const DisparityMap& map, int from, int to, float value) {
     long long good = 0;
-    for (int y = 0; y < map.height; ++y) {
+    for (int y = 0; y < map.height; ++y)
         for (int x = from; x < to; ++x) good += std::abs(map.at(x, y) - value) <= 0.25f;
-    }
     return static_cast<double>(good) / map.height / (to - from);
 }
 
 // Returns the configuration of plain StereoSGBM, without the refinement.
 DisparityConfig sgbm() {
-    DisparityConfig config;
-    config.method = DisparityMethod::sgbm;
-    config.fill = DisparityFill::none;
-    return config;
+    return {.method = DisparityMethod::sgbm, .fill = DisparityFill::none};
 }
 
 TEST(Disparity, FindsTheSampleScene) {
@@ -208,8 +204,7 @@ TEST(Disparity, ChoosesARangeThatHoldsTheScene) {
 }
 
 TEST(Disparity, TakesAGivenRange) {
-    DisparityConfig config;
-    config.min_disparity_px = 16;
+    DisparityConfig config{.min_disparity_px = 16};
     config.num_disparities_px = 30;  // rounded up to 32
     const StereoPair pair = shifted_pair(200, 60, 46);
     EXPECT_GT(share_at(compute_disparity(pair, config, 1), 50, 198, 46), 0.95);
@@ -220,17 +215,14 @@ TEST(Disparity, TakesAGivenRange) {
 TEST(Disparity, TakesARangeAsWideAsThePictures) {
     const StereoPair pair = shifted_pair(200, 60, 46);  // 208 px when rounded up
     for (const int count : {0, 199, 200}) {
-        DisparityConfig config;
-        config.num_disparities_px = count;
+        DisparityConfig config{.num_disparities_px = count};
         EXPECT_GT(share_at(compute_disparity(pair, config, 1), 50, 198, 46), 0.95) << count;
     }
     EXPECT_EQ(compute_disparity(shifted_pair(20, 40, 3), {}, 1).width, 20);
 }
 
 TEST(Disparity, FindsNegativeDisparities) {
-    DisparityConfig config;
-    config.min_disparity_px = -32;
-    config.num_disparities_px = 64;
+    DisparityConfig config{.min_disparity_px = -32, .num_disparities_px = 64};
     EXPECT_GT(share_at(compute_disparity(shifted_pair(200, 60, -9), config, 1), 2, 188, -9), 0.95);
 }
 
@@ -315,22 +307,21 @@ TEST(Disparity, SurvivesTheSmallestAndEmptiestImages) {
 TEST(Disparity, RefusesWhatDoesNotFit) {
     StereoPair pair = shifted_pair(64, 16, 2);
     pair.right = shifted_pair(60, 16, 2).right;
-    expect_error(ErrorKind::input, "64x16", [&] { compute_disparity(pair, {}, 1); });
-    expect_error(ErrorKind::input, "16 columns", [] { compute_disparity(shifted_pair(15, 16, 0), {}, 1); });
+    EXPECT_CONTAINS(test::error_of([&] { compute_disparity(pair, {}, 1); }), "64x16");
+    EXPECT_CONTAINS(test::error_of([] { compute_disparity(shifted_pair(15, 16, 0), {}, 1); }), "16 columns");
     const int too_long = kLargestPairSide_px + 1;
     for (const DisparityMethod method : {DisparityMethod::sgm, DisparityMethod::sgbm}) {
-        DisparityConfig config;
-        config.method = method;
-        expect_error(ErrorKind::input, "32766 px",
-                     [&] { compute_disparity(shifted_pair(too_long, 1, 2), config, 1); });
-        expect_error(ErrorKind::input, "32766 px",
-                     [&] { compute_disparity(shifted_pair(16, too_long, 2), config, 1); });
+        DisparityConfig config{.method = method};
+        EXPECT_CONTAINS(test::error_of([&] { compute_disparity(shifted_pair(too_long, 1, 2), config, 1); }),
+                        "32766 px");
+        EXPECT_CONTAINS(test::error_of([&] { compute_disparity(shifted_pair(16, too_long, 2), config, 1); }),
+                        "32766 px");
     }
     pair = shifted_pair(64, 16, 2);
     const auto refuses = [&](const std::string& part, auto change) {
         DisparityConfig config;
         change(config);
-        expect_error(ErrorKind::usage, part, [&] { compute_disparity(pair, config, 1); });
+        EXPECT_CONTAINS(test::error_of([&] { compute_disparity(pair, config, 1); }, ErrorKind::usage), part);
     };
     refuses("wider than the image", [](DisparityConfig& c) { c.num_disparities_px = 65; });
     refuses("block_size_px", [](DisparityConfig& c) { c.block_size_px = 4; });

@@ -33,8 +33,7 @@ TEST_P(RealData, MatchesGroundTruth) {
     const std::filesystem::path folder = std::filesystem::path(data) / real.folder;
     const StereoPair pair{readers::read_image(folder / (std::string("left.") + real.images)),
                           readers::read_image(folder / (std::string("right.") + real.images))};
-    readers::DisparityFileConfig file;
-    file.scale = real.scale;
+    readers::DisparityFileConfig file{.scale = real.scale};
     const DisparityMap truth = readers::read_disparity_map(folder / real.truth, file);
     const evaluation::DisparityEvaluation e =
         evaluation::evaluate_disparity(compute_disparity(pair, {}, 2), truth);

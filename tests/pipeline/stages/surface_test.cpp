@@ -11,7 +11,7 @@
 #include <set>
 
 #include "pipeline/stages/surface_topology.h"
-#include "tests/pipeline/stages/expect_error.h"
+#include "tests/expect_error.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -252,7 +252,7 @@ TEST(Surface, DropsSmallComponents) {
     EXPECT_EQ(count_topology(one).components, 1);
     EXPECT_LT(one.triangles.size(), both.triangles.size());
     e.min_component = 100000;
-    expect_error(ErrorKind::input, "min_component", [&] { e.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { e.build(); }), "min_component");
 }
 
 TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
@@ -277,9 +277,8 @@ TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
     const SurfaceMesh s = e.build();
     expect_sound(s);
     std::vector<std::size_t> at_centre;
-    for (std::size_t i = 0; i < s.image_points.size(); ++i) {
+    for (std::size_t i = 0; i < s.image_points.size(); ++i)
         if (s.image_points[i] == centre) at_centre.push_back(i);
-    }
     ASSERT_EQ(at_centre.size(), 2u);
     EXPECT_EQ(at_centre[0] + 1, at_centre[1]) << "copies lie side by side";
     EXPECT_EQ(s.positions[at_centre[0]], s.positions[at_centre[1]]);
@@ -338,17 +337,18 @@ TEST(Surface, IsTheSameWhereItIsKnownThatEachVertexHoldsOneFan) {
 TEST(Surface, RefusesImpossibleInput) {
     Example e([](double, double) { return 20.0; });
     e.calibration.focal_px = 0;
-    expect_error(ErrorKind::input, "focal_px", [&] { e.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { e.build(); }), "focal_px");
     e.calibration.focal_px = 500;
     e.calibration.baseline_m = -1;
-    expect_error(ErrorKind::input, "baseline_m", [&] { e.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { e.build(); }), "baseline_m");
     e.calibration.baseline_m = 1;
     DisparityMesh odd = e.cut_mesh();
     odd.disparities.pop_back();
-    expect_error(ErrorKind::input, "disparities",
-                 [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.min_component); });
+    EXPECT_CONTAINS(
+        test::error_of([&] { build_surface(odd, kWidth, kHeight, e.calibration, e.min_component); }),
+        "disparities");
     Example nothing([](double, double) { return std::nan(""); });
-    expect_error(ErrorKind::input, "no triangle is left", [&] { nothing.build(); });
+    EXPECT_CONTAINS(test::error_of([&] { nothing.build(); }), "no triangle is left");
 }
 
 // Returns the mean angle, degrees, between normals of a plane's surface with and without noise, at the

@@ -10,11 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "pipeline/stages/sgbm.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
 #include "tests/mesher/busy_map.h"
 #include "tests/pipeline/process.h"
@@ -274,16 +272,14 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
         return find_range_of_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
     EXPECT_EQ(range({}, {}), stages::find_range(folder.made.pair, {}, {}, 2).config.num_disparities_px);
-    Calibration calibration;
-    calibration.ndisp_px = 77;
+    Calibration calibration{.ndisp_px = 77};
     EXPECT_EQ(range(calibration, {}), 77);
-    stages::DisparityConfig given;
-    given.num_disparities_px = 96;
+    stages::DisparityConfig given{.num_disparities_px = 96};
     EXPECT_EQ(range(calibration, given), 96);
     ASSERT_EQ(told.size(), 3u);
-    EXPECT_NE(told[0].find("chosen from the pair"), std::string::npos);
-    EXPECT_NE(told[1].find("80 px searched from 0 px on, by the calibration's ndisp"), std::string::npos);
-    EXPECT_NE(told[2].find("96 px searched"), std::string::npos);
+    EXPECT_CONTAINS(told[0], "chosen from the pair");
+    EXPECT_CONTAINS(told[1], "80 px searched from 0 px on, by the calibration's ndisp");
+    EXPECT_CONTAINS(told[2], "96 px searched");
 }
 
 // The pair has 24 Mpx: each pixel of the small pair becomes 7 x 7 px.
@@ -306,7 +302,7 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     const int small = stages::find_range(folder.made.pair, {}, {}, 2).config.num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));
     EXPECT_LT(count, 7 * (small + 16));
-    EXPECT_NE(told.find("chosen from the pair at 1/2 of its size"), std::string::npos) << told;
+    EXPECT_CONTAINS(told, "chosen from the pair at 1/2 of its size");
 }
 
 struct BadRun {
@@ -346,7 +342,7 @@ TEST(MatchTiles, BadInputsAreRefusedInALine) {
         const ProcessResult result = run_program(arguments);
         EXPECT_EQ(result.exit_code, run.exit_code) << result.err;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-        EXPECT_NE(result.err.find(run.told), std::string::npos) << result.err;
+        EXPECT_CONTAINS(result.err, run.told);
         EXPECT_EQ(folder.entries(), entries) << run.told;
     }
 }
@@ -369,8 +365,8 @@ TEST(MatchTiles, MapsArePlannedAndSolved) {
     const ProcessResult matched = run_program({"tiles", "match", folder / "left.pgm", folder / "right.pgm",
                                                "-o", map, "--tile", "128", "--verbose", "--backend", "cpu"});
     EXPECT_EQ(matched.exit_code, 0) << matched.err;
-    EXPECT_NE(matched.out.find("300x220 px in 6 tiles"), std::string::npos) << matched.out;
-    EXPECT_NE(matched.err.find("chosen from the pair"), std::string::npos) << matched.err;
+    EXPECT_CONTAINS(matched.out, "300x220 px in 6 tiles");
+    EXPECT_CONTAINS(matched.err, "chosen from the pair");
     const ProcessResult planned = run_program(
         {"tiles", "plan", map, "-o", folder / "plan", "--color", folder / "left.pgm", "--backend", "cpu"});
     EXPECT_EQ(planned.exit_code, 0) << planned.err;

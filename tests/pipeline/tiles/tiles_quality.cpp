@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     try {
-        return hexrelief::tiles::compare(argv[1]);
+        return compare(argv[1]);
     } catch (const std::exception& failure) {
         std::fprintf(stderr, "tiles_quality: %s\n", failure.what());
         return 1;

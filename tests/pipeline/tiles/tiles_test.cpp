@@ -243,11 +243,9 @@ TEST(Tiles, OfSmallMapsAreOneTile) {
 
 std::vector<std::string> plan_words(const TemporaryFolder& folder,
                                     const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words = {"tiles",      "plan",   folder / "map.tif",  "-o",
-                                      folder / "p", "--set",  "mesh.spacing_px=3", "--tile-vertices",
-                                      "78",         "--quiet"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+    return test::joined({"tiles", "plan", folder / "map.tif", "-o", folder / "p", "--set",
+                         "mesh.spacing_px=3", "--tile-vertices", "78", "--quiet"},
+                        more);
 }
 
 TEST(TilesByCommand, KilledWorkersLoseNothing) {
@@ -291,7 +289,7 @@ TEST(TilesByCommand, PresetsThatTheHelpNamesDoForTiles) {
     for (const auto& [preset, setting] :
          {std::pair{"compact", "surface.silhouette_rounds=0"}, {"quality", "density.detail=0"}}) {
         const std::vector<std::string> words = {"--set", setting, "--config", preset};
-        EXPECT_NE(help.find(std::string("--set ") + setting), std::string::npos) << help;
+        EXPECT_CONTAINS(help, std::string("--set ") + setting);
         EXPECT_EQ(run_program(plan_words(folder, words)).exit_code, 0) << preset;
     }
 }
@@ -302,11 +300,11 @@ TEST(TilesByCommand, ShardsAndPrintedCommandsAreAllTiles) {
     ASSERT_EQ(run_program(plan_words(folder)).exit_code, 0);
     const ProcessResult commands = run_program({"tiles", "solve", folder / "p", "--print-commands"});
     EXPECT_EQ(std::count(commands.out.begin(), commands.out.end(), '\n'), 4);
-    EXPECT_NE(commands.out.find("--tile 1,0\n"), std::string::npos) << commands.out;
+    EXPECT_CONTAINS(commands.out, "--tile 1,0\n");
     EXPECT_EQ(run_program({"tiles", "solve", folder / "p", "--shard", "1/3"}).exit_code, 0);
     const ProcessResult early = run_program({"tiles", "merge", folder / "p", "-o", folder / "s.glb"});
     EXPECT_EQ(early.exit_code, 3);
-    EXPECT_NE(early.err.find("tile (0, 1) is not solved (and 1 more)"), std::string::npos) << early.err;
+    EXPECT_CONTAINS(early.err, "tile (0, 1) is not solved (and 1 more)");
     EXPECT_FALSE(std::filesystem::exists(folder / "s.glb"));
     EXPECT_EQ(run_program({"tiles", "solve", folder / "p", "--shard", "2/3"}).exit_code, 0);
     const ProcessResult last = run_program({"tiles", "solve", folder / "p", "--tile", "1,0"});
@@ -316,7 +314,7 @@ TEST(TilesByCommand, ShardsAndPrintedCommandsAreAllTiles) {
 
 void expect_refused(const ProcessResult& result, int exit_code, const std::string& why) {
     EXPECT_EQ(result.exit_code, exit_code) << result.err;
-    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+    EXPECT_CONTAINS(result.err, why);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
 
@@ -364,19 +362,14 @@ TEST(Tiles, APlanWhoseNumbersDoNotAgreeIsRefused) {
         std::string text = plan;
         const std::size_t at = text.find("\"" + key + "\": ") + key.size() + 4;
         write_text(file, text.replace(at, text.find_first_of(",\n", at) - at, value));
-        try {
-            read_plan(tiled.plan.folder);
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string();
+        return test::refusal_of([&] { read_plan(tiled.plan.folder); });
     };
     for (const char* const key : {"rows", "columns", "tile_spacings", "shrunk_by", "width", "height"})
         for (const char* const value : {"0", "-1", "4294967296", "1e9", "\"x\"", "2000001"})
-            EXPECT_NE(error_with(key, value).find("damaged"), std::string::npos) << key << value;
-    EXPECT_NE(error_with("grid_step_m", "0").find("do not agree"), std::string::npos);
-    EXPECT_NE(error_with("focal_px", "-1").find("do not agree"), std::string::npos);
-    EXPECT_NE(error_with("plan", std::string(100000, '[')).find("damaged"), std::string::npos);
+            EXPECT_CONTAINS(error_with(key, value), "damaged") << key << value;
+    EXPECT_CONTAINS(error_with("grid_step_m", "0"), "do not agree");
+    EXPECT_CONTAINS(error_with("focal_px", "-1"), "do not agree");
+    EXPECT_CONTAINS(error_with("plan", std::string(100000, '[')), "damaged");
 }
 
 TEST(Tiles, APipeAmongThemIsNotWaitedFor) {
@@ -387,7 +380,7 @@ TEST(Tiles, APipeAmongThemIsNotWaitedFor) {
     std::string failed;
     solve_tiles(tiled.plan, {tiled.tiles().front()}, *cpu(1), {1, 1, 0},
                 {[&](const TileNumber&, const std::string& failure, int) { failed = failure; }});
-    EXPECT_NE(failed.find("is no regular file"), std::string::npos) << failed;
+    EXPECT_CONTAINS(failed, "is no regular file");
 }
 
 }  // namespace

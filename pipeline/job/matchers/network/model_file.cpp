@@ -227,11 +227,10 @@ extern const char* const kModelsYaml;
 namespace {
 
 ModelKind kind_of(const YAML::Node& row) {
-    ModelKind kind;
-    kind.name = row["name"].as<std::string>();
-    kind.what = row["what"].as<std::string>();
-    kind.licence = row["licence"].as<std::string>("");
-    kind.sha256 = row["sha256"].as<std::vector<std::string>>(std::vector<std::string>());
+    ModelKind kind{.name = row["name"].as<std::string>(),
+                   .what = row["what"].as<std::string>(),
+                   .licence = row["licence"].as<std::string>(""),
+                   .sha256 = row["sha256"].as<std::vector<std::string>>(std::vector<std::string>())};
     kind.divisor = row["divisor"].as<double>(kind.divisor);
     kind.mean = row["mean"].as<std::array<double, 3>>(kind.mean);
     kind.std = row["std"].as<std::array<double, 3>>(kind.std);

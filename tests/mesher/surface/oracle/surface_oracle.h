@@ -150,7 +150,6 @@
 //       its start by a weight of 0.05. Four Jacobi sweeps, damped by 0.8.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "pipeline/data/disparity_map.h"

@@ -22,17 +22,11 @@ struct Outcome {
 };
 
 Outcome run_map(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> extra) {
-    std::vector<std::string> arguments = {"run",
-                                          "--disparity",
-                                          sample("disparity.pfm"),
-                                          "--calib",
-                                          sample("calib.txt"),
-                                          "--report",
-                                          folder / "r.json",
-                                          "-o",
-                                          folder / name};
-    arguments.insert(arguments.end(), extra.begin(), extra.end());
-    Outcome outcome{run_program(arguments), {}, 0};
+    Outcome outcome{run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
+                                 sample("calib.txt"), "--report", folder / "r.json", "-o", folder / name},
+                                extra),
+                    {},
+                    0};
     if (outcome.process.exit_code != 0) return outcome;
     outcome.report = Json::parse(read_text(folder / "r.json"));
     outcome.bytes = std::filesystem::file_size(folder / name);
@@ -53,9 +47,8 @@ TEST(Budget, VerticesAreKeptAndNearlyUsed) {
         EXPECT_EQ(budget["reached"], vertices);
         EXPECT_EQ(budget["spacing_px"], o.report["config"]["mesh"]["spacing_px"]);
         EXPECT_GE(budget["solves"], 1);
-        EXPECT_NE(
-            o.process.out.find(limit == 3000 ? "budget vertices 3 000: reached " : "budget vertices 400: "),
-            std::string::npos);
+        EXPECT_CONTAINS(o.process.out,
+                        limit == 3000 ? "budget vertices 3 000: reached " : "budget vertices 400: ");
     }
 }
 
@@ -128,8 +121,7 @@ TEST(Budget, TheTextureTakesPart) {
     EXPECT_LE(sharp.bytes, 20000u);
     EXPECT_EQ(texture_of(sharp)[0], 90) << "as given";
     EXPECT_GT(texture_of(sharp)[1], 0);
-    EXPECT_NE(sharp.process.err.find("budget: texture of quality 90, at most "), std::string::npos)
-        << sharp.process.err;
+    EXPECT_CONTAINS(sharp.process.err, "budget: texture of quality 90, at most ");
     const Outcome given = run_map(folder, "a.glb",
                                   {"--color", sample("left.png"), "--max-bytes", "9000", "--set",
                                    "export.texture_quality=90", "--set", "export.texture_max_px=320"});
@@ -184,14 +176,9 @@ TEST(Budget, ErrorIsKept) {
     }
 }
 
-// The configuration in the report gives the same bytes again, without the search.
-TEST(Budget, TheSpacingFoundMakesTheSameFile) {
-    const TemporaryFolder folder;
-    const Outcome found = run_map(folder, "a.drc", {"--max-bytes", "6000"});
-    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+// Expects that a run with the spacing and the tolerance found makes the same a.drc.
+void expect_again_without_budget(const TemporaryFolder& folder, const Outcome& found) {
     const std::string bytes = read_text(folder / "a.drc");
-    const Outcome again = run_map(folder, "a.drc", {"--max-bytes", "6000", "--threads", "3"});
-    EXPECT_EQ(read_text(folder / "a.drc"), bytes) << "deterministic";
     const Json& config = found.report["config"];
     const Outcome plain =
         run_map(folder, "a.drc",
@@ -200,6 +187,17 @@ TEST(Budget, TheSpacingFoundMakesTheSameFile) {
     ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
     EXPECT_EQ(read_text(folder / "a.drc"), bytes);
     EXPECT_TRUE(plain.report["budget"].is_null());
+}
+
+// The configuration in the report gives the same bytes again, without the search.
+TEST(Budget, TheSpacingFoundMakesTheSameFile) {
+    const TemporaryFolder folder;
+    const Outcome found = run_map(folder, "a.drc", {"--max-bytes", "6000"});
+    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+    const std::string bytes = read_text(folder / "a.drc");
+    const Outcome again = run_map(folder, "a.drc", {"--max-bytes", "6000", "--threads", "3"});
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes) << "deterministic";
+    expect_again_without_budget(folder, found);
 }
 
 // With export.tolerance_share the tolerance follows the surface's accuracy, and is
@@ -233,15 +231,8 @@ TEST(Tolerance, HoldsInABudget) {
     const Outcome found = run_map(folder, "a.drc", {"--config", "compact", "--max-bytes", "5000"});
     ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
     EXPECT_LE(found.bytes, 5000u);
-    const std::string bytes = read_text(folder / "a.drc");
-    const Json& config = found.report["config"];
-    EXPECT_EQ(found.report["budget"]["tolerance_px"], config["export"]["tolerance_px"]);
-    const Outcome plain =
-        run_map(folder, "a.drc",
-                {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
-                 "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
-    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
-    EXPECT_EQ(read_text(folder / "a.drc"), bytes);
+    EXPECT_EQ(found.report["budget"]["tolerance_px"], found.report["config"]["export"]["tolerance_px"]);
+    expect_again_without_budget(folder, found);
 }
 
 TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
@@ -250,13 +241,13 @@ TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
          {std::vector<std::string>{"--max-bytes", "60"}, {"--vertices", "3"}, {"--max-error-px", "0.0001"}}) {
         const Outcome o = run_map(folder, "a.drc", extra);
         EXPECT_EQ(o.process.exit_code, 2) << extra[0];
-        EXPECT_NE(o.process.err.find("out of reach"), std::string::npos) << o.process.err;
+        EXPECT_CONTAINS(o.process.err, "out of reach");
         EXPECT_EQ(std::count(o.process.err.begin(), o.process.err.end(), '\n'), 1) << o.process.err;
         EXPECT_FALSE(std::filesystem::exists(folder / "a.drc"));
     }
     const Outcome both = run_map(folder, "a.drc", {"--max-bytes", "6000", "--vertices", "300"});
     EXPECT_EQ(both.process.exit_code, 2);
-    EXPECT_NE(both.process.err.find("exclude each other"), std::string::npos) << both.process.err;
+    EXPECT_CONTAINS(both.process.err, "exclude each other");
 }
 
 // Writes a map of a slope with a building, beside which something is hidden.
@@ -286,8 +277,8 @@ TEST(Budget, WhatTheLeftCameraDoesNotSeeGivesWay) {
         run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3", "--max-bytes", "30000",
                      "--report", folder / "r.json", "-o", folder / "f.obj"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_NE(result.err.find("(surface.views=left)"), std::string::npos) << result.err;
-    EXPECT_NE(read_text(folder / "r.json").find("\"hidden_triangles\": 0"), std::string::npos);
+    EXPECT_CONTAINS(result.err, "(surface.views=left)");
+    EXPECT_CONTAINS(read_text(folder / "r.json"), "\"hidden_triangles\": 0");
 }
 
 }  // namespace

@@ -16,28 +16,27 @@ namespace {
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
-job::RunRequest map_request(const TemporaryFolder& folder) {
+RunRequest map_request(const TemporaryFolder& folder) {
     fs::copy_file(test::sample("disparity.pfm"), folder / "d.pfm");
-    job::RunRequest request;
-    request.source = job::DisparityFiles{folder / "d.pfm"};
-    request.outputs = {folder / "a.drc"};
-    request.report = folder / "a.json";
+    RunRequest request{.source = DisparityFiles{folder / "d.pfm"},
+                       .outputs = {folder / "a.drc"},
+                       .report = folder / "a.json"};
     config::apply_setting(request.config, "mesh.spacing_px=24");
     return request;
 }
 
-void run_stamped(job::RunRequest& request) {
+void run_stamped(RunRequest& request) {
     request.stamp = unit_stamp(request);
-    job::run_job(request);
+    run_job(request);
 }
 
 TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     const TemporaryFolder folder;
-    const job::RunRequest request = map_request(folder);
+    const RunRequest request = map_request(folder);
     const std::string stamp = unit_stamp(request);
     EXPECT_EQ(stamp.size(), 64u);
 
-    job::RunRequest other = request;
+    RunRequest other = request;
     other.config.run.threads = 7;
     other.config.run.backend = config::BackendChoice::cpu;
     other.outputs = {"elsewhere/a.drc"};
@@ -49,7 +48,7 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     other.outputs = {folder / "a.glb"};
     EXPECT_NE(unit_stamp(other), stamp);
     other = request;
-    other.source = job::DisparityFiles{folder / "d.pfm", folder / "d.pfm"};
+    other.source = DisparityFiles{folder / "d.pfm", folder / "d.pfm"};
     EXPECT_NE(unit_stamp(other), stamp);
     test::write_text(folder / "d.pfm", "another");
     EXPECT_NE(unit_stamp(request), stamp);
@@ -59,7 +58,7 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
 
 TEST(Stamp, DependsOnTheFilesOfAMatchersCommand) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
+    RunRequest request = map_request(folder);
     test::write_text(folder / "match.py", "first");
     request.config.disparity.command = "python3 " + (folder / "match.py") + " {out}";
     const std::string stamp = unit_stamp(request);
@@ -70,26 +69,18 @@ TEST(Stamp, DependsOnTheFilesOfAMatchersCommand) {
 
 TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
-    const auto refusal = [](const auto& call) {
-        try {
-            call();
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string("nothing was refused");
-    };
+    RunRequest request = map_request(folder);
     const std::string missing = folder / "none", told = "cannot read '" + missing + "': ";
-    request.source = job::DisparityFiles{missing};
-    EXPECT_EQ(refusal([&] { unit_stamp(request); }), told + "no such file; check the path");
+    request.source = DisparityFiles{missing};
+    EXPECT_EQ(test::error_of([&] { unit_stamp(request); }), told + "no such file; check the path");
     for (const fs::path& unreadable : {fs::path(missing), folder.path()}) {
-        request.source = job::DisparityFiles{unreadable};
-        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { job::run_job(request); }));
+        request.source = DisparityFiles{unreadable};
+        EXPECT_EQ(test::error_of([&] { unit_stamp(request); }), test::error_of([&] { run_job(request); }));
     }
 }
 
 TEST(Stamp, DoesNotDependOnLimits) {
-    job::RunRequest request;
+    RunRequest request;
     const std::string stamp = unit_stamp(request);
     request.config.limits.max_memory = 1000;
     request.config.limits.reading.max_pixels = 1000;
@@ -99,9 +90,9 @@ TEST(Stamp, DoesNotDependOnLimits) {
 
 TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
+    RunRequest request = map_request(folder);
     EXPECT_EQ(stamp_request(request), UnitState::missing);
-    job::run_job(request);
+    run_job(request);
     EXPECT_EQ(stamp_request(request), UnitState::current);
     EXPECT_EQ(unit_state(request, "another stamp"), UnitState::changed);
 
@@ -123,13 +114,13 @@ TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
 
 TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
+    RunRequest request = map_request(folder);
     request.outputs = {folder / "one/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
     // The last two share the picture's texture.
-    request.source = job::DisparityFiles{folder / "d.pfm", test::sample("left.png")};
+    request.source = DisparityFiles{folder / "d.pfm", test::sample("left.png")};
     run_stamped(request);
     EXPECT_EQ(stamp_request(request), UnitState::current);
-    job::RunRequest elsewhere = request;
+    RunRequest elsewhere = request;
     elsewhere.outputs = {folder / "three/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
     EXPECT_EQ(stamp_request(elsewhere), UnitState::changed) << "nothing is there yet";
     fs::copy_file(folder / "two/a.obj", folder / "a.obj");
@@ -143,13 +134,13 @@ TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
 
 TEST(Stamp, FoldersMayBeMovedAndCopied) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
+    RunRequest request = map_request(folder);
     request.outputs = {folder / "old/a.gltf", folder / "old/part/a.gltf"};
     request.report = folder / "old/a.json";
     request.stages_folder = folder / "old/stages";
     run_stamped(request);
     fs::copy(folder / "old", folder / "new", fs::copy_options::recursive);
-    job::RunRequest copied = request;
+    RunRequest copied = request;
     copied.outputs = {folder / "new/a.gltf", folder / "new/part/a.gltf"};
     copied.report = folder / "new/a.json";
     copied.stages_folder = folder / "new/stages";
@@ -166,7 +157,7 @@ TEST(Stamp, FoldersMayBeMovedAndCopied) {
 
 TEST(Stamp, EveryFileOfTheStagesAndTheDepfileAreToBeThere) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
+    RunRequest request = map_request(folder);
     request.stages_folder = folder / "stages";
     request.depfile = folder / "a.d";
     run_stamped(request);
@@ -181,8 +172,8 @@ TEST(Stamp, EveryFileOfTheStagesAndTheDepfileAreToBeThere) {
 
 TEST(Stamp, APairThatNeedsNoRectifyingHasNoRectifiedFiles) {
     const TemporaryFolder folder;
-    job::RunRequest request = map_request(folder);
-    request.source = job::PairFiles{test::sample("left.png"), test::sample("right.png")};
+    RunRequest request = map_request(folder);
+    request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
     request.config.input.calibration.file = test::sample("calib.txt");
     request.stages_folder = folder / "stages";
     run_stamped(request);
@@ -198,7 +189,7 @@ TEST(Stamp, APairThatNeedsNoRectifyingHasNoRectifiedFiles) {
 
 TEST(Stamp, ReportsNestedTooDeeplyAreNone) {
     const TemporaryFolder folder;
-    const job::RunRequest request = map_request(folder);
+    const RunRequest request = map_request(folder);
     test::write_text(request.report,
                      R"({"stamp":)" + std::string(100000, '[') + std::string(100000, ']') + "}");
     EXPECT_EQ(unit_state(request, unit_stamp(request)), UnitState::missing);

@@ -20,12 +20,6 @@ std::string error_for(std::string_view text) {
     return message;
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 void expect_calibration(const Calibration& c, double focal, double cx, double cy, double baseline,
                         double doffs, int width, int height) {
     EXPECT_NEAR(c.focal_px, focal, 1e-9);

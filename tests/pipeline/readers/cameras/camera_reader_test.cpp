@@ -150,12 +150,6 @@ const std::string kRosFile =
     "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
     "projection_matrix:\n  rows: 3\n  cols: 4\n  data: [400, 0, 310, 0, 0, 400, 230, 0, 0, 0, 1, 0]\n";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 TEST(ReadRosCamera, TheProjectionOfTheRectifiedPicture) {
     expect_camera(kRosFile, "ROS camera_info", {400, 310.5, 230.5, 640, 480});
     EXPECT_TRUE(read(kRosFile).told.empty());

@@ -33,12 +33,6 @@ std::string error_for(const std::string& text, Rectify rectify = Rectify::automa
     return message;
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 TEST(ReadStereoCalibration, AllOfIt) {
     const auto file = read(kPair);
     ASSERT_TRUE(file);

@@ -242,9 +242,8 @@ TEST(ReadViewFormats, DocumentsAndMessagesListAll) {
     std::ifstream file(HEXRELIEF_SOURCE_DIR "/exporters/FORMATS.md");
     std::stringstream page;
     page << file.rdbuf();
-    EXPECT_NE(page.str().find("| --- | --- | --- |\n" + rows + "\n"), std::string::npos)
-        << "write FORMATS.md anew as this:\n"
-        << rows;
+    EXPECT_CONTAINS(page.str(), "| --- | --- | --- |\n" + rows + "\n") << "write FORMATS.md anew as this:\n"
+                                                                       << rows;
     const std::string message = error_for("a: b\n");
     for (const codec::Family& family : codec::families()) EXPECT_CONTAINS(message, family.name);
 }

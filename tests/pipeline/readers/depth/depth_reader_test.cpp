@@ -1,7 +1,5 @@
 #include "pipeline/readers/depth/depth_reader.h"
 
-#include <cmath>
-
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::readers {
@@ -95,7 +93,7 @@ TEST(DepthReader, AffineInverseWithoutShiftAndScaleIsRelative) {
     EXPECT_FLOAT_EQ(file.map.values[0], 1);
     EXPECT_FLOAT_EQ(file.map.values[1], 10);
     EXPECT_FLOAT_EQ(file.map.values[2], 2.5f);
-    EXPECT_NE(file.believed.find("relative"), std::string::npos) << file.believed;
+    EXPECT_CONTAINS(file.believed, "relative");
     const DepthFile flat = read_floats({7, 7}, {.kind = DepthKind::affine_inverse});
     EXPECT_EQ(flat.map.values, (std::vector<float>{1, 1}));
 }

@@ -1,5 +1,4 @@
 // Tests NPY, NPZ and EXR, and TIFF's unknown samples, as disparity and depth maps.
-#include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"

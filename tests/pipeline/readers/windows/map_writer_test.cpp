@@ -37,10 +37,10 @@ TEST(MapWriter, MapsAreReadBack) {
             for (const char* const name : {"map.tif", "map.tiff", "map.pfm"}) {
                 SCOPED_TRACE(std::string(name) + " " + std::to_string(width) + " tile " +
                              std::to_string(tile));
-                const readers::Folder folder;
+                const Folder folder;
                 const fs::path path = folder.path() / name;
                 write_map(path, map, tile, tile == 7 ? 4 : 9);
-                EXPECT_EQ(readers::read_disparity_map(path, {}).values, map.values);
+                EXPECT_EQ(read_disparity_map(path, {}).values, map.values);
                 const auto windows = MapWindows::open(path);
                 EXPECT_EQ(windows->read(0, 0, width, height).values, map.values);
                 EXPECT_EQ(windows->read(width / 2, height / 2, 1, 1).values[0],
@@ -51,7 +51,7 @@ TEST(MapWriter, MapsAreReadBack) {
 }
 
 TEST(MapWriter, LeavesNothingWithoutCommit) {
-    const readers::Folder folder;
+    const Folder folder;
     folder.write("map.pfm", "old");
     {
         exporters::FileTransaction files;
@@ -59,15 +59,15 @@ TEST(MapWriter, LeavesNothingWithoutCommit) {
         const float row[2] = {1, 2};
         writer.write(row, 1);
     }
-    EXPECT_EQ(readers::read_bytes(folder.path() / "map.pfm"), readers::to_bytes("old"));
+    EXPECT_EQ(read_bytes(folder.path() / "map.pfm"), to_bytes("old"));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);
 }
 
 TEST(MapWriter, RefusesOtherNamesAndSizes) {
-    const readers::Folder folder;
+    const Folder folder;
     exporters::FileTransaction files;
     const auto failure = [&](const char* name, int width, int height, ErrorKind kind) {
-        return readers::error_of([&] { MapWriter(files, folder.path() / name, width, height); }, kind);
+        return error_of([&] { MapWriter(files, folder.path() / name, width, height); }, kind);
     };
     EXPECT_CONTAINS(failure("map.png", 2, 2, ErrorKind::usage), ".pfm");
     EXPECT_CONTAINS(failure("map.tif", 0, 2, ErrorKind::usage), "not 0x2");

@@ -1,10 +1,4 @@
 // Tests the memory that a process needs to read windows of much larger maps.
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <functional>
-
 #include "pipeline/readers/windows/map_windows.h"
 #include "pipeline/readers/windows/map_writer.h"
 #include "tests/pipeline/readers/sample_files.h"
@@ -14,25 +8,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-long peak_MiB(const std::function<void()>& work) {
-    const pid_t child = fork();
-    if (child == 0) {
-        try {
-            work();
-        } catch (const std::exception&) {
-            _exit(1);
-        }
-        _exit(0);
-    }
-    int status = 1;
-    rusage usage{};
-    wait4(child, &status, 0, &usage);
-    EXPECT_EQ(status, 0);
-    return usage.ru_maxrss >> 10;
-}
-
 TEST(MapWindows, TakeTheMemoryOfAWindow) {
-    const readers::Folder folder;
+    const Folder folder;
     const fs::path rows = folder.write("map.raw", ""), tiles = folder.path() / "map.tif";
     fs::resize_file(rows, std::uintmax_t{4} << 30);  // a sparse file
     {
@@ -46,14 +23,14 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
     const auto read_diagonal = [](const MapWindows& map) {
         for (int i = 0; i < 8; ++i) map.read(map.width() / 8 * i, map.height() / 8 * i, 512, 512);
     };
-    const long least = peak_MiB([] {});
+    const long least = peak_memory_MiB([] {});
     const MapWindowConfig raw{.raw = parse_raw_map_layout("32768x32768,float32")};
-    EXPECT_LT(peak_MiB([&] { read_diagonal(*MapWindows::open(rows, raw)); }), least + 8);
-    EXPECT_LT(peak_MiB([&] { read_diagonal(*MapWindows::open(tiles)); }), least + 12);
+    EXPECT_LT(peak_memory_MiB([&] { read_diagonal(*MapWindows::open(rows, raw)); }), least + 8);
+    EXPECT_LT(peak_memory_MiB([&] { read_diagonal(*MapWindows::open(tiles)); }), least + 12);
 }
 
 TEST(PictureWindows, TakeTheMemoryOfAWindow) {
-    const readers::Folder folder;
+    const Folder folder;
     // Above the limit for pictures read as a whole.
     const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");
     fs::resize_file(rows, fs::file_size(rows) + std::uintmax_t{3} * 40000 * 30000);
@@ -62,8 +39,8 @@ TEST(PictureWindows, TakeTheMemoryOfAWindow) {
         const auto picture = PictureWindows::open(rows);
         for (int i = 0; i < 8; ++i) picture->read(picture->width() / 8 * i, 3000 * i, 256, 256);
     };
-    const long least = peak_MiB([] {});
-    EXPECT_LT(peak_MiB(read_diagonal), least + 8);
+    const long least = peak_memory_MiB([] {});
+    EXPECT_LT(peak_memory_MiB(read_diagonal), least + 8);
 }
 
 }  // namespace

@@ -105,9 +105,8 @@ TEST(Dequantize, StaysWithinHalfAQuantumAndLeavesUnknownAndZeroAlone) {
             const float before = map.values[i], after = smooth.values[i];
             if (!DisparityMap::known(before) || before == 0) {
                 EXPECT_EQ(after, before);
-            } else {
+            } else
                 EXPECT_LT(std::abs(after - before), 0.5 * quantum_px);
-            }
             EXPECT_EQ(after > 0, before > 0);
         }
     }
@@ -130,9 +129,8 @@ TEST(Dequantize, IsWhatTheOracleFinds) {
             for (std::size_t i = 0; i < map.values.size(); ++i)
                 if (DisparityMap::known(map.values[i])) {
                     ASSERT_NEAR(found.values[i], expected.values[i], 2e-4) << seed << ' ' << i;
-                } else {
+                } else
                     ASSERT_EQ(found.values[i], expected.values[i]);
-                }
         }
 }
 
