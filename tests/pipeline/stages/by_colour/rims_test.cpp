@@ -57,6 +57,12 @@ TEST(RimsByColour, NarrowThingsAndGapsStay) {
         EXPECT_EQ(with_rims_by_colour(map, dark_from(kWidth)).values, map.values);
 }
 
+TEST(RimsByColour, AGleamOfTheOtherColourStaysIfMostAroundDo) {
+    Image left = dark_from(200);
+    for (int x = 200; x < 203; ++x) left.pixels[20 * kWidth + x] = kLight;
+    EXPECT_EQ(with_rims_by_colour(thing_from(200), left).values, thing_from(200).values);
+}
+
 TEST(RimsByColour, FarFromAStepAndWithLowStepsNothingMoves) {
     const DisparityMap map = thing_from(200);
     // The colours end beyond the band.
