@@ -60,7 +60,9 @@ TEST(RimsByColour, NarrowThingsAndGapsStay) {
 TEST(RimsByColour, AGleamOfTheOtherColourStaysIfMostAroundDo) {
     Image left = dark_from(200);
     for (int x = 200; x < 203; ++x) left.pixels[20 * kWidth + x] = kLight;
-    EXPECT_EQ(with_rims_by_colour(thing_from(200), left).values, thing_from(200).values);
+    const DisparityMap map = with_rims_by_colour(thing_from(200), left);
+    EXPECT_EQ(map.at(201, 20), kNear_px);
+    EXPECT_EQ(map.at(202, 20), kNear_px);
 }
 
 TEST(RimsByColour, FarFromAStepAndWithLowStepsNothingMoves) {
