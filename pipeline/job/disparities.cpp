@@ -18,6 +18,7 @@
 #include "pipeline/stages/by_colour/bare_borders.h"
 #include "pipeline/stages/by_colour/bare_patches.h"
 #include "pipeline/stages/by_colour/mixed_pixels.h"
+#include "pipeline/stages/by_colour/rims.h"
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/densify/measurements.h"
 #include "pipeline/stages/dequantize/dequantize.h"
@@ -139,7 +140,8 @@ void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
     if (noise.noise_px > 0) disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
     disparity.map =
-        stages::without_mixed_pixels(std::move(disparity.map), pair.views.left, stages::Scraps::go);
+        stages::without_mixed_pixels(stages::with_rims_by_colour(std::move(disparity.map), pair.views.left),
+                                     pair.views.left, stages::Scraps::go);
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
     log.decide("disparity: refined by the pictures, as its noise was " + fixed(noise.noise_px, 3) + " px");
