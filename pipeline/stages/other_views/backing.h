@@ -13,4 +13,7 @@ namespace hexrelief::stages {
 // left view shows it. picture: the left one, of its size; empty = none.
 OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines);
 
+// Gives the backing, near what continues in the left view, its mean colours: it goes on behind where that ends.
+void take_colours(OtherView& backing, const OtherView& continued);
+
 }  // namespace hexrelief::stages
