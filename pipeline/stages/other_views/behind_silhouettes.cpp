@@ -30,7 +30,7 @@ constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where
 constexpr double kAnyStep_px = 1e9;
 // Pixels beside what is shown that have its colours as well, for the filter of a texture; in photographs for
 // triangles that reach as far.
-constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 24;
+constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 16;
 
 // A row or a column of a view, from either end.
 struct Line {

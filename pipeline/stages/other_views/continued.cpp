@@ -10,11 +10,13 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kSmoothings = 8;     // across the lines along which surfaces continue
+constexpr int kSmoothings = 8;  // across the lines along which surfaces continue
 // Averages of colours: over squares of this radius, px, and more by the distance from the silhouette, without
 // detail divided by the second number; of so many pixels a side at most.
-constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
-constexpr int kBlocksAround = 16;  // along a radius within which a median is taken
+constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9, kTapsTwice = 6;
+constexpr double kSlopeOfOne = 0.1;  // px of disparity a px: so may one surface slope across such a square
+constexpr int kMostDetail = 25;      // levels: what looks unlike its surroundings is no part of a surface
+constexpr int kBlocksAround = 16;    // along a radius within which a median is taken
 
 // Returns for each square of `side` px the median of what continues within some squares of it.
 std::vector<double> medians_of(const Continued& continued, const ViewPlace& place, int side, int around) {
@@ -155,7 +157,8 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width))));
     };
     const auto clean_colour_of = [&](std::size_t pixel) {
-        const bool is_cleaned = continued.disparities[pixel] != kNotCovered && continued.distances[pixel] == 0;
+        const bool is_cleaned =
+            continued.disparities[pixel] != kNotCovered && continued.distances[pixel] == 0;
         return colour_of(is_cleaned ? continued.colours_of[pixel] : pixel);
     };
     using Levels = std::array<int, 3>;
@@ -169,17 +172,20 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
     const auto radius_of = [&](std::uint32_t pixel) {
         return kSoft_px + continued.distances[pixel] / (has_detail ? 1 : kSofterEvery);
     };
-    const auto stride_of = [&](std::uint32_t pixel) { return 1 + 2 * radius_of(pixel) / kTaps; };
+    const auto stride_of = [&](std::uint32_t pixel) {
+        return 1 + 2 * radius_of(pixel) / (has_detail ? kTapsTwice : kTaps);
+    };
     const auto mean_around = [&](std::uint32_t pixel, int radius, int stride, const Disparities& surface,
                                  const auto& colour_at) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        const double most_apart_px = kNeighbours_px + (has_detail ? kSlopeOfOne * radius : 0);
         std::uint64_t sums = 0;
         for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
             if (v < 0 || v >= place.height) continue;
             for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
                 if (u < 0 || u >= place.width) continue;
                 const std::size_t other = static_cast<std::size_t>(v) * width + u;
-                if (std::abs(surface[other] - surface[pixel]) <= kNeighbours_px) sums += colour_at(other);
+                if (std::abs(surface[other] - surface[pixel]) <= most_apart_px) sums += colour_at(other);
             }
         }
         return levels_of(sums);
@@ -204,7 +210,8 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             details[i] = levels_of(colours[pixel]);
             const int kept = std::max(0, detail_px - continued.distances[pixel]);
             for (int c = 0; c < picture.channels; ++c)
-                details[i][c] = (details[i][c] - mean[c]) * kept / detail_px;
+                details[i][c] =
+                    std::clamp(details[i][c] - mean[c], -kMostDetail, kMostDetail) * kept / detail_px;
         }
     });
     // Pixels a stride apart share what is added up, so what lies between is averaged again.

@@ -84,7 +84,7 @@ TEST(Continued, DetailFadesWithTheDistance) {
         for (int x = first; x < end; ++x) sum += std::abs(*faded.at(x, 15) - 100.0) / (end - first);
         return sum;
     };
-    EXPECT_GT(contrast(5, 9), 25);
+    EXPECT_GT(contrast(5, 9), 15);
     EXPECT_LT(contrast(20, 34), 10);
 }
 

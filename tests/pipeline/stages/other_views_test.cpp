@@ -174,9 +174,11 @@ TEST(OtherView, ANarrowOutlineIsNoColourOfAPhotographsWallAWiderStripIs) {
         view.picture = {};
         for (int y = 0; y < kHeight; ++y)
             for (int x = 0; x < kWidth; ++x)
-                *view.color.at(x, y) = x < kBoxBegin - strip_px || x >= kBoxEnd ? 90 : x < kBoxBegin ? 20 : 200;
-        continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, visible,
-                        kThreads);
+                *view.color.at(x, y) = x < kBoxBegin - strip_px || x >= kBoxEnd ? 90
+                                       : x < kBoxBegin                          ? 20
+                                                                                : 200;
+        continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px},
+                        visible, kThreads);
         for (int x = kBoxBegin - strip_px; x < kBoxBegin; ++x)
             EXPECT_NEAR(*view.color.at(x, 20), strip_px == 4 ? 90 : 20, 2) << x;
         if (strip_px > 4) continue;
@@ -221,7 +223,8 @@ TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) 
 
 TEST(OtherView, ABackingHasTheColourOfWhatContinuesNearIt) {
     const SeenSurface here = see(left_surface(), place_at(0), kThreads);
-    OtherView backing = backing_of(here, {kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)}, 1);
+    OtherView backing =
+        backing_of(here, {kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)}, 1);
     OtherView continued = left_view(here);
     continued.picture = {};
     std::fill(continued.color.pixels.begin(), continued.color.pixels.end(), std::uint8_t{150});
