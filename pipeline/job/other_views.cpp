@@ -266,9 +266,11 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         OtherView left = copy_of_left(view, threads);
         stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
                                 visible, threads);
+        OtherView behind_all = backing.get();
+        if (view.is_by_points) stages::take_colours(behind_all, left);
         stages::join_to_surface(left, here, threads);
         add(std::move(left));
-        if (view.is_by_points) add(backing.get());
+        if (view.is_by_points) add(std::move(behind_all));
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);

@@ -19,16 +19,18 @@ namespace {
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
 constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface whose colours are mixed
-// Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
-// by the second number; of so many pixels a side at most.
-constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
 // What continues is no longer than this share of a view's side; in photographs, with colours from the last.
 constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 16, kMirroredShareOfPhotographs = 40;
-constexpr int kApart = 2;  // times its width: a baseline on, an outline stands apart from its thing
+constexpr int kApart = 2;  // times its width: a baseline on, mixed pixels stand apart from their thing
+// What looks this unlike a surface: levels, and times the mean deviation of its colours from their mean.
+constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
 constexpr int kBorder_px = 2;
 constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
+// Pixels beside what is shown that have its colours as well, for the filter of a texture; in photographs for
+// triangles that reach as far.
+constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 16;
 
 // A row or a column of a view, from either end.
 struct Line {
@@ -37,8 +39,8 @@ struct Line {
     std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
 };
 
-// What the colours of a pixel are of.
-enum class Purity : std::uint8_t { clean, mixed, of_nearer };
+// What the colours of a pixel are of. An outline is a narrow line unlike the surface that it seems to end.
+enum class Purity : std::uint8_t { clean, mixed, of_nearer, outline };
 
 // A side of a view: how far beyond it the outermost camera stands, and Beyond::mixed_px.
 struct Side {
@@ -89,6 +91,41 @@ int folded(int place, int first, int last) {
     return first + std::min(along, 2 * length - along);
 }
 
+// The mean colour of a few pixels of a line from `first` on, and how far they are from it in the mean.
+struct MeanColour {
+    std::array<double, 3> levels = {};
+    double deviation = 0;
+
+    MeanColour(const Image& picture, const Line& line, int first, int count) {
+        for (int i = first; i < first + count; ++i)
+            for (int c = 0; c < picture.channels; ++c)
+                levels[c] += picture.pixels[line(i) * picture.channels + c] / static_cast<double>(count);
+        for (int i = first; i < first + count; ++i)
+            for (int c = 0; c < picture.channels; ++c)
+                deviation += std::abs(picture.pixels[line(i) * picture.channels + c] - levels[c]) / count;
+    }
+    double difference(const Image& picture, std::size_t pixel) const {
+        double sum = 0;
+        for (int c = 0; c < picture.channels; ++c)
+            sum += std::abs(picture.pixels[pixel * picture.channels + c] - levels[c]);
+        return sum;
+    }
+};
+
+// Marks the narrow line at the end of the surface at line(end), if there is one, whose colours are unlike the
+// surface's behind it. A wider strip may be the surface's own.
+void mark_outline(const Disparities& front, const Image& picture, const Line& line, int end, int most,
+                  std::vector<Purity>& colours) {
+    const int narrow = most / 2, looked_at = narrow + kMixed, reach = reach_of(front, line, end, 1, 2 * most);
+    if (picture.empty() || reach < looked_at + kMixed) return;
+    const MeanColour behind(picture, line, end - reach + 1, reach - looked_at);
+    int last = end + 1;
+    for (int i = end; i > end - looked_at; --i)
+        if (behind.difference(picture, line(i)) > kUnlike + kUnlikeDeviations * behind.deviation) last = i;
+    if (last > end - narrow)
+        for (int i = end; i >= last - 1; --i) colours[line(i)] = Purity::outline;
+}
+
 // Marks the pixels at the end of the surface at line(end) whose colours are mixed.
 void mark_mixed(const Disparities& front, const Image& picture, const Line& line, int end, int most,
                 std::vector<Purity>& colours) {
@@ -101,6 +138,7 @@ void mark_mixed(const Disparities& front, const Image& picture, const Line& line
         const bool is_of_nearer = is_compared && difference(i, near) < difference(i, end - reach + 1);
         colours[line(i)] = std::max(colours[line(i)], is_of_nearer ? Purity::of_nearer : Purity::mixed);
     }
+    mark_outline(front, picture, line, end, most, colours);
 }
 
 // Continues the surface that ends at line(end) before a nearer one.
@@ -126,10 +164,11 @@ void continue_from(const Disparities& front, const std::vector<Purity>& colours,
         reach = reach_of(front, line, end, reach, std::min(mirrored, mixed) + kMixed);
     }
     const bool has_colours = !is_photograph || mixed < reach;
-    // Pixels of the nearer surface's colours that this view alone shows have clean ones as well.
-    for (int k = 0; is_photograph && has_colours && near - far > kApart * mixed && k < mixed; ++k)
+    // Outlines and pixels of the nearer surface's colours get clean ones as well.
+    for (int k = 0; is_photograph && has_colours && k < mixed; ++k)
         if (const std::size_t pixel = line(end - k);
-            colours[pixel] == Purity::of_nearer && DisparityMap::known(result.shown.values[pixel]))
+            colours[pixel] == Purity::outline ||
+            (colours[pixel] == Purity::of_nearer && near - far > kApart * mixed))
             result.offer(pixel, front[pixel], 0, line(end - folded(2 * mixed - k, mixed, reach - 1)));
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
@@ -192,7 +231,7 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
         for_silhouettes(front, width, height, {1, 1, 1, 1}, pool, [&](const Line& line, int end, double) {
             mark_mixed(front, view.color, line, end, beyond.mixed_px, colours);
         });
-    Continued result(front.size(), view.missing);
+    Continued result(front.size());
     pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
         std::fill(result.disparities.begin() + static_cast<std::ptrdiff_t>(begin),
                   result.disparities.begin() + static_cast<std::ptrdiff_t>(end), kNotCovered);
@@ -208,103 +247,6 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
             result.pixels.push_back(static_cast<std::uint32_t>(i));
     }
     return result;
-}
-
-// Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
-// each, as lines that continue beside each other have colours from different distances. has_detail: with what
-// the pixel of such a colour has beside an average as wide.
-void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
-           bool has_detail, ThreadPool& pool) {
-    if (picture.empty()) return;
-    const auto column = [&](int x) { return x * picture.width / place.width; };
-    const auto row = [&](int y) { return y * picture.height / place.height; };
-    const auto width = static_cast<std::uint32_t>(place.width);
-    // A channel has 16 bits of a sum, the last 16 bits are the count.
-    constexpr int kBits = 16, kCount = 48;
-    const auto packed = [&](const auto& colour) {
-        std::uint64_t sums = std::uint64_t{1} << kCount;
-        for (int c = 0; c < picture.channels; ++c) sums |= std::uint64_t(colour[c]) << kBits * c;
-        return sums;
-    };
-    const auto colour_of = [&](std::size_t pixel) {
-        return packed(
-            picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width))));
-    };
-    using Levels = std::array<int, 3>;
-    const auto levels_of = [&](std::uint64_t sums) {
-        const std::uint64_t count = sums >> kCount;
-        Levels levels = {};
-        for (int c = 0; c < picture.channels; ++c)
-            levels[c] = static_cast<int>(((sums >> kBits * c & 0xffff) + count / 2) / count);
-        return levels;
-    };
-    const auto radius_of = [&](std::uint32_t pixel) {
-        return kSoft_px + continued.distances[pixel] / kSofterEvery;
-    };
-    const auto stride_of = [&](std::uint32_t pixel) { return 1 + 2 * radius_of(pixel) / kTaps; };
-    const auto mean_around = [&](std::uint32_t pixel, int radius, int stride, const Disparities& surface,
-                                 const auto& colour_at) {
-        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        std::uint64_t sums = 0;
-        for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
-            if (v < 0 || v >= place.height) continue;
-            for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
-                if (u < 0 || u >= place.width) continue;
-                const std::size_t other = static_cast<std::size_t>(v) * width + u;
-                if (std::abs(surface[other] - surface[pixel]) <= kNeighbours_px) sums += colour_at(other);
-            }
-        }
-        return levels_of(sums);
-    };
-    const auto is_repeated = [&](std::uint32_t pixel) {
-        bool result = false;
-        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t i) {
-            result |= continued.disparities[i] != kNotCovered &&
-                      continued.colours_of[i] == continued.colours_of[pixel];
-        });
-        return result;
-    };
-    // The colours are taken before any pixel is painted.
-    RawVector<std::uint64_t> colours(continued.disparities.size());
-    std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
-    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
-            colours[pixel] = colour_of(from);
-            if (!has_detail || is_repeated(pixel)) continue;
-            const Levels mean = mean_around(from, radius_of(pixel), stride_of(pixel), front, colour_of);
-            details[i] = levels_of(colours[pixel]);
-            for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
-        }
-    });
-    // Pixels a stride apart share what is added up, so what lies between is averaged again.
-    RawVector<std::uint64_t> means(colours.size());
-    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t pixel = continued.pixels[i];
-            means[pixel] =
-                packed(mean_around(pixel, radius_of(pixel), stride_of(pixel), continued.disparities,
-                                   [&](std::size_t other) { return colours[other]; }));
-        }
-    });
-    const auto paint_at = [&](std::size_t i) {
-        const std::uint32_t pixel = continued.pixels[i];
-        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        if (column(x) == column(x + 1) || row(y) == row(y + 1))
-            return;  // a smaller picture has no such pixel
-        const Levels mean = mean_around(pixel, stride_of(pixel) / 2, 1, continued.disparities,
-                                        [&](std::size_t other) { return means[other]; });
-        std::uint8_t colour[3] = {};
-        for (int c = 0; c < picture.channels; ++c)
-            colour[c] =
-                static_cast<std::uint8_t>(std::clamp(mean[c] + (has_detail ? details[i][c] : 0), 0, 255));
-        for (int v = row(y); v < row(y + 1); ++v)
-            for (int u = column(x); u < column(x + 1); ++u)
-                std::copy_n(colour, picture.channels, picture.at(u, v));
-    };
-    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) paint_at(i);
-    });
 }
 
 // Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
@@ -377,9 +319,10 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
-    spread_colours(continued, view.missing, front);
-    paint(view.picture.empty() ? view.color : view.picture, place, continued, front, beyond.mixed_px > kMixed,
-          pool);
+    const bool is_photograph = beyond.mixed_px > kMixed;
+    spread_colours(continued, view.missing, front, is_photograph ? kSpreadOfPhotographs_px : kSpread_px);
+    paint(view.picture.empty() ? view.color : view.picture, place, continued, front,
+          is_photograph ? std::max(place.width, place.height) / kMirroredShareOfPhotographs : 0, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here, int threads) {

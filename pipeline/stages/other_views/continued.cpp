@@ -1,6 +1,7 @@
 #include "pipeline/stages/other_views/continued.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -9,9 +10,13 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr int kSmoothings = 8;     // across the lines along which surfaces continue
-constexpr int kSpread = 3;         // pixels beside what is shown that an atlas keeps as well
-constexpr int kBlocksAround = 16;  // along a radius within which a median is taken
+constexpr int kSmoothings = 8;  // across the lines along which surfaces continue
+// Averages of colours: over squares of this radius, px, and more by the distance from the silhouette, without
+// detail divided by the second number; of so many pixels a side at most.
+constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9, kTapsTwice = 6;
+constexpr double kSlopeOfOne = 0.1;  // px of disparity a px: so may one surface slope across such a square
+constexpr int kMostDetail = 25;      // levels: what looks unlike its surroundings is no part of a surface
+constexpr int kBlocksAround = 16;    // along a radius within which a median is taken
 
 // Returns for each square of `side` px the median of what continues within some squares of it.
 std::vector<double> medians_of(const Continued& continued, const ViewPlace& place, int side, int around) {
@@ -113,9 +118,10 @@ void smooth(Continued& continued, const Disparities& front, const ViewPlace& pla
     });
 }
 
-void spread_colours(Continued& continued, const DisparityMap& missing, const Disparities& front) {
+void spread_colours(Continued& continued, const DisparityMap& missing, const Disparities& front,
+                    int spread_px) {
     std::size_t begin = 0;
-    for (int round = 0; round < kSpread; ++round) {
+    for (int round = 0; round < spread_px; ++round) {
         const std::size_t end = continued.pixels.size();
         for (; begin < end; ++begin) {
             const std::uint32_t from = continued.pixels[begin];
@@ -130,6 +136,114 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
             });
         }
     }
+}
+
+void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
+           int detail_px, ThreadPool& pool) {
+    if (picture.empty()) return;
+    const bool has_detail = detail_px > 0;
+    const auto column = [&](int x) { return x * picture.width / place.width; };
+    const auto row = [&](int y) { return y * picture.height / place.height; };
+    const auto width = static_cast<std::uint32_t>(place.width);
+    // A channel has 16 bits of a sum, the last 16 bits are the count.
+    constexpr int kBits = 16, kCount = 48;
+    const auto packed = [&](const auto& colour) {
+        std::uint64_t sums = std::uint64_t{1} << kCount;
+        for (int c = 0; c < picture.channels; ++c) sums |= std::uint64_t(colour[c]) << kBits * c;
+        return sums;
+    };
+    const auto colour_of = [&](std::size_t pixel) {
+        return packed(
+            picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width))));
+    };
+    const auto clean_colour_of = [&](std::size_t pixel) {
+        const bool is_cleaned =
+            continued.disparities[pixel] != kNotCovered && continued.distances[pixel] == 0;
+        return colour_of(is_cleaned ? continued.colours_of[pixel] : pixel);
+    };
+    using Levels = std::array<int, 3>;
+    const auto levels_of = [&](std::uint64_t sums) {
+        const std::uint64_t count = sums >> kCount;
+        Levels levels = {};
+        for (int c = 0; c < picture.channels; ++c)
+            levels[c] = static_cast<int>(((sums >> kBits * c & 0xffff) + count / 2) / count);
+        return levels;
+    };
+    const auto radius_of = [&](std::uint32_t pixel) {
+        return kSoft_px + continued.distances[pixel] / (has_detail ? 1 : kSofterEvery);
+    };
+    const auto stride_of = [&](std::uint32_t pixel) {
+        return 1 + 2 * radius_of(pixel) / (has_detail ? kTapsTwice : kTaps);
+    };
+    const auto mean_around = [&](std::uint32_t pixel, int radius, int stride, const Disparities& surface,
+                                 const auto& colour_at) {
+        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        const double most_apart_px = kNeighbours_px + (has_detail ? kSlopeOfOne * radius : 0);
+        std::uint64_t sums = 0;
+        for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
+            if (v < 0 || v >= place.height) continue;
+            for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
+                if (u < 0 || u >= place.width) continue;
+                const std::size_t other = static_cast<std::size_t>(v) * width + u;
+                if (std::abs(surface[other] - surface[pixel]) <= most_apart_px) sums += colour_at(other);
+            }
+        }
+        return levels_of(sums);
+    };
+    const auto is_repeated = [&](std::uint32_t pixel) {
+        bool result = false;
+        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t i) {
+            result |= continued.disparities[i] != kNotCovered &&
+                      continued.colours_of[i] == continued.colours_of[pixel];
+        });
+        return result;
+    };
+    // The colours are taken before any pixel is painted.
+    RawVector<std::uint64_t> colours(continued.disparities.size());
+    std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
+            colours[pixel] = colour_of(from);
+            if (!has_detail || is_repeated(pixel)) continue;
+            const Levels mean = mean_around(from, radius_of(pixel), stride_of(pixel), front, clean_colour_of);
+            details[i] = levels_of(colours[pixel]);
+            const int kept = std::max(0, detail_px - continued.distances[pixel]);
+            for (int c = 0; c < picture.channels; ++c)
+                details[i][c] =
+                    std::clamp(details[i][c] - mean[c], -kMostDetail, kMostDetail) * kept / detail_px;
+        }
+    });
+    // Pixels a stride apart share what is added up, so what lies between is averaged again.
+    RawVector<std::uint64_t> means(colours.size());
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t pixel = continued.pixels[i];
+            means[pixel] =
+                packed(mean_around(pixel, radius_of(pixel), stride_of(pixel), continued.disparities,
+                                   [&](std::size_t other) { return colours[other]; }));
+        }
+    });
+    const auto paint_at = [&](std::size_t i) {
+        const std::uint32_t pixel = continued.pixels[i];
+        const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
+        if (column(x) == column(x + 1) || row(y) == row(y + 1))
+            return;  // a smaller picture has no such pixel
+        const int radius = has_detail ? radius_of(pixel) : stride_of(pixel) / 2,
+                  stride = has_detail ? stride_of(pixel) : 1;
+        const Levels mean = mean_around(pixel, radius, stride, continued.disparities,
+                                        [&](std::size_t other) { return means[other]; });
+        std::uint8_t colour[3] = {};
+        for (int c = 0; c < picture.channels; ++c)
+            colour[c] =
+                static_cast<std::uint8_t>(std::clamp(mean[c] + (has_detail ? details[i][c] : 0), 0, 255));
+        for (int v = row(y); v < row(y + 1); ++v)
+            for (int u = column(x); u < column(x + 1); ++u)
+                std::copy_n(colour, picture.channels, picture.at(u, v));
+    };
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) paint_at(i);
+    });
 }
 
 }  // namespace hexrelief::stages

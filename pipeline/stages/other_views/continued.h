@@ -9,6 +9,7 @@
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/image.h"
 #include "pipeline/stages/other_views/view_place.h"
 
 namespace hexrelief::stages {
@@ -18,13 +19,11 @@ struct Continued {
     static constexpr std::uint32_t kNoColour = std::numeric_limits<std::uint32_t>::max();
 
     Disparities disparities;              // kNotCovered = nothing
-    RawVector<std::int32_t> distances;    // from the silhouette, px, of what continues
+    RawVector<std::int32_t> distances;    // from the silhouette, px; 0 = in front, only colours are given
     RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
     std::vector<std::uint32_t> pixels;    // that have something
-    const DisparityMap& shown;  // by the view alone; at these pixels only colours are given, at distance 0
 
-    Continued(std::size_t count, const DisparityMap& missing)
-        : disparities(count), distances(count), colours_of(count), shown(missing) {}
+    explicit Continued(std::size_t count) : disparities(count), distances(count), colours_of(count) {}
 
     // The nearest silhouette decides; of two, the farther surface.
     void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
@@ -49,8 +48,17 @@ void give_scraps_away(Continued& continued, const Disparities& front, const View
 // Makes lines that continue one surface agree. The same for any number of threads.
 void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool);
 
-// Extends the colours over pixels that hide what continues, so that a texture's filter finds no others there.
-// missing: in the view, with what continues.
-void spread_colours(Continued& continued, const DisparityMap& missing, const Disparities& front);
+// Extends the colours by spread_px over pixels that hide what continues, so that a texture's filter finds no
+// others there. missing: in the view, with what continues.
+void spread_colours(Continued& continued, const DisparityMap& missing, const Disparities& front,
+                    int spread_px);
+
+// Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
+// each, as lines that continue beside each other have colours from different distances; the softer, the
+// farther from the silhouette. detail_px > 0: much softer, with what the pixel of such a colour has beside an
+// average as wide, which fades within this distance. front: the disparities of the view. The same for any
+// number of threads.
+void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
+           int detail_px, ThreadPool& pool);
 
 }  // namespace hexrelief::stages

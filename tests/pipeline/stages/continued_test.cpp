@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <vector>
 
 #include "pipeline/stages/other_views/small_regions.h"
 
@@ -21,8 +24,7 @@ std::uint32_t at(int x, int y) {
 struct BehindThing {
     ViewPlace place;
     Disparities front;
-    DisparityMap missing{kWidth, kHeight, std::vector<float>(kWidth* kHeight, kUnknownDisparity)};
-    Continued continued{kWidth * kHeight, missing};
+    Continued continued{kWidth * kHeight};
 
     BehindThing(int first, int end) : front(kWidth * kHeight) {
         place.width = kWidth;
@@ -67,6 +69,33 @@ TEST(Continued, WhatHasNoColourGetsThatOfWhatIsBesideItOrGoes) {
     EXPECT_NE(scene.continued.colours_of[at(7, 3)], Continued::kNoColour);
     EXPECT_EQ(scene.continued.disparities[at(30, 3)], kNotCovered);
     EXPECT_EQ(scene.continued.pixels.size(), 15u * kHeight);
+}
+
+TEST(Continued, DetailFadesWithTheDistance) {
+    BehindThing scene(5, 35);
+    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight)};
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] = i * 7919 % 201;
+    for (const std::uint32_t i : scene.continued.pixels) scene.continued.colours_of[i] = i - 5;
+    ThreadPool pool(2);
+    Image faded = picture;
+    paint(faded, scene.place, scene.continued, scene.front, 10, pool);
+    const auto contrast = [&](int first, int end) {
+        double sum = 0;
+        for (int x = first; x < end; ++x) sum += std::abs(*faded.at(x, 15) - 100.0) / (end - first);
+        return sum;
+    };
+    EXPECT_GT(contrast(5, 9), 15);
+    EXPECT_LT(contrast(20, 34), 10);
+}
+
+TEST(Continued, ColoursSpreadAsFarAsAskedOverWhatHidesThem) {
+    for (const int spread_px : {3, 8}) {
+        BehindThing scene(5, 20);
+        DisparityMap missing{kWidth, kHeight, std::vector<float>(kWidth * kHeight, kUnknownDisparity)};
+        spread_colours(scene.continued, missing, scene.front, spread_px);
+        EXPECT_EQ(scene.continued.colours_of[at(19 + spread_px, 9)], at(5, 9));
+        EXPECT_EQ(scene.continued.disparities[at(20 + spread_px, 9)], kNotCovered);
+    }
 }
 
 TEST(Continued, SmallRegionIsACrackOfTheSurfaceThatItGoesOnWith) {

@@ -1,6 +1,7 @@
 // What the left camera does not see, on a made-up scene: a box of 20 px of disparity before a wall of 4 px.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <tuple>
@@ -166,6 +167,26 @@ TEST(OtherView, ContinuedBehindTheBoxIsTheWallInItsColours) {
     EXPECT_EQ(*view.picture.at((kBoxBegin + 14) / 2, 10), 200);  // the box beyond what its filter needs
 }
 
+TEST(OtherView, ANarrowOutlineIsNoColourOfAPhotographsWallAWiderStripIs) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall - 1, kThreads);
+    for (const int strip_px : {4, 10}) {
+        OtherView view = left_view(visible.seen[0]);
+        view.picture = {};
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x)
+                *view.color.at(x, y) = x < kBoxBegin - strip_px || x >= kBoxEnd ? 90
+                                       : x < kBoxBegin                          ? 20
+                                                                                : 200;
+        continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px},
+                        visible, kThreads);
+        for (int x = kBoxBegin - strip_px; x < kBoxBegin; ++x)
+            EXPECT_NEAR(*view.color.at(x, 20), strip_px == 4 ? 90 : 20, 2) << x;
+        if (strip_px > 4) continue;
+        // What continues, and what triangles show beside it.
+        for (int x = kBoxBegin; x < kBoxEnd; ++x) EXPECT_NEAR(*view.color.at(x, 20), 90, 2) << x;
+    }
+}
+
 TEST(OtherView, NoSurfaceContinuesFartherThanAnEighthOfTheView) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall - 1, kThreads);
     OtherView view = left_view(visible.seen[0]);
@@ -198,6 +219,21 @@ TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) 
         EXPECT_EQ(view.missing.at(x, 20), is_missing ? kWall - 1 : kUnknownDisparity) << x;
         EXPECT_EQ(*view.color.at(x, 20), 50) << x;
     }
+}
+
+TEST(OtherView, ABackingHasTheColourOfWhatContinuesNearIt) {
+    const SeenSurface here = see(left_surface(), place_at(0), kThreads);
+    OtherView backing =
+        backing_of(here, {kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)}, 1);
+    OtherView continued = left_view(here);
+    continued.picture = {};
+    std::fill(continued.color.pixels.begin(), continued.color.pixels.end(), std::uint8_t{150});
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = kBoxBegin; x < kBoxBegin + 9; ++x) continued.missing.at(x, y) = kWall;
+    take_colours(backing, continued);
+    EXPECT_GT(*backing.color.at(kBoxBegin + 4, 20), 140);
+    EXPECT_GT(*backing.color.at(kBoxBegin + 11, 20), 100) << "it goes on behind where this ends";
+    EXPECT_EQ(*backing.color.at(kBoxBegin + 20, 20), 50);
 }
 
 TEST(OtherView, ABackingMeetsTheSurfaceAtTheBorderOfTheView) {
