@@ -3,9 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <vector>
-// After stdio.h.
+// libjpeg's header needs stdio first.
 #include <jpeglib.h>
 
 #include "pipeline/data/image.h"

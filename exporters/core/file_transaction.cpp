@@ -336,8 +336,8 @@ void FileTransaction::commit() {
         if (const std::size_t renamed = rename_all(); renamed < pending_.size()) {
             const int code = errno;
             for (FolderLock& lock : locks) lock.revoke();
-            const fs::path failed = pending_[renamed].target;
             const std::string kept = undo_renames(renamed);
+            const fs::path failed = std::move(pending_[renamed].target);
             discard();
             fail(failed, code, kept);
         }

@@ -157,10 +157,10 @@ void FolderLock::finish_announced() {
         at += from.size() + to.size() + 2;
         const bool are_names =
             is_temporary(from) && !to.empty() && (from + to).find('/') == std::string::npos;
-        const int file = are_names ? open_to_lock(folder / from, 0) : -1;
+        const fs::path source = folder / from, target = folder / to;
+        const int file = are_names ? open_to_lock(source, 0) : -1;
         if (file < 0) continue;  // already renamed
-        if (claim(file) && is_open_file(file, folder / from))
-            ::rename((folder / from).c_str(), (folder / to).c_str());
+        if (claim(file) && is_open_file(file, source)) ::rename(source.c_str(), target.c_str());
         ::close(file);
     }
     sync_folder(folder);

@@ -4,8 +4,9 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <vector>
-// After stdio.h.
+// libjpeg's header needs stdio first.
 #include <jpeglib.h>
 
 namespace hexrelief::exporters {

@@ -139,9 +139,9 @@ void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads
         stages::find_noise_px(disparity.map, threads),
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
     if (noise.noise_px > 0) disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
-    disparity.map =
-        stages::without_mixed_pixels(stages::with_rims_by_colour(std::move(disparity.map), pair.views.left),
-                                     pair.views.left, stages::Scraps::go);
+    disparity.map = stages::without_mixed_pixels(
+        stages::with_rims_by_colour(std::move(disparity.map), pair.views.left, threads), pair.views.left,
+        stages::Scraps::go);
     if (noise.noise_px == 0) return;
     disparity.noise = noise;
     log.decide("disparity: refined by the pictures, as its noise was " + fixed(noise.noise_px, 3) + " px");

@@ -1,5 +1,6 @@
 // Reads JPEG by libjpeg. As for PNG, its errors leave by longjmp: every call that can fail runs in a step, a
 // function whose frame holds nothing with a destructor, and memory is allocated between the steps.
+#include <cstdio>
 // libjpeg's headers need stdio first
 #include <jpeglib.h>
 // and its message codes come after

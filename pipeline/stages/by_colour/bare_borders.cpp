@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -87,11 +88,10 @@ class Borders {
     void enter(std::uint32_t near, std::uint32_t far, float farthest) {
         const float d = map_.values[far];
         if (!(map_.values[near] - d > step_px_) || d > farthest || !is_known(near)) return;
-        const int here = difference(near, far);
-        if (here > kGradual) return;
+        if (difference(near, far) > kGradual) return;
         if (source_[near] == kNone)
             reached_.push_back(near);
-        else if (difference(near, source_[near]) <= here)
+        else if (offer(near, source_[near]) <= offer(near, far))
             return;
         source_[near] = far;
     }
@@ -111,16 +111,40 @@ class Borders {
                 if (i + width < map_.values.size()) enter_between(i, i + width);
             }
         std::size_t begin = 0;
-        for (int round = 1; round < limits.reach_px && begin < reached_.size(); ++round)
-            for (const std::size_t end = reached_.size(); begin < end; ++begin)
+        for (int round = 1; round < limits.reach_px && begin < reached_.size(); ++round) {
+            const std::size_t end = reached_.size();
+            std::vector<Offer> offers;
+            for (; begin < end; ++begin)
                 for (const Side side : kSides) {
                     const std::uint32_t i = reached_[begin], j = beside(i, side, 1);
-                    if (!leads_on(i, j, limits.alike)) continue;
-                    source_[j] = source_[i];
-                    reached_.push_back(j);
+                    if (leads_on(i, j, limits.alike)) offers.push_back(offer(j, source_[i]));
                 }
+            take_best(offers, reached_);
+        }
         if (limits.stops_leaks) drop_leaks(limits.alike);
         for (const std::uint32_t i : reached_) state_[i] = State::reached;
+    }
+
+    // A source that a pixel may get. The least offer to a pixel counts, whatever their order: that of the
+    // most alike source; of these, the farthest one.
+    struct Offer {
+        std::uint32_t pixel;
+        int difference;
+        float disparity;
+        std::uint32_t source;
+        auto operator<=>(const Offer&) const = default;
+    };
+    Offer offer(std::uint32_t pixel, std::uint32_t source) const {
+        return {pixel, difference(pixel, source), map_.values[source], source};
+    }
+    // Gives the pixels their sources, and adds them to `taken`.
+    void take_best(std::vector<Offer>& offers, std::vector<std::uint32_t>& taken) {
+        std::sort(offers.begin(), offers.end());
+        for (std::size_t k = 0; k < offers.size(); ++k) {
+            if (k > 0 && offers[k].pixel == offers[k - 1].pixel) continue;
+            source_[offers[k].pixel] = offers[k].source;
+            taken.push_back(offers[k].pixel);
+        }
     }
 
     bool leads_on(std::uint32_t i, std::uint32_t j, int alike) const {
@@ -195,7 +219,7 @@ class Borders {
 
     // Adds the pixels behind given_ that are more like its source than like what is two pixels farther on.
     void move_on() {
-        std::vector<std::uint32_t> added;
+        std::vector<Offer> offers;
         for (const std::uint32_t i : given_)
             for (const Side side : kSides) {
                 const std::uint32_t j = beside(i, side, 1), front = beside(i, side, 3);
@@ -203,12 +227,11 @@ class Borders {
                     state_[front] == State::given)
                     continue;
                 if (!is_near(j, far_of(i)) || !is_near(front, far_of(i))) continue;
-                if (difference(source_[i], j) >= difference(j, front)) continue;
-                added.push_back(j);
-                source_[j] = source_[i];
+                if (difference(source_[i], j) < difference(j, front)) offers.push_back(offer(j, source_[i]));
             }
-        for (const std::uint32_t i : added) state_[i] = State::given;
-        given_.insert(given_.end(), added.begin(), added.end());
+        const std::size_t before = given_.size();
+        take_best(offers, given_);
+        for (std::size_t k = before; k < given_.size(); ++k) state_[given_[k]] = State::given;
     }
 
     DisparityMap& map_;

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <queue>
-#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
 
@@ -20,7 +18,8 @@ constexpr int kNearShare = 120, kFarShare = 450;      // of the longer side: the
 constexpr float kHighShare = 225, kLeastHigh_px = 2;  // a step: of the longer side; at least
 constexpr float kSmooth_px = 1.0001f;
 constexpr int kAcross = 24;  // steps of colour that a path across the map's own step costs: a bare rim stays
-constexpr int kVotes = 3;    // strides of a quarter of the band, to each side
+constexpr int kVote = 1 << 20;  // of the pixel itself
+constexpr int kVotes = 3;       // strides of a quarter of the band, to each side
 
 using Pixels = std::vector<std::uint32_t>;
 enum Side : std::uint8_t { kNoSide, kNearSide, kFarSide };
@@ -34,11 +33,11 @@ class Rims {
         step_px_ = std::max(kLeastHigh_px, static_cast<float>(longer) / kHighShare);
     }
 
-    void settle() {
+    void settle(ThreadPool& pool) {
         find_band();
         keep_narrow();
         lead();
-        vote();
+        vote(pool);
         give();
     }
 
@@ -89,7 +88,8 @@ class Rims {
         add(near, kNearSide, near_px_);
     }
 
-    // Takes out of the band what no surface beside it leads to but upwards, and what has but one side.
+    // Takes out of the band narrow near things, to which every way from the surfaces beside it climbs, and
+    // pixels with no surface on one of the sides.
     void keep_narrow() {
         std::vector<std::uint8_t> is_led(band_.size());
         const auto lead_to = [&](std::uint32_t i, std::uint32_t j) {
@@ -142,33 +142,36 @@ class Rims {
     // Finds side_: from which side the least steps of colour lead to each open pixel.
     void lead() {
         side_.assign(band_.size(), kNoSide);
-        using Led = std::tuple<int, std::uint32_t, Side>;
-        std::priority_queue<Led, std::vector<Led>, std::greater<>> queue;
-        const auto cost = [&](std::uint32_t i, std::uint32_t j) {
+        std::vector<std::vector<std::pair<std::uint32_t, Side>>> waiting;  // by what led there
+        const auto wait = [&](std::size_t so_far, std::uint32_t i, std::uint32_t j, std::uint32_t led,
+                              Side side) {
             const bool is_across = band_[i] != kNoSide && band_[j] != kNoSide && band_[i] != band_[j];
-            return 1 + color_difference(left_, i, j) + (is_across ? kAcross : 0);
+            const int step = color_difference(left_, i, j) * 3 / left_.channels + (is_across ? kAcross : 0);
+            const std::size_t cost = so_far + 1 + static_cast<std::size_t>(step);
+            if (waiting.size() <= cost) waiting.resize(cost + 1);
+            waiting[cost].emplace_back(led, side);
         };
         for (const std::uint32_t i : open_)
-            for_surfaces_beside(i, [&](std::uint32_t j) { queue.emplace(cost(i, j), i, Side(band_[i])); });
-        while (!queue.empty()) {
-            const auto [so_far, i, side] = queue.top();
-            queue.pop();
-            if (side_[i] != kNoSide) continue;
-            side_[i] = side;
-            for_neighbours(i, [&](std::uint32_t j) {
-                if (band_[j] != kNoSide && side_[j] == kNoSide) queue.emplace(so_far + cost(i, j), j, side);
-            });
-        }
+            for_surfaces_beside(i, [&](std::uint32_t j) { wait(0, i, j, i, Side(band_[i])); });
+        for (std::size_t cost = 0; cost < waiting.size(); ++cost)
+            for (std::size_t next = 0; next < waiting[cost].size(); ++next) {
+                const auto [i, side] = waiting[cost][next];
+                if (side_[i] != kNoSide) continue;
+                side_[i] = side;
+                for_neighbours(i, [&](std::uint32_t j) {
+                    if (band_[j] != kNoSide && side_[j] == kNoSide) wait(cost, i, j, j, side);
+                });
+            }
     }
 
-    void vote() {
+    void vote(ThreadPool& pool) {
         // The surfaces beside the band vote, too: it is narrower on the far side.
         std::vector<std::uint8_t> votes = side_;
         Pixels front;
         for (const std::uint32_t i : open_)
             for_surfaces_beside(i, [&](std::uint32_t j) {
                 if (votes[j] != kNoSide) return;
-                votes[j] = band_[i];
+                votes[j] = band_[i];  // of one that lies beside both sides, any
                 front.push_back(j);
             });
         grow(front, near_px_, [&](std::uint32_t i, std::uint32_t j) {
@@ -178,19 +181,28 @@ class Rims {
             return true;
         });
         const int stride = std::max(1, near_px_ / 4);
-        for (const std::uint32_t i : open_) {
+        const auto vote_at = [&](std::uint32_t i) {
             const int x = static_cast<int>(i) % map_.width, y = static_cast<int>(i) / map_.width;
-            float lead = 0;
+            int lead = 0;
             for (int k = -kVotes; k <= kVotes; ++k)
                 for (int m = -kVotes; m <= kVotes; ++m) {
                     const int u = x + m * stride, v = y + k * stride;
                     if (u < 0 || v < 0 || u >= map_.width || v >= map_.height) continue;
                     const std::uint8_t side = votes[static_cast<std::size_t>(v) * map_.width + u];
                     if (side == kNoSide) continue;
-                    lead += (side == kNearSide ? 1.f : -1.f) / static_cast<float>(1 + k * k + m * m);
+                    lead += (side == kNearSide ? kVote : -kVote) / (1 + k * k + m * m);
                 }
             if (votes[i] != kNoSide && lead != 0) side_[i] = lead > 0 ? kNearSide : kFarSide;
-        }
+        };
+        pool.parallel_for_chunks(open_.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) vote_at(open_[i]);
+        });
+    }
+
+    // Of a side's two disparities the one farther from the other side; `one` may be unknown.
+    static float end_of(std::uint8_t side, float one, float other) {
+        if (!DisparityMap::known(one)) return other;
+        return side == kNearSide ? std::max(one, other) : std::min(one, other);
     }
 
     void give() {
@@ -215,22 +227,26 @@ class Rims {
         for (const std::uint32_t i : open_) {
             if (is_settled[i] || side_[i] != band_[i]) continue;
             float value = kUnknownDisparity;
-            for_surfaces_beside(i, [&](std::uint32_t j) {
-                value = !DisparityMap::known(value) ? before[j]
-                        : band_[i] == kNearSide     ? std::max(value, before[j])
-                                                    : std::min(value, before[j]);
-            });
+            for_surfaces_beside(i, [&](std::uint32_t j) { value = end_of(band_[i], value, before[j]); });
             if (!DisparityMap::known(value)) continue;
             map_.values[i] = value;
             first.push_back(i);
         }
         for (const std::uint32_t i : first) is_settled[i] = 1;
-        grow(first, all, [&](std::uint32_t i, std::uint32_t j) {
-            if (is_settled[j] || side_[j] != side_[i] || band_[j] == kNoSide) return false;
-            is_settled[j] = 1;
-            map_.values[j] = map_.values[i];
-            return true;
-        });
+        // Round by round, as the order of pixels must not matter.
+        std::vector<float> given(band_.size(), kUnknownDisparity);
+        for (Pixels next; !first.empty(); first.swap(next), next.clear()) {
+            for (const std::uint32_t i : first)
+                for_neighbours(i, [&](std::uint32_t j) {
+                    if (is_settled[j] || side_[j] != side_[i] || band_[j] == kNoSide) return;
+                    if (!DisparityMap::known(given[j])) next.push_back(j);
+                    given[j] = end_of(side_[i], given[j], map_.values[i]);
+                });
+            for (const std::uint32_t j : next) {
+                is_settled[j] = 1;
+                map_.values[j] = given[j];
+            }
+        }
     }
 
     DisparityMap& map_;
@@ -243,8 +259,9 @@ class Rims {
 
 }  // namespace
 
-DisparityMap with_rims_by_colour(DisparityMap map, const Image& left) {
-    if (!map.values.empty() && !left.empty()) Rims(map, left).settle();
+DisparityMap with_rims_by_colour(DisparityMap map, const Image& left, int threads) {
+    ThreadPool pool(threads);
+    if (!map.values.empty() && !left.empty()) Rims(map, left).settle(pool);
     return map;
 }
 

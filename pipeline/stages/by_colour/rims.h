@@ -13,7 +13,7 @@ namespace hexrelief::stages {
 // if most pixels around do so as well; where colours hardly differ, the step stays where it was. What
 // continues its side keeps its disparity, all else takes that side's from beside the band. Things and gaps
 // narrower than the band stay, except what hangs from a nearer surface. left: the picture of the map's view
-// and size; without one nothing moves. Origins and unknown pixels stay.
-DisparityMap with_rims_by_colour(DisparityMap map, const Image& left);
+// and size; without one nothing moves. Origins and unknown pixels stay. The same for any number of threads.
+DisparityMap with_rims_by_colour(DisparityMap map, const Image& left, int threads);
 
 }  // namespace hexrelief::stages

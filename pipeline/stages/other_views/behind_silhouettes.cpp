@@ -100,15 +100,14 @@ struct MeanColour {
         for (int i = first; i < first + count; ++i)
             for (int c = 0; c < picture.channels; ++c)
                 levels[c] += picture.pixels[line(i) * picture.channels + c] / static_cast<double>(count);
-        for (int i = first; i < first + count; ++i)
-            for (int c = 0; c < picture.channels; ++c)
-                deviation += std::abs(picture.pixels[line(i) * picture.channels + c] - levels[c]) / count;
+        for (int i = first; i < first + count; ++i) deviation += difference(picture, line(i)) / count;
     }
+    // Of three channels; grey ones count as three.
     double difference(const Image& picture, std::size_t pixel) const {
         double sum = 0;
         for (int c = 0; c < picture.channels; ++c)
             sum += std::abs(picture.pixels[pixel * picture.channels + c] - levels[c]);
-        return sum;
+        return sum * 3 / picture.channels;
     }
 };
 
@@ -122,7 +121,7 @@ void mark_outline(const Disparities& front, const Image& picture, const Line& li
     int last = end + 1;
     for (int i = end; i > end - looked_at; --i)
         if (behind.difference(picture, line(i)) > kUnlike + kUnlikeDeviations * behind.deviation) last = i;
-    if (last > end - narrow)
+    if (last <= end && last > end - narrow)
         for (int i = end; i >= last - 1; --i) colours[line(i)] = Purity::outline;
 }
 
@@ -142,8 +141,9 @@ void mark_mixed(const Disparities& front, const Image& picture, const Line& line
 }
 
 // Continues the surface that ends at line(end) before a nearer one.
-void continue_from(const Disparities& front, const std::vector<Purity>& colours, const Line& line, int end,
-                   Side side, Continued& result) {
+// missing: what is known there stays, and nothing continues behind it.
+void continue_from(const Disparities& front, const std::vector<Purity>& colours, const DisparityMap& missing,
+                   const Line& line, int end, Side side, Continued& result) {
     const bool is_photograph = side.is_photograph();
     const int longest = line.count / (is_photograph ? kLongestShareOfPhotographs : kLongestShare);
     const int mirrored = is_photograph ? line.count / kMirroredShareOfPhotographs : longest;
@@ -174,6 +174,7 @@ void continue_from(const Disparities& front, const std::vector<Purity>& colours,
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);
         if (k > side.baselines * (near - d) + 1 || front[pixel] - d <= kOneSurface_px) break;
+        if (DisparityMap::known(missing.values[pixel])) continue;
         if (!has_colours) {
             result.offer(pixel, d, k, Continued::kNoColour);
             continue;
@@ -237,15 +238,10 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
                   result.disparities.begin() + static_cast<std::ptrdiff_t>(end), kNotCovered);
     });
     for_silhouettes(front, width, height, beyond, pool, [&](const Line& line, int end, double baselines) {
-        continue_from(front, colours, line, end, {baselines, beyond.mixed_px}, result);
+        continue_from(front, colours, view.missing, line, end, {baselines, beyond.mixed_px}, result);
     });
-    for (std::size_t i = 0; i < front.size(); ++i) {
-        if (result.disparities[i] == kNotCovered) continue;
-        if (DisparityMap::known(view.missing.values[i]) && result.distances[i] > 0)
-            result.disparities[i] = kNotCovered;
-        else
-            result.pixels.push_back(static_cast<std::uint32_t>(i));
-    }
+    for (std::size_t i = 0; i < front.size(); ++i)
+        if (result.disparities[i] != kNotCovered) result.pixels.push_back(static_cast<std::uint32_t>(i));
     return result;
 }
 
@@ -321,8 +317,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
             view.missing.values[i] = kUnknownDisparity;
     const bool is_photograph = beyond.mixed_px > kMixed;
     spread_colours(continued, view.missing, front, is_photograph ? kSpreadOfPhotographs_px : kSpread_px);
-    paint(view.picture.empty() ? view.color : view.picture, place, continued, front,
-          is_photograph ? std::max(place.width, place.height) / kMirroredShareOfPhotographs : 0, pool);
+    paint(view.picture.empty() ? view.color : view.picture, place, continued, front, is_photograph, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here, int threads) {

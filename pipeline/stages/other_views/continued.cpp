@@ -11,12 +11,11 @@ namespace hexrelief::stages {
 namespace {
 
 constexpr int kSmoothings = 8;  // across the lines along which surfaces continue
-// Averages of colours: over squares of this radius, px, and more by the distance from the silhouette, without
-// detail divided by the second number; of so many pixels a side at most.
-constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9, kTapsTwice = 6;
-constexpr double kSlopeOfOne = 0.1;  // px of disparity a px: so may one surface slope across such a square
-constexpr int kMostDetail = 25;      // levels: what looks unlike its surroundings is no part of a surface
-constexpr int kBlocksAround = 16;    // along a radius within which a median is taken
+// Averages of colours: over squares of this radius, px, and more by the distance from the silhouette divided
+// by the second number; of so many pixels a side at most.
+constexpr int kSoft_px = 2, kSofterEvery = 3, kTaps = 9;
+constexpr int kMostBetween_px = 7;  // the sum of the levels of 15 x 15 pixels has 16 bits
+constexpr int kBlocksAround = 16;   // along a radius within which a median is taken
 
 // Returns for each square of `side` px the median of what continues within some squares of it.
 std::vector<double> medians_of(const Continued& continued, const ViewPlace& place, int side, int around) {
@@ -131,7 +130,7 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
                     return;
                 continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];
-                continued.distances[i] = continued.distances[from];
+                continued.distances[i] = std::max(1, continued.distances[from]);  // it is not cleaned
                 continued.pixels.push_back(static_cast<std::uint32_t>(i));
             });
         }
@@ -139,9 +138,8 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
 }
 
 void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
-           int detail_px, ThreadPool& pool) {
+           bool has_detail, ThreadPool& pool) {
     if (picture.empty()) return;
-    const bool has_detail = detail_px > 0;
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
     const auto width = static_cast<std::uint32_t>(place.width);
@@ -170,22 +168,19 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         return levels;
     };
     const auto radius_of = [&](std::uint32_t pixel) {
-        return kSoft_px + continued.distances[pixel] / (has_detail ? 1 : kSofterEvery);
+        return kSoft_px + continued.distances[pixel] / kSofterEvery;
     };
-    const auto stride_of = [&](std::uint32_t pixel) {
-        return 1 + 2 * radius_of(pixel) / (has_detail ? kTapsTwice : kTaps);
-    };
+    const auto stride_of = [&](std::uint32_t pixel) { return 1 + 2 * radius_of(pixel) / kTaps; };
     const auto mean_around = [&](std::uint32_t pixel, int radius, int stride, const Disparities& surface,
                                  const auto& colour_at) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-        const double most_apart_px = kNeighbours_px + (has_detail ? kSlopeOfOne * radius : 0);
         std::uint64_t sums = 0;
         for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
             if (v < 0 || v >= place.height) continue;
             for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
                 if (u < 0 || u >= place.width) continue;
                 const std::size_t other = static_cast<std::size_t>(v) * width + u;
-                if (std::abs(surface[other] - surface[pixel]) <= most_apart_px) sums += colour_at(other);
+                if (std::abs(surface[other] - surface[pixel]) <= kNeighbours_px) sums += colour_at(other);
             }
         }
         return levels_of(sums);
@@ -208,10 +203,7 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             if (!has_detail || is_repeated(pixel)) continue;
             const Levels mean = mean_around(from, radius_of(pixel), stride_of(pixel), front, clean_colour_of);
             details[i] = levels_of(colours[pixel]);
-            const int kept = std::max(0, detail_px - continued.distances[pixel]);
-            for (int c = 0; c < picture.channels; ++c)
-                details[i][c] =
-                    std::clamp(details[i][c] - mean[c], -kMostDetail, kMostDetail) * kept / detail_px;
+            for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
         }
     });
     // Pixels a stride apart share what is added up, so what lies between is averaged again.
@@ -229,10 +221,9 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
             return;  // a smaller picture has no such pixel
-        const int radius = has_detail ? radius_of(pixel) : stride_of(pixel) / 2,
-                  stride = has_detail ? stride_of(pixel) : 1;
-        const Levels mean = mean_around(pixel, radius, stride, continued.disparities,
-                                        [&](std::size_t other) { return means[other]; });
+        const Levels mean =
+            mean_around(pixel, std::min(stride_of(pixel) / 2, kMostBetween_px), 1, continued.disparities,
+                        [&](std::size_t other) { return means[other]; });
         std::uint8_t colour[3] = {};
         for (int c = 0; c < picture.channels; ++c)
             colour[c] =

@@ -25,10 +25,12 @@ struct Continued {
 
     explicit Continued(std::size_t count) : disparities(count), distances(count), colours_of(count) {}
 
-    // The nearest silhouette decides; of two, the farther surface.
+    // The nearest silhouette decides; of two, the farther surface. What continues goes before colours alone.
     void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
-        if (disparities[pixel] != kNotCovered &&
-            (distance > distances[pixel] || (distance == distances[pixel] && d >= disparities[pixel])))
+        constexpr auto kLast = std::numeric_limits<std::int32_t>::max();
+        const int rank = distance == 0 ? kLast : distance,
+                  old = distances[pixel] == 0 ? kLast : distances[pixel];
+        if (disparities[pixel] != kNotCovered && (rank > old || (rank == old && d >= disparities[pixel])))
             return;
         disparities[pixel] = d;
         distances[pixel] = distance;
@@ -55,10 +57,9 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
 
 // Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
 // each, as lines that continue beside each other have colours from different distances; the softer, the
-// farther from the silhouette. detail_px > 0: much softer, with what the pixel of such a colour has beside an
-// average as wide, which fades within this distance. front: the disparities of the view. The same for any
-// number of threads.
+// farther from the silhouette. has_detail: with what the pixel of such a colour has beside an average as
+// wide. front: the disparities of the view. The same for any number of threads.
 void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
-           int detail_px, ThreadPool& pool);
+           bool has_detail, ThreadPool& pool);
 
 }  // namespace hexrelief::stages

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace hexrelief::stages {
 namespace {
@@ -29,7 +31,7 @@ Image dark_from(int first) {
 
 TEST(RimsByColour, LoseTheirHaloAndGetBackWhatIsTheirs) {
     for (const int matched : {198, 199, 200, 201}) {
-        const DisparityMap map = with_rims_by_colour(thing_from(matched), dark_from(200));
+        const DisparityMap map = with_rims_by_colour(thing_from(matched), dark_from(200), 2);
         EXPECT_EQ(map.values, thing_from(200).values) << matched;
     }
 }
@@ -38,15 +40,15 @@ TEST(RimsByColour, ScrapsBetweenBothGoToTheSideOfTheirColour) {
     DisparityMap map = thing_from(200);
     for (int y = 10; y < 20; ++y)
         for (int x = 199; x < 202; ++x) map.at(x, y) = 35 + static_cast<float>(x % 2);
-    EXPECT_EQ(with_rims_by_colour(map, dark_from(200)).values, thing_from(200).values);
-    EXPECT_EQ(with_rims_by_colour(map, dark_from(202)).at(201, 15), kFar_px);
+    EXPECT_EQ(with_rims_by_colour(map, dark_from(200), 2).values, thing_from(200).values);
+    EXPECT_EQ(with_rims_by_colour(map, dark_from(202), 2).at(201, 15), kFar_px);
 }
 
 TEST(RimsByColour, WhatTurnsAwayKeepsItsSlope) {
     DisparityMap map = thing_from(200);
     for (int y = 0; y < kHeight; ++y)
         for (int x = 200; x < 210; ++x) map.at(x, y) = kNear_px - 0.8f * static_cast<float>(210 - x);
-    EXPECT_EQ(with_rims_by_colour(map, dark_from(200)).values, map.values);
+    EXPECT_EQ(with_rims_by_colour(map, dark_from(200), 2).values, map.values);
 }
 
 TEST(RimsByColour, NarrowThingsAndGapsStay) {
@@ -54,13 +56,13 @@ TEST(RimsByColour, NarrowThingsAndGapsStay) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 200; x < 204; ++x) thing.at(x, y) = kNear_px, gap.at(x, y) = kFar_px;
     for (const DisparityMap& map : {thing, gap})
-        EXPECT_EQ(with_rims_by_colour(map, dark_from(kWidth)).values, map.values);
+        EXPECT_EQ(with_rims_by_colour(map, dark_from(kWidth), 2).values, map.values);
 }
 
 TEST(RimsByColour, AGleamOfTheOtherColourStaysIfMostAroundDo) {
     Image left = dark_from(200);
     for (int x = 200; x < 203; ++x) left.pixels[20 * kWidth + x] = kLight;
-    const DisparityMap map = with_rims_by_colour(thing_from(200), left);
+    const DisparityMap map = with_rims_by_colour(thing_from(200), left, 2);
     EXPECT_EQ(map.at(201, 20), kNear_px);
     EXPECT_EQ(map.at(202, 20), kNear_px);
 }
@@ -68,24 +70,59 @@ TEST(RimsByColour, AGleamOfTheOtherColourStaysIfMostAroundDo) {
 TEST(RimsByColour, FarFromAStepAndWithLowStepsNothingMoves) {
     const DisparityMap map = thing_from(200);
     // The colours end beyond the band.
-    const DisparityMap moved = with_rims_by_colour(map, dark_from(220));
+    const DisparityMap moved = with_rims_by_colour(map, dark_from(220), 2);
     for (int x = 204; x < kWidth; ++x) EXPECT_EQ(moved.at(x, 20), kNear_px) << x;
     DisparityMap low = map;
     for (float& d : low.values) d = d == kNear_px ? kFar_px + 2 : d;
-    EXPECT_EQ(with_rims_by_colour(low, dark_from(198)).values, low.values);
+    EXPECT_EQ(with_rims_by_colour(low, dark_from(198), 2).values, low.values);
 }
 
 TEST(RimsByColour, UnknownPixelsAndOriginsStay) {
     DisparityMap map = thing_from(198);
     map.origins.assign(map.values.size(), PixelOrigin::filled);
     map.at(198, 20) = map.at(300, 20) = kUnknownDisparity;
-    const DisparityMap result = with_rims_by_colour(map, dark_from(200));
+    const DisparityMap result = with_rims_by_colour(map, dark_from(200), 2);
     EXPECT_EQ(result.origins, map.origins);
     EXPECT_EQ(result.at(198, 20), kUnknownDisparity);
     EXPECT_EQ(result.at(300, 20), kUnknownDisparity);
     EXPECT_EQ(result.at(198, 30), kFar_px);
-    EXPECT_TRUE(with_rims_by_colour({}, {}).values.empty());
-    EXPECT_EQ(with_rims_by_colour(map, {}).at(198, 30), kNear_px);  // no picture
+    EXPECT_TRUE(with_rims_by_colour({}, {}, 2).values.empty());
+    EXPECT_EQ(with_rims_by_colour(map, {}, 2).at(198, 30), kNear_px);  // no picture
+}
+
+// A slanted near thing with shreds at its rim: mirrored, in three channels and on more threads it becomes the
+// same.
+TEST(RimsByColour, DoNotDependOnTheOrderOfPixelsChannelsOrThreads) {
+    DisparityMap map = thing_from(200), mirrored = map;
+    Image left = dark_from(200), mirrored_left = left, colour{kWidth, kHeight, 3, {}};
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            if (x >= 200) map.at(x, y) += 0.3f * static_cast<float>(y);
+            if (x >= 197 && x < 204 && (x * 7 + y * 5) % 11 < 5)
+                map.at(x, y) = 30 + static_cast<float>(y % 7);
+            *left.at(x, y) = static_cast<std::uint8_t>((x >= 202 ? 110 : 126) + (x * 13 + y * 29) % 3 % 2);
+            mirrored.at(kWidth - 1 - x, y) = map.at(x, y);
+            *mirrored_left.at(kWidth - 1 - x, y) = *left.at(x, y);
+            colour.pixels.insert(colour.pixels.end(), 3, *left.at(x, y));
+        }
+    const DisparityMap result = with_rims_by_colour(map, left, 1);
+    EXPECT_NE(result.values, map.values);
+    EXPECT_EQ(with_rims_by_colour(map, left, 7).values, result.values);
+    EXPECT_EQ(with_rims_by_colour(map, colour, 2).values, result.values);
+    const DisparityMap other = with_rims_by_colour(mirrored, mirrored_left, 2);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            EXPECT_EQ(other.at(kWidth - 1 - x, y), result.at(x, y)) << x << ", " << y;
+}
+
+TEST(RimsByColour, MapsOfARowAndOfAColumn) {
+    for (const auto& [width, height] : {std::pair{300, 1}, {1, 300}}) {
+        DisparityMap map{width, height, std::vector<float>(300, kFar_px)};
+        std::fill(map.values.begin() + 150, map.values.end(), kNear_px);
+        Image left{width, height, 1, std::vector<std::uint8_t>(300, kLight)};
+        std::fill(left.pixels.begin() + 152, left.pixels.end(), kDark);
+        EXPECT_EQ(with_rims_by_colour(map, left, 3).values[151], kFar_px);
+    }
 }
 
 }  // namespace
