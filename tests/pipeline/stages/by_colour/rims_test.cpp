@@ -98,8 +98,7 @@ TEST(RimsByColour, DoNotDependOnTheOrderOfPixelsChannelsOrThreads) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             if (x >= 200) map.at(x, y) += 0.3f * static_cast<float>(y);
-            if (x >= 197 && x < 204 && (x * 7 + y * 5) % 11 < 5)
-                map.at(x, y) = 30 + static_cast<float>(y % 7);
+            if (x >= 199 && x < 202 && y % 13 < 9) map.at(x, y) = 30 + static_cast<float>(y % 7);
             *left.at(x, y) = static_cast<std::uint8_t>((x >= 202 ? 110 : 126) + (x * 13 + y * 29) % 3 % 2);
             mirrored.at(kWidth - 1 - x, y) = map.at(x, y);
             *mirrored_left.at(kWidth - 1 - x, y) = *left.at(x, y);
