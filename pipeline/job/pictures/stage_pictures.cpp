@@ -190,12 +190,7 @@ Image render_relief(const SurfaceMesh& mesh, const Image* texture) {
 }
 
 Image disparity_picture(const DisparityMap& map) {
-    float least = kUnknownDisparity, largest = -kUnknownDisparity;
-    for (const float d : map.values) {
-        if (!DisparityMap::known(d)) continue;
-        least = std::min(least, d);
-        largest = std::max(largest, d);
-    }
+    const auto [least, largest] = known_range(map);
     const float span = largest > least ? largest - least : 1.0f;
     Image picture = blank_picture(map.width, map.height, {0, 0, 0});
     for (std::size_t i = 0; i < map.values.size(); ++i) {
