@@ -287,11 +287,10 @@ std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& conf
     constexpr std::size_t kHeader = 12, kChunkHeader = 8;
     const std::size_t size = kHeader + kChunkHeader + (document.json.size() + 3) / 4 * 4 + kChunkHeader +
                              (document.buffer.size() + 3) / 4 * 4;
-    if (size > std::numeric_limits<std::uint32_t>::max()) {
+    if (size > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorKind::output,
                     "cannot write '" + path.string() +
                         "': a GLB ends at 4 GiB; set export.compression to draco or write .gltf");
-    }
     std::vector<std::uint8_t> bytes;
     bytes.reserve(size);
     for (const char c : {'g', 'l', 'T', 'F'}) bytes.push_back(static_cast<std::uint8_t>(c));
@@ -323,7 +322,7 @@ void write_gltf(const Scene& scene, const ExportConfig& config, const std::files
 
 }  // namespace
 
-extern const MeshFormat glb_format = {
+extern constexpr MeshFormat glb_format = {
     .extension = ".glb",
     .holds = "glTF 2.0 in one file, with JPEG, PNG or WebP texture",
     .write = write_glb,
@@ -336,18 +335,14 @@ extern const MeshFormat glb_format = {
     .body_unit_mm = 1000,
 };
 
-extern const MeshFormat gltf_format = {
-    .extension = ".gltf",
-    .holds = "the same, with `.bin` and texture beside",
-    .write = write_gltf,
-    .describe = inspect::describe_gltf,
-    .colours = ColourStorage::texture,
-    .has_material = true,
-    .compression = std::nullopt,
-    .levels = LevelSupport::by_config,
-    .origin = OriginSupport::node,
-    .body_unit_mm = 1000,
-    .companion = ".bin",
-};
+extern constexpr MeshFormat gltf_format = [] {
+    MeshFormat format = glb_format;
+    format.extension = ".gltf";
+    format.holds = "the same, with `.bin` and texture beside";
+    format.write = write_gltf;
+    format.describe = inspect::describe_gltf;
+    format.companion = ".bin";
+    return format;
+}();
 
 }  // namespace hexrelief::exporters
