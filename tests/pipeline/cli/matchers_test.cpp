@@ -32,8 +32,7 @@ nlohmann::json mesh_by(const TemporaryFolder& folder, const std::vector<std::str
     std::vector<std::string> words{
         "-o", folder / output, "--report", folder / "r.json", "--save-stages", folder / "stages"};
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
-    const ProcessResult result = run_program(pair_arguments(words));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const ProcessResult result = expect_success(pair_arguments(words));
     return result.exit_code == 0 ? nlohmann::json::parse(read_text(folder / "r.json")) : nlohmann::json();
 }
 
