@@ -63,7 +63,7 @@ struct Canvas {
         const int x1 = std::min(picture.width - 1, static_cast<int>(std::ceil(std::max({a.x, b.x, c.x}))));
         const int y0 = std::max(0, static_cast<int>(std::floor(std::min({a.y, b.y, c.y}))));
         const int y1 = std::min(picture.height - 1, static_cast<int>(std::ceil(std::max({a.y, b.y, c.y}))));
-        for (int y = y0; y <= y1; ++y) {
+        for (int y = y0; y <= y1; ++y)
             for (int x = x0; x <= x1; ++x) {
                 const float px = x + 0.5f, py = y + 0.5f;
                 const float l0 = ((b.x - px) * (c.y - py) - (c.x - px) * (b.y - py)) / area;
@@ -77,7 +77,6 @@ struct Canvas {
                 shade(x, y, w, l0 * a.light + l1 * b.light + l2 * c.light, l0 * a.u + l1 * b.u + l2 * c.u,
                       l0 * a.v + l1 * b.v + l2 * c.v);
             }
-        }
     }
 };
 
