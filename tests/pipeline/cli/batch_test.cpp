@@ -59,11 +59,7 @@ TEST(Batch, AManifestIsDoneOnceWithItsTable) {
                                      sample("disparity.pfm") + ",b,\n");
     const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o",    folder / "out", "--format",
                                             "drc",   "--depfile",      "--log", "text"};
-    const auto with = [&](const std::string& more) {
-        std::vector<std::string> arguments = batch;
-        arguments.push_back(more);
-        return run_program(arguments);
-    };
+    const auto with = [&](const std::string& more) { return run_program(batch, {more}); };
     EXPECT_CONTAINS(with("--dry-run").out, "b: to do, no result yet");
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     const ProcessResult commands = with("--print-commands");
@@ -173,8 +169,7 @@ TEST(Run, UpdatesOnlyWhatChanged) {
         "run",   "--update",           "--disparity", sample("disparity.pfm"),
         "--set", "mesh.spacing_px=24", "-o",          folder / "a.drc"};
     EXPECT_EQ(run_program(run).exit_code, 2) << "it needs a report";
-    std::vector<std::string> reported = run;
-    reported.insert(reported.end(), {"--report", folder / "a.json"});
+    const std::vector<std::string> reported = joined(run, {"--report", folder / "a.json"});
     expect_success(reported);
     const ProcessResult second = expect_success(reported);
     EXPECT_CONTAINS(second.out, "a.json: up to date");

@@ -33,9 +33,7 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"batch"},
                                      {"tiles"},
                                      {"tiles", "plan"}}) {
-        Arguments arguments = command;
-        arguments.push_back("--help");
-        const ProcessResult result = expect_success(arguments);
+        const ProcessResult result = expect_success(command, {"--help"});
         EXPECT_EQ(result.err, "");
         EXPECT_CONTAINS(result.out, "Example");
     }

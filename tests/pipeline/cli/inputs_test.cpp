@@ -107,9 +107,7 @@ TEST(Inputs, APictureIsTurnedByItsOrientationUnlessThatIsOff) {
         "run", "--depth",       kInputs / "depth.npy", "--color", left, "--calib", kInputs / "foundation.txt",
         "-o",  folder / "a.glb"};
     expect_success(run);
-    std::vector<std::string> off = run;
-    off.insert(off.end(), {"--set", "input.exif_orientation=false"});
-    expect_failure(off, 3, "same aspect");
+    expect_failure(joined(run, {"--set", "input.exif_orientation=false"}), 3, "same aspect");
 }
 
 TEST(Inputs, InfoTellsTheCameraInAnArchive) {

@@ -224,10 +224,8 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
         std::filesystem::create_directory(to);
         std::vector<std::string> arguments = {"--threads",    runs[i], "--save-stages",
                                               to + "/stages", "--set", "export.compression=draco"};
-        for (const char* extension : {"glb", "gltf", "drc", "obj", "ply"}) {
-            arguments.push_back("-o");
-            arguments.push_back(to + "/a." + extension);
-        }
+        for (const char* extension : {"glb", "gltf", "drc", "obj", "ply"})
+            arguments.insert(arguments.end(), {"-o", to + "/a." + extension});
         expect_success(pair_arguments(arguments));
     }
     std::size_t compared = 0;

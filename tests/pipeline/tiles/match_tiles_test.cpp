@@ -336,10 +336,7 @@ TEST(MatchTiles, BadInputsAreRefusedInALine) {
         {{left, right, "-o", map, "--set", "input.calibration.rectify=always"}, 2, "rectify"},
         {{left, right, "-o", map, "--calib", sample("inputs/stereo.yml")}, 3, "rectified already"}};
     for (const BadRun& run : runs) {
-        std::vector<std::string> arguments = {"tiles", "match"};
-        arguments.insert(arguments.end(), run.arguments.begin(), run.arguments.end());
-        arguments.insert(arguments.end(), {"--backend", "cpu"});
-        const ProcessResult result = run_program(arguments);
+        const ProcessResult result = run_program({"tiles", "match", "--backend", "cpu"}, run.arguments);
         EXPECT_EQ(result.exit_code, run.exit_code) << result.err;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
         EXPECT_CONTAINS(result.err, run.told);

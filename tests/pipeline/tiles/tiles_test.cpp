@@ -330,9 +330,8 @@ TEST(TilesByCommand, MistakesAreOneLine) {
     write_map(map, busy_map(120, 100, 1));
     for (const char* setting :
          {"density.detail=0.5", "mesh.border=free", "surface.silhouette_rounds=1", "export.lod=2"}) {
-        std::vector<std::string> words = plan_words(folder, camera);
-        words.insert(words.end(), {"--set", setting});
-        expect_refused(run_program(words), 2, std::string(setting).substr(0, std::string(setting).find('=')));
+        expect_refused(run_program(plan_words(folder, camera), {"--set", setting}), 2,
+                       std::string(setting).substr(0, std::string(setting).find('=')));
     }
     expect_refused(run_program(plan_words(folder, {"--threads", "1025"})), 2, "an integer from 0 to 1024");
     expect_refused(run_program({"tiles", "plan", map, "-o", folder / "p", "--tile-vertices", "77"}), 2,
