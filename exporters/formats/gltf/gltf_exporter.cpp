@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/gltf_parts.h"
@@ -38,19 +39,6 @@ constexpr const char* kTransformExtension = "KHR_texture_transform";
 
 using Value = tinygltf::Value;
 using Json = nlohmann::ordered_json;
-
-std::string percent_encoded(const std::string& name) {
-    constexpr char kHex[] = "0123456789ABCDEF";
-    std::string out;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 128 && (std::isalnum(byte) || c == '-' || c == '_' || c == '.' || c == '~'))
-            out += c;
-        else
-            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
-    }
-    return out;
-}
 
 // Makes a black material that emits its texture, for programs that do not know the unlit one. The texture is
 // also the base colour's, times black, for programs that do not support emission or ignore the black factor.
@@ -280,6 +268,19 @@ void append_chunk(std::vector<std::uint8_t>& bytes, const char* type, const Cont
 }
 
 }  // namespace
+
+std::string percent_encoded(std::string_view path) {
+    constexpr char kHex[] = "0123456789ABCDEF";
+    std::string out;
+    for (const char c : path) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 128 && (std::isalnum(byte) || std::string_view("-_.~/").find(c) != std::string_view::npos))
+            out += c;
+        else
+            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
+    }
+    return out;
+}
 
 std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,
                                     const std::filesystem::path& path) {
