@@ -177,7 +177,7 @@ Vec ray_at(double u, double v) {
 template <typename Ray>
 Image render(const Vec& eye, int width, int height, int samples, const Ray& ray_of) {
     Image image{width, height, 3, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height * 3)};
-    for (int y = 0; y < height; ++y) {
+    for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             Vec sum;
             for (int i = 0; i < samples * samples; ++i) {
@@ -194,7 +194,6 @@ Image render(const Vec& eye, int width, int height, int samples, const Ray& ray_
             pixel[1] = byte(sum.y);
             pixel[2] = byte(sum.z);
         }
-    }
     return image;
 }
 
@@ -259,12 +258,11 @@ SampleScene render_sample_scene() {
     const auto rendered = [](const Vec& eye) { return render(eye, kWidth, kHeight, kSamples, ray_at); };
     scene.pair = {rendered(left), rendered(right)};
     scene.disparity = {kWidth, kHeight, std::vector<float>(std::size_t{kWidth} * kHeight)};
-    for (int y = 0; y < kHeight; ++y) {
+    for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             const double depth = trace(left, ray_at(x + 0.5, y + 0.5)).depth;
             scene.disparity.at(x, y) = static_cast<float>(kFocal_px * kBaseline_m / depth);
         }
-    }
     scene.calibration = {kFocal_px, 0.5 * kWidth, 0.5 * kHeight, kBaseline_m, 0, true, kWidth, kHeight};
     return scene;
 }

@@ -203,14 +203,13 @@ int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double
     int bits = 2;
     draco::OctahedronToolBox box;
     box.SetQuantizationBits(bits);
-    for (std::size_t i = 0; i < normals.size() && bits < kMostBits;) {
+    for (std::size_t i = 0; i < normals.size() && bits < kMostBits;)
         if (serves(box, normals[i])) {
             ++i;
         } else {  // more bits may make an earlier normal a little worse, so all are checked again
             box.SetQuantizationBits(++bits);
             i = 0;
         }
-    }
     return bits;
 }
 

@@ -209,7 +209,7 @@ std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& r
         wanted.resize(std::max<std::size_t>(wanted.size(), starts_[v + 1] - starts_[v]));
     for (std::size_t v = 0; v < cells.size(); ++v)
         cells[v] = static_cast<std::int32_t>((std::int64_t{ranges[v].low} + ranges[v].high) / 2);
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (int sweep = 0; sweep < sweeps; ++sweep)
         for (std::size_t v = 0; v < cells.size(); ++v) {
             const std::uint32_t begin = starts_[v], end = starts_[v + 1];
             if (ranges[v].low == ranges[v].high || begin == end) continue;
@@ -220,7 +220,6 @@ std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& r
             }
             cells[v] = best_cell(cells[v], ranges[v], {wanted.data(), count});
         }
-    }
     return cells;
 }
 

@@ -35,12 +35,11 @@ VertexStream make_stream(std::size_t count, int components, const Value& value) 
     out.type = component_type<T>();
     out.stride = (components * sizeof(T) + 3) / 4 * 4;
     out.bytes.assign(count * out.stride, 0);
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i)
         for (int k = 0; k < components; ++k) {
             const T v = static_cast<T>(value(i, k));
             std::memcpy(out.bytes.data() + i * out.stride + k * sizeof(T), &v, sizeof v);
         }
-    }
     return out;
 }
 

@@ -145,10 +145,9 @@ std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<fl
     const std::string header = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
     std::vector<std::uint8_t> bytes(header.begin(), header.end());
     bytes.resize(header.size() + values.size() * sizeof(float));
-    for (int y = 0; y < height; ++y) {
+    for (int y = 0; y < height; ++y)
         std::memcpy(bytes.data() + header.size() + row * sizeof(float) * y,
                     values.data() + row * (height - 1 - y), row * sizeof(float));
-    }
     return bytes;
 }
 

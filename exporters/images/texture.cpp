@@ -125,10 +125,9 @@ std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig
         level.part = part;
         level.width_px = capped(part.width, part, config.texture_max_px);
         level.height_px = capped(part.height, part, config.texture_max_px);
-        for (Vec2f& t : level.mesh.texcoords) {
+        for (Vec2f& t : level.mesh.texcoords)
             t = {static_cast<float>((static_cast<double>(t.x) * image.width - part.x) / part.width),
                  static_cast<float>((static_cast<double>(t.y) * image.height - part.y) / part.height)};
-        }
     }
     return levels;
 }

@@ -131,10 +131,9 @@ void check_buffers(const Source& source) {
         } else if (meshopt_extension(buffer)) {
             there = needed;  // filled by a decoder
         }
-        if (needed > there) {
+        if (needed > there)
             fail_reading(source.path, "its buffer " + std::to_string(i) + " is truncated: " +
                                           std::to_string(there) + " of " + std::to_string(needed) + " bytes");
-        }
     }
     for (std::size_t i = 0; i < count(source, "bufferViews"); ++i) {
         const Json& view = item(source, "bufferViews", static_cast<long long>(i));
@@ -205,12 +204,11 @@ void add_bytes(const Source& source, const std::string& name, const Json& access
     const Json* compressed = meshopt_extension(view);
     if (compressed) out.compression = "meshopt";
     const long long bytes = integer(source, compressed ? *compressed : view, "byteLength");
-    for (auto& [known, sum] : out.geometry_bytes) {
+    for (auto& [known, sum] : out.geometry_bytes)
         if (known == name) {
             sum += bytes;
             return;
         }
-    }
     out.geometry_bytes.emplace_back(name, bytes);
 }
 

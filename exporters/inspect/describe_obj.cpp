@@ -87,10 +87,9 @@ class ObjReader {
         for (std::string_view word = next_word(text); !word.empty(); word = next_word(text), ++corners) {
             long long index = 0;
             const auto result = std::from_chars(word.data(), word.data() + word.size(), index);
-            if (result.ec != std::errc() || index == 0 || index > out.vertices || index < -out.vertices) {
+            if (result.ec != std::errc() || index == 0 || index > out.vertices || index < -out.vertices)
                 fail("a face that uses vertex '" + std::string(word.substr(0, word.find('/'))) + "' of " +
                      std::to_string(out.vertices));
-            }
         }
         if (corners < 3) fail("a face of fewer than 3 corners");
         out.triangles += corners - 2;

@@ -76,12 +76,11 @@ Vec3f Matrix::apply(const Vec3f& p) const {
 
 Matrix operator*(const Matrix& outer, const Matrix& inner) {
     Matrix out;
-    for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t r = 0; r < 3; ++r)
         for (std::size_t c = 0; c < 4; ++c) {
             out.rows[r][c] = c == 3 ? outer.rows[r][3] : 0;
             for (std::size_t k = 0; k < 3; ++k) out.rows[r][c] += outer.rows[r][k] * inner.rows[k][c];
         }
-    }
     return out;
 }
 

@@ -134,7 +134,9 @@ std::string head(const std::string& name) {
 }
 
 std::string row(const std::vector<GalleryColumn>& columns, const GalleryEntry& entry) {
-    std::string out = "<tr><td><a href=\"" + html_escaped(link_to(entry.link)) + "\">";
+    // Without "./", the first folder's name could look like a URL scheme.
+    std::string out =
+        "<tr><td><a href=\"./" + html_escaped(percent_encoded(entry.link.generic_string())) + "\">";
     if (!entry.picture.empty()) out += "<img alt=\"\" src=\"" + html_escaped(entry.picture) + "\">";
     out += html_escaped(entry.name) + "</a></td>";
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -189,21 +191,6 @@ std::string html_escaped(std::string_view text) {
             default:
                 out += c;
         }
-    }
-    return out;
-}
-
-std::string link_to(const std::filesystem::path& path) {
-    static constexpr char kHex[] = "0123456789ABCDEF";
-    std::string out = "./";  // without it, the first folder's name could look like a URL scheme
-    for (const char c : path.generic_string()) {
-        const auto byte = static_cast<unsigned char>(c);
-        const bool plain =
-            byte < 128 && (std::isalnum(byte) || std::string_view("-_.~/").find(c) != std::string_view::npos);
-        if (plain)
-            out += c;
-        else
-            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
     }
     return out;
 }

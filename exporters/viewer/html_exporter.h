@@ -17,9 +17,6 @@ std::string base64(const std::vector<std::uint8_t>& bytes);
 // Escapes text for an element or for the value of an attribute.
 std::string html_escaped(std::string_view text);
 
-// Converts a relative path to a link: percent-encoded except for slashes.
-std::string link_to(const std::filesystem::path& path);
-
 // Escapes JSON so that nothing in it can end a script element.
 std::string script_escaped(const std::string& json);
 

@@ -18,6 +18,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -82,6 +83,7 @@ pid_t fork_or_throw() {
 }
 
 constexpr int kBug = 1, kMemory = 6;
+constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 constexpr const char* kOutOfMemory =
     "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
@@ -90,15 +92,16 @@ void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-std::size_t peak_memory() {
-    std::ifstream status("/proc/self/status");
-    for (std::string word; status >> word;)
-        if (word == "VmHWM:") {
-            std::size_t kib = 0;
-            status >> kib;
+// Returns the bytes that a file of the kernel names, in KiB, behind a word; `otherwise` if it does not.
+std::uint64_t bytes_in(const char* file, std::string_view name, std::uint64_t otherwise) {
+    std::ifstream stream(file);
+    for (std::string word; stream >> word;)
+        if (word == name) {
+            std::uint64_t kib = 0;
+            stream >> kib;
             return kib * 1024;
         }
-    return 0;
+    return otherwise;
 }
 
 UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends& backends, job::RunLog& log) {
@@ -122,23 +125,12 @@ UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, job::Backends&
     return result;
 }
 
-std::uint64_t available_memory() {
-    std::ifstream file("/proc/meminfo");
-    for (std::string word; file >> word;)
-        if (word == "MemAvailable:") {
-            std::uint64_t kib = 0;
-            file >> kib;
-            return kib * 1024;
-        }
-    return std::numeric_limits<std::uint64_t>::max();
-}
-
 // Returns what the control group may still use; the largest number if it has no limit.
 std::uint64_t group_memory() {
     std::uint64_t limit = 0, used = 0;
     std::ifstream("/sys/fs/cgroup/memory.max") >> limit;
     std::ifstream("/sys/fs/cgroup/memory.current") >> used;
-    return limit == 0 ? std::numeric_limits<std::uint64_t>::max() : limit - std::min(limit, used);
+    return limit == 0 ? kUnlimited : limit - std::min(limit, used);
 }
 
 }  // namespace
@@ -296,12 +288,12 @@ UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, job::Backends&
     }
     result.warnings = log.warnings();
     result.seconds = now_seconds() - begun;
-    result.peak_bytes = peak_memory();
+    result.peak_bytes = bytes_in("/proc/self/status", "VmHWM:", 0);
     return result;
 }
 
 std::uint64_t memory_to_use() {
-    return std::min(available_memory(), group_memory()) / 4 * 3;
+    return std::min(bytes_in("/proc/meminfo", "MemAvailable:", kUnlimited), group_memory()) / 4 * 3;
 }
 
 std::uint64_t MemoryRule::expected(std::uint64_t estimate) const {

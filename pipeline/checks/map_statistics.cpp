@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace hexrelief::checks {
@@ -168,19 +167,14 @@ double measure_straightness(const DisparityMap& map) {
 }
 
 TurningPoints measure_turning(const DisparityMap& map) {
-    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
-    for (const float d : map.values)
-        if (DisparityMap::known(d)) {
-            low = std::min(low, d);
-            high = std::max(high, d);
-        }
+    const KnownRange range = known_range(map);
     TurnCounts turns;
-    const float step = static_cast<float>(kSmoothStep) * (high - low);
-    const float band = static_cast<float>(kTopmost) * (high - low);
+    const float step = static_cast<float>(kSmoothStep) * (range.largest - range.least);
+    const float band = static_cast<float>(kTopmost) * (range.largest - range.least);
     Stretch stretch;
     each_line(map, [&](int x, int y, bool along_x) {
         const auto end_stretch = [&] {
-            count_turns(stretch, high, band, turns);
+            count_turns(stretch, range.largest, band, turns);
             stretch.clear();
         };
         const int count = along_x ? map.width : map.height;

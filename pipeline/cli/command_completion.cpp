@@ -187,7 +187,7 @@ std::string fish_script(const CommandDescription& program) {
         std::string condition, subs;
         for (const CommandDescription& sub : command.commands) subs += " " + sub.name;
         std::string part;
-        for (const char c : path + " ") {
+        for (const char c : path + " ")
             if (c != ' ') {
                 part += c;
             } else if (!part.empty()) {
@@ -195,7 +195,6 @@ std::string fish_script(const CommandDescription& program) {
                     (condition.empty() ? "" : "; and ") + std::string("__fish_seen_subcommand_from ") + part;
                 part.clear();
             }
-        }
         const std::string inside = condition.empty() ? "" : condition + "; and ";
         const std::string begin = "complete -c hexrelief";
         const std::string here = subs.empty() ? condition : inside + "not __fish_seen_subcommand_from" + subs;

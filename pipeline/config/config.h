@@ -46,14 +46,14 @@ struct InputConfig {
     PairRectification rectify = PairRectification::automatic;
     // Turns pictures as their EXIF orientation says; a map's picture only if that makes it fit the map.
     bool exif_orientation = true;
-    readers::DisparityFileConfig disparity;
+    readers::DisparityFileConfig disparity = {};
     // Applies to supplied maps of disparities or depths (pipeline/stages/densify).
     Densification densify = Densification::automatic;
-    readers::DepthFileConfig depth;
-    readers::MaskConfig mask;
-    readers::ConfidenceConfig confidence;
-    CalibrationConfig calibration;
-    readers::StereoFileConfig stereo;
+    readers::DepthFileConfig depth = {};
+    readers::MaskConfig mask = {};
+    readers::ConfidenceConfig confidence = {};
+    CalibrationConfig calibration = {};
+    readers::StereoFileConfig stereo = {};
 };
 
 enum class BackendChoice { automatic, cpu, cuda };
@@ -67,7 +67,7 @@ struct ExecutionConfig {
 
 // Limits on a run's cost, for inputs from untrusted sources.
 struct LimitsConfig {
-    readers::ReaderLimits reading;
+    readers::ReaderLimits reading = {};
     long long max_memory = 0;  // bytes, estimated before the work (pipeline/job/run_files.h); 0 = no limit
 };
 
@@ -80,17 +80,17 @@ struct BudgetConfig {
 };
 
 struct Config {
-    InputConfig input;
-    stages::DisparityConfig disparity;
-    stages::DensityConfig density;
-    MeshConfig mesh;
-    SurfaceConfig surface;
-    exporters::ExportConfig exporting;
-    BudgetConfig budget;
-    LimitsConfig limits;
-    ExecutionConfig run;
-    std::vector<std::string> decisions;  // from reading: choices for values that were not given
-    std::set<std::string> given;         // keys that a file, a setting or an option gave
+    InputConfig input = {};
+    stages::DisparityConfig disparity = {};
+    stages::DensityConfig density = {};
+    MeshConfig mesh = {};
+    SurfaceConfig surface = {};
+    exporters::ExportConfig exporting = {};
+    BudgetConfig budget = {};
+    LimitsConfig limits = {};
+    ExecutionConfig run = {};
+    std::vector<std::string> decisions = {};  // from reading: choices for values that were not given
+    std::set<std::string> given = {};         // keys that a file, a setting or an option gave
 };
 
 }  // namespace hexrelief::config

@@ -226,7 +226,7 @@ std::vector<Field> run_fields() {
 
 int edit_distance(const std::string& a, const std::string& b) {
     std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t i = 0; i <= a.size(); ++i)
         for (std::size_t j = 0; j <= b.size(); ++j) {
             if (i == 0 || j == 0) {
                 d[i][j] = static_cast<int>(i + j);
@@ -236,7 +236,6 @@ int edit_distance(const std::string& a, const std::string& b) {
             if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
                 d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
         }
-    }
     return d[a.size()][b.size()];
 }
 

@@ -243,10 +243,9 @@ DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityM
         throw Error(ErrorKind::usage, "the least discontinuity must be above 0 px");
     DisparityEvaluation result;
     count_errors(result, map, truth, config.right_truth);
-    if (result.truth_pixels == 0) {
+    if (result.truth_pixels == 0)
         throw Error(ErrorKind::input,
                     "the ground truth has no known pixel; check its scale and unknown value");
-    }
     const EdgeCounts edges = count_edges(map, truth, static_cast<float>(config.discontinuity_px));
     result.edge_pixels = edges.pixels;
     result.edge_wrong_percent = percent(edges.wrong, edges.pixels);

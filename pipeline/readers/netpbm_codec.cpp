@@ -12,13 +12,11 @@ namespace {
 
 // Refuses more than a final line end after the last sample: header and samples then do not belong together.
 void check_end(const SourceFile& source, std::size_t end) {
-    for (std::size_t i = end; i < source.bytes.size(); ++i) {
-        if (i - end >= 2 || (source.bytes[i] != '\n' && source.bytes[i] != '\r')) {
+    for (std::size_t i = end; i < source.bytes.size(); ++i)
+        if (i - end >= 2 || (source.bytes[i] != '\n' && source.bytes[i] != '\r'))
             refuse(source.path,
                    std::to_string(source.bytes.size() - end) +
                        " bytes follow the last sample, so the header's size is wrong; export it again");
-        }
-    }
 }
 
 }  // namespace
@@ -39,10 +37,9 @@ std::string_view NetpbmHeader::next_word() {
 unsigned NetpbmHeader::next_number(const char* what) {
     const std::string_view word = next_word();
     const auto value = whole_number(word);
-    if (word.size() > 9 || !value) {
+    if (word.size() > 9 || !value)
         refuse(source_.path, std::string("its header has ") + excerpt(word) + " as " + what +
                                  " instead of a whole number; export it again");
-    }
     return static_cast<unsigned>(*value);
 }
 
@@ -51,11 +48,10 @@ std::size_t NetpbmHeader::samples_at(unsigned long long sample_bytes, unsigned l
     if (at_ >= bytes.size() || !is_space(bytes[at_]))
         refuse(source_.path, "its header ends without white space before the samples; export it again");
     const unsigned long long left = file_bytes - at_ - 1;
-    if (left < sample_bytes) {
+    if (left < sample_bytes)
         refuse(source_.path, "truncated: the header promises " + std::to_string(sample_bytes) +
                                  " bytes of samples, " + std::to_string(left) +
                                  " are there; copy or export it again");
-    }
     const bool windows =
         bytes[at_] == '\r' && left == sample_bytes + 1 && at_ + 1 < bytes.size() && bytes[at_ + 1] == '\n';
     return at_ + (windows ? 2 : 1);
@@ -67,10 +63,9 @@ PnmHeader read_pnm_header(const SourceFile& source, NetpbmHeader& header) {
     pnm.width = header.next_number("width");
     pnm.height = header.next_number("height");
     pnm.max_value = header.next_number("maxval");
-    if (pnm.max_value < 1 || pnm.max_value > 65535) {
+    if (pnm.max_value < 1 || pnm.max_value > 65535)
         refuse(source.path, "its maxval is " + std::to_string(pnm.max_value) +
                                 "; it must lie in 1..65535, export it again");
-    }
     return pnm;
 }
 
@@ -112,11 +107,10 @@ PfmHeader read_pfm_header(const SourceFile& source, NetpbmHeader& header) {
     pfm.height = header.next_number("height");
     const std::string_view word = header.next_word();
     const auto scale = parse_number(word);
-    if (!scale || *scale == 0) {
+    if (!scale || *scale == 0)
         refuse(source.path,
                "its header has " + excerpt(word) +
                    " as scale; its sign tells the byte order, so it must be a number other than 0");
-    }
     pfm.little_endian = *scale < 0;
     return pfm;
 }

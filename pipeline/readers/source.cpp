@@ -94,10 +94,9 @@ SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes
     std::error_code failure;
     const std::uintmax_t size = std::filesystem::file_size(path, failure);
     if (failure) refuse(path, failure.message());
-    if (size > max_bytes) {
+    if (size > max_bytes)
         refuse(path, "it has " + std::to_string(size) + " bytes, more than the " + std::to_string(max_bytes) +
                          " that any valid file of its kind needs");
-    }
     refuse_hollow(path, file.get());
     return read_bytes(path, file.get(), static_cast<std::size_t>(size));
 }
@@ -107,12 +106,11 @@ void check_size(const SourceFile& source, unsigned long long width, unsigned lon
     if (width == 0 || height == 0)
         refuse(source.path, "its size is " + size + "; both sides must be at least 1");
     const auto limit = static_cast<unsigned long long>(source.limits.max_pixels);
-    if (width > limit || height > limit || width * height > limit) {
+    if (width > limit || height > limit || width * height > limit)
         refuse(source.path, "its size is " + size + ", more than the limit of " + std::to_string(limit) +
                                 " pixels (" + source.limits.max_pixels_option +
                                 "); crop or scale it down first" +
                                 (source.limits.max_pixels < kMaxPixels ? ", or raise the limit" : ""));
-    }
 }
 
 void check_length(const SourceFile& source, unsigned long long sample_bytes, unsigned ratio) {

@@ -63,14 +63,12 @@ void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
         if (!good) throw Error(ErrorKind::usage, "disparity." + message);
     };
     const Image &left = pair.left, &right = pair.right;
-    if (left.width != right.width || left.height != right.height) {
+    if (left.width != right.width || left.height != right.height)
         throw Error(ErrorKind::input, "the left image is " + size_of(left) + ", the right one " +
                                           size_of(right) + "; a rectified pair has one size");
-    }
-    if (left.width < kLeastColumns || left.height < 1) {
+    if (left.width < kLeastColumns || left.height < 1)
         throw Error(ErrorKind::input,
                     "the images are " + size_of(left) + "; matching needs at least 16 columns and a row");
-    }
     if (const std::string wrong = wrong_disparity_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
     // Ranges are rounded up, whether they come from the configuration, the calibration or the pair.
@@ -88,11 +86,10 @@ namespace {
 
 void check(const StereoPair& pair, const DisparityConfig& config) {
     const Image& left = pair.left;
-    if (std::max(left.width, left.height) > kLargestPairSide_px) {
+    if (std::max(left.width, left.height) > kLargestPairSide_px)
         throw Error(ErrorKind::input, "the images are " + size_of(left) + "; a pair's sides may have up to " +
                                           std::to_string(kLargestPairSide_px) +
                                           " px: match it by 'hexrelief tiles match', or scale it down");
-    }
     check_matchable(pair, config);
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/data/four_neighbours.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/stages/sgbm.h"
 
@@ -172,21 +173,14 @@ std::size_t press_near(DisparityMap& map, double nearest_px) {
         part.assign(1, start);
         border.clear();
         is_taken[start] = 1;
-        const auto look_at = [&](std::size_t at) {
-            const float d = map.values[at];
-            if (!DisparityMap::known(d) || is_taken[at]) return;
-            if (!is_near(d)) return border.push_back(d);
-            is_taken[at] = 1;
-            part.push_back(at);
-        };
-        const auto width = static_cast<std::size_t>(map.width);
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            const std::size_t at = part[i], x = at % width;
-            if (x > 0) look_at(at - 1);
-            if (x + 1 < width) look_at(at + 1);
-            if (at >= width) look_at(at - width);
-            if (at + width < map.values.size()) look_at(at + width);
-        }
+        for (std::size_t i = 0; i < part.size(); ++i)
+            for_four_neighbours(part[i], map.width, map.height, [&](std::size_t at) {
+                const float d = map.values[at];
+                if (!DisparityMap::known(d) || is_taken[at]) return;
+                if (!is_near(d)) return border.push_back(d);
+                is_taken[at] = 1;
+                part.push_back(at);
+            });
         const float d = border.empty() ? limit : static_cast<float>(quantile(border, 0.5));
         for (const std::size_t at : part) map.values[at] = d;
         moved += part.size();

@@ -98,10 +98,9 @@ class Adjuster {
         : mesh_(mesh),
           map_(map),
           background_px_(background_px),
+          largest_(std::max(1.f, known_range(map).largest)),
           start_(mesh.points),
           fans_(mesh.points.size()) {
-        for (const float d : map.values)
-            if (DisparityMap::known(d)) largest_ = std::max(largest_, d);
         tile_columns_ = (map.width + kTile_px - 1) / kTile_px;
         tiles_.resize(std::size_t(tile_columns_) * ((map.height + kTile_px - 1) / kTile_px));
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -254,7 +253,7 @@ class Adjuster {
 
     DisparityMesh& mesh_;
     const DisparityMap& map_;
-    float background_px_, largest_ = 1;
+    float background_px_, largest_;
     std::vector<Vec2f> start_;
     std::vector<std::vector<std::uint32_t>> fans_;   // triangles of each vertex
     std::vector<std::vector<std::uint32_t>> tiles_;  // triangles that may reach into each tile

@@ -246,12 +246,11 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
         for (std::uint32_t& k : kept) k = source_vertices[k];
         source_vertices.swap(kept);
     }
-    if (surface.triangles.empty()) {
+    if (surface.triangles.empty())
         throw Error(
             ErrorKind::input,
             "surface: no triangle is left; lower density.background.fraction, surface.min_component or "
             "mesh.spacing_px");
-    }
     const std::size_t count = source_vertices.size();
     std::vector<Vec3d> positions(count);
     for (std::size_t i = 0; i < count; ++i) positions[i] = placed[source_vertices[i]];

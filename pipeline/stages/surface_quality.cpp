@@ -168,9 +168,7 @@ std::vector<float> hidden_from_left(const DisparityMap& left, int threads) {
 
 SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
                                        int threads) {
-    Scene scene{map, background_px, 0};
-    for (const float d : map.values)
-        if (DisparityMap::known(d)) scene.largest = std::max(scene.largest, d);
+    const Scene scene{map, background_px, known_range(map).largest};
     if (!(scene.largest > 0)) return {};
     std::vector<char> wanted(map.values.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = scene.scored(map.values[i]);

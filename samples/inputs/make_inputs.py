@@ -91,32 +91,18 @@ def shrink(image):
     return image.resize((image.width // SHRINK, image.height // SHRINK), Image.BOX)
 
 
-def side_by_side(left, right):
-    out = Image.new("RGB", (2 * left.width, left.height))
-    out.paste(left, (0, 0))
-    out.paste(right, (left.width, 0))
-    return out
-
-
-def top_bottom(left, right):
-    out = Image.new("RGB", (left.width, 2 * left.height))
-    out.paste(left, (0, 0))
-    out.paste(right, (0, left.height))
-    return out
-
-
 def write_stereo(out, left, right):
-    pair = side_by_side(left, right)
+    pair = Image.fromarray(np.hstack([left, right]))
     pair.save(out / "side_by_side.jpg", quality=90)
     pair.resize((left.width, left.height), Image.BOX).save(out / "side_by_side_half.jpg", quality=90)
-    top_bottom(left, right).save(out / "top_bottom.jpg", quality=90)
+    Image.fromarray(np.vstack([left, right])).save(out / "top_bottom.jpg", quality=90)
     write_mpo(out / "pair.mpo", left, right)
 
 
 def write_photographs(out, left, right):
     """As phones and stereo cameras write them."""
     write_spatial(out / "spatial.heic", left, right, (2, 4), FOCAL_PX / SHRINK, BASELINE_M)
-    side_by_side(right, left).save(out / "pair.jps", "JPEG", quality=90)  # for crossed eyes
+    Image.fromarray(np.hstack([right, left])).save(out / "pair.jps", "JPEG", quality=90)  # for crossed eyes
     exif = Image.Exif()
     exif[0x112] = 6  # to be turned clockwise
     left.transpose(Image.ROTATE_90).save(out / "turned.jpg", quality=90, exif=exif)

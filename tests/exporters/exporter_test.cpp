@@ -84,10 +84,9 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
 }
 
 TEST(Exporter, UnknownExtensionIsUsageErrorThatListsAll) {
-    for (const char* path : {"a.none", "a", "a.", ".glb", "a.glb/"}) {
+    for (const char* path : {"a.none", "a", "a.", ".glb", "a.glb/"})
         EXPECT_CONTAINS(test::error_of([&] { export_format(path); }, ErrorKind::usage),
                         "use one of " + export_extensions());
-    }
 }
 
 TEST(Exporter, EmptyMeshIsInputErrorAndWritesNothing) {

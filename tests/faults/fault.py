@@ -108,6 +108,17 @@ class Fault(unittest.TestCase):
     def assert_done(self, result):
         self.assertEqual(result.returncode, 0, result.stderr)
 
+    def assert_all_or_none(self, result, *codes):
+        """It wrote all files, which are then removed, or told an error with one of these codes and left nothing."""
+        if result.returncode == 0:
+            self.assert_set_is_whole(self.folder)
+            shutil.rmtree(self.folder)
+            self.folder.mkdir()
+        elif result.returncode != 127:  # not even its libraries
+            self.assertIn(result.returncode, codes)
+            self.assert_told(result, result.returncode)
+            self.assertEqual(os.listdir(self.folder), [])
+
     def assert_set_is_whole(self, folder):
         """The report names the files with their sums."""
         found = sums(folder)

@@ -24,11 +24,10 @@ class Library : public testing::Test {
     std::string file(const std::string& name) const { return (folder_ / name).string(); }
     // What the command line writes.
     std::string expected(const std::vector<std::string>& settings, const std::string& name = "expected.glb") {
-        job::RunRequest request;
-        request.source = job::DisparityFiles{sample("disparity.pfm"), sample("left.png")};
-        request.config = config::read_config({}, settings);
+        job::RunRequest request{.source = job::DisparityFiles{sample("disparity.pfm"), sample("left.png")},
+                                .outputs = {file(name)},
+                                .config = config::read_config({}, settings)};
         request.config.input.calibration.file = sample("calib.txt");
-        request.outputs = {file(name)};
         job::run_job(request);
         return test::read_text(file(name));
     }
@@ -62,12 +61,11 @@ TEST_F(Library, WritesTheBytesOfTheCommandLine) {
 }
 
 TEST_F(Library, MatchesAsTheCommandLineDoes) {
-    job::RunRequest request;
-    request.source = job::PairFiles{sample("left.png"), sample("right.png")};
+    job::RunRequest request{.source = job::PairFiles{sample("left.png"), sample("right.png")},
+                            .outputs = {file("pair.glb")}};
     request.config.input.calibration.file = sample("calib.txt");
     request.config.surface.views = SurfaceViews::left;  // a map has no other view
     request.config.given.insert("surface.behind");      // nor is it turned by so much
-    request.outputs = {file("pair.glb")};
     job::run_job(request);
     const Picture right = read_picture(sample("right.png"));
     const Disparities found = compute_disparity(left_.view(), right.view(), camera_);

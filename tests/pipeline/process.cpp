@@ -52,6 +52,13 @@ ProcessResult run_program(const std::vector<std::string>& arguments,
             .err = read_text(folder / "err")};
 }
 
+ProcessResult expect_success(const std::vector<std::string>& arguments,
+                             const std::vector<std::string>& more_arguments) {
+    ProcessResult result = run_program(arguments, more_arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result;
+}
+
 void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part) {
     const ProcessResult result = run_program(arguments);
     std::string shown;

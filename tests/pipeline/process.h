@@ -22,6 +22,10 @@ ProcessResult run_program(const std::vector<std::string>& arguments,
 // Returns the words of both.
 std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more);
 
+// Expects exit code 0. Returns the result.
+ProcessResult expect_success(const std::vector<std::string>& arguments,
+                             const std::vector<std::string>& more_arguments = {});
+
 // Expects this exit code, a single line on stderr that starts with the program's name and contains `part`,
 // and nothing on stdout.
 void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part);

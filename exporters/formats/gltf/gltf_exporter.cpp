@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/gltf_parts.h"
@@ -38,19 +39,6 @@ constexpr const char* kTransformExtension = "KHR_texture_transform";
 
 using Value = tinygltf::Value;
 using Json = nlohmann::ordered_json;
-
-std::string percent_encoded(const std::string& name) {
-    constexpr char kHex[] = "0123456789ABCDEF";
-    std::string out;
-    for (const char c : name) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 128 && (std::isalnum(byte) || c == '-' || c == '_' || c == '.' || c == '~'))
-            out += c;
-        else
-            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
-    }
-    return out;
-}
 
 // Makes a black material that emits its texture, for programs that do not know the unlit one. The texture is
 // also the base colour's, times black, for programs that do not support emission or ignore the black factor.
@@ -281,17 +269,29 @@ void append_chunk(std::vector<std::uint8_t>& bytes, const char* type, const Cont
 
 }  // namespace
 
+std::string percent_encoded(std::string_view path) {
+    constexpr char kHex[] = "0123456789ABCDEF";
+    std::string out;
+    for (const char c : path) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (byte < 128 && (std::isalnum(byte) || std::string_view("-_.~/").find(c) != std::string_view::npos))
+            out += c;
+        else
+            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
+    }
+    return out;
+}
+
 std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,
                                     const std::filesystem::path& path) {
     const GltfDocument document = build_gltf(scene, config, {});
     constexpr std::size_t kHeader = 12, kChunkHeader = 8;
     const std::size_t size = kHeader + kChunkHeader + (document.json.size() + 3) / 4 * 4 + kChunkHeader +
                              (document.buffer.size() + 3) / 4 * 4;
-    if (size > std::numeric_limits<std::uint32_t>::max()) {
+    if (size > std::numeric_limits<std::uint32_t>::max())
         throw Error(ErrorKind::output,
                     "cannot write '" + path.string() +
                         "': a GLB ends at 4 GiB; set export.compression to draco or write .gltf");
-    }
     std::vector<std::uint8_t> bytes;
     bytes.reserve(size);
     for (const char c : {'g', 'l', 'T', 'F'}) bytes.push_back(static_cast<std::uint8_t>(c));
@@ -323,7 +323,7 @@ void write_gltf(const Scene& scene, const ExportConfig& config, const std::files
 
 }  // namespace
 
-extern const MeshFormat glb_format = {
+extern constexpr MeshFormat glb_format = {
     .extension = ".glb",
     .holds = "glTF 2.0 in one file, with JPEG, PNG or WebP texture",
     .write = write_glb,
@@ -336,18 +336,14 @@ extern const MeshFormat glb_format = {
     .body_unit_mm = 1000,
 };
 
-extern const MeshFormat gltf_format = {
-    .extension = ".gltf",
-    .holds = "the same, with `.bin` and texture beside",
-    .write = write_gltf,
-    .describe = inspect::describe_gltf,
-    .colours = ColourStorage::texture,
-    .has_material = true,
-    .compression = std::nullopt,
-    .levels = LevelSupport::by_config,
-    .origin = OriginSupport::node,
-    .body_unit_mm = 1000,
-    .companion = ".bin",
-};
+extern constexpr MeshFormat gltf_format = [] {
+    MeshFormat format = glb_format;
+    format.extension = ".gltf";
+    format.holds = "the same, with `.bin` and texture beside";
+    format.write = write_gltf;
+    format.describe = inspect::describe_gltf;
+    format.companion = ".bin";
+    return format;
+}();
 
 }  // namespace hexrelief::exporters

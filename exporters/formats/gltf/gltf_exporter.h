@@ -3,11 +3,16 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "exporters/core/scene.h"
 
 namespace hexrelief::exporters {
+
+// Returns a path as URLs have it: all but letters, digits and -_.~/ by their bytes.
+std::string percent_encoded(std::string_view path);
 
 // Returns a whole .glb file. path is for messages. Throws Error(output).
 std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,

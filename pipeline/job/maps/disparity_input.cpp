@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -21,8 +20,6 @@ constexpr double kFewBeyond = 0.05;
 // Largest disparity, as a share of the width, below which an assumed scale of integers is doubted.
 constexpr double kSmallest = 0.015, kLargest = 0.6;
 constexpr double kStereoSgbm = 16, kAssumed = 256;
-
-constexpr float kLargestFloat = std::numeric_limits<float>::max();
 
 constexpr const char* kAdvice =
     "--disparity-scale -1 turns the sign of all, --disparity-offset PX moves them (input.disparity.scale, "
@@ -131,20 +128,18 @@ std::string fitted(Map& map, int width, int height) {
 }  // namespace
 
 std::vector<std::string> keep_in_front(readers::DisparityFile& file, double doffs_px) {
-    float least = kLargestFloat, largest = -kLargestFloat;
+    const KnownRange range = known_range(file.map);
     std::size_t known = 0, beyond = 0;
     for (float& d : file.map.values) {
         if (!DisparityMap::known(d)) continue;
-        least = std::min(least, d);
-        largest = std::max(largest, d);
         ++known;
         if (d + doffs_px > 0) continue;
         ++beyond;
         d = kUnknownDisparity;
     }
     if (known > 0 && beyond == known)
-        throw Error(ErrorKind::input, "the map's disparities go from " + number_text(least, 3) + " to " +
-                                          number_text(largest, 3) + " px, none above " +
+        throw Error(ErrorKind::input, "the map's disparities go from " + number_text(range.least, 3) +
+                                          " to " + number_text(range.largest, 3) + " px, none above " +
                                           number_text(0 - doffs_px, 3) + " px, so none has a depth; " +
                                           kAdvice);
     std::vector<std::string> warnings;

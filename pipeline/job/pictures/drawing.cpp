@@ -26,12 +26,11 @@ Image blank_picture(int width, int height, Rgb colour) {
 
 Image enlarge_to_rgb(const Image& image, int factor) {
     Image picture = blank_picture(image.width * factor, image.height * factor, {0, 0, 0});
-    for (int y = 0; y < picture.height; ++y) {
+    for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x) {
             const std::uint8_t* from = image.at(x / factor, y / factor);
             for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = from[image.channels == 1 ? 0 : c];
         }
-    }
     return picture;
 }
 
@@ -51,7 +50,7 @@ void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, 
     const int y1 = std::min(picture.height - 1, static_cast<int>(std::floor(std::max(a.y, b.y) + reach)));
     const float dx = b.x - a.x, dy = b.y - a.y;
     const float length2 = dx * dx + dy * dy;
-    for (int y = y0; y <= y1; ++y) {
+    for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
             const float px = x + 0.5f - a.x, py = y + 0.5f - a.y;
             const float t = length2 > 0 ? std::clamp((px * dx + py * dy) / length2, 0.0f, 1.0f) : 0.0f;
@@ -60,7 +59,6 @@ void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, 
             if (distance2 >= reach * reach) continue;
             blend_pixel(picture, x, y, colour, opacity * std::min(1.0f, reach - std::sqrt(distance2)));
         }
-    }
 }
 
 void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float opacity) {
@@ -70,8 +68,8 @@ void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float 
 Image shrink(const Image& picture, int factor) {
     Image small{picture.width / factor, picture.height / factor, picture.channels, {}};
     small.pixels.resize(static_cast<std::size_t>(small.width) * small.height * small.channels);
-    for (int y = 0; y < small.height; ++y) {
-        for (int x = 0; x < small.width; ++x) {
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x)
             for (int c = 0; c < small.channels; ++c) {
                 int sum = 0;
                 for (int j = 0; j < factor; ++j)
@@ -79,8 +77,6 @@ Image shrink(const Image& picture, int factor) {
                 small.at(x, y)[c] =
                     static_cast<std::uint8_t>((sum + factor * factor / 2) / (factor * factor));
             }
-        }
-    }
     return small;
 }
 

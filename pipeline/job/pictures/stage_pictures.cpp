@@ -63,7 +63,7 @@ struct Canvas {
         const int x1 = std::min(picture.width - 1, static_cast<int>(std::ceil(std::max({a.x, b.x, c.x}))));
         const int y0 = std::max(0, static_cast<int>(std::floor(std::min({a.y, b.y, c.y}))));
         const int y1 = std::min(picture.height - 1, static_cast<int>(std::ceil(std::max({a.y, b.y, c.y}))));
-        for (int y = y0; y <= y1; ++y) {
+        for (int y = y0; y <= y1; ++y)
             for (int x = x0; x <= x1; ++x) {
                 const float px = x + 0.5f, py = y + 0.5f;
                 const float l0 = ((b.x - px) * (c.y - py) - (c.x - px) * (b.y - py)) / area;
@@ -77,7 +77,6 @@ struct Canvas {
                 shade(x, y, w, l0 * a.light + l1 * b.light + l2 * c.light, l0 * a.u + l1 * b.u + l2 * c.u,
                       l0 * a.v + l1 * b.v + l2 * c.v);
             }
-        }
     }
 };
 
@@ -190,12 +189,7 @@ Image render_relief(const SurfaceMesh& mesh, const Image* texture) {
 }
 
 Image disparity_picture(const DisparityMap& map) {
-    float least = kUnknownDisparity, largest = -kUnknownDisparity;
-    for (const float d : map.values) {
-        if (!DisparityMap::known(d)) continue;
-        least = std::min(least, d);
-        largest = std::max(largest, d);
-    }
+    const auto [least, largest] = known_range(map);
     const float span = largest > least ? largest - least : 1.0f;
     Image picture = blank_picture(map.width, map.height, {0, 0, 0});
     for (std::size_t i = 0; i < map.values.size(); ++i) {

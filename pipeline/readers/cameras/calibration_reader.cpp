@@ -134,14 +134,12 @@ namespace {
 // Refuses a focal length or baseline not above 0 and numbers that are not finite: later stages
 // would divide by 0.
 void check_possible(const codec::CalibrationText& source, const Calibration& calibration) {
-    if (!(calibration.focal_px > 0) || !std::isfinite(calibration.focal_px)) {
+    if (!(calibration.focal_px > 0) || !std::isfinite(calibration.focal_px))
         codec::refuse(source.path,
                       "the focal length is " + number_text(calibration.focal_px) + " px; it must be above 0");
-    }
-    if (source.has_baseline && (!(calibration.baseline_m > 0) || !std::isfinite(calibration.baseline_m))) {
+    if (source.has_baseline && (!(calibration.baseline_m > 0) || !std::isfinite(calibration.baseline_m)))
         codec::refuse(source.path, "the baseline is " + number_text(calibration.baseline_m) +
                                        " m; it must be above 0 (left and right swapped?)");
-    }
     const bool in_the_middle = std::isnan(calibration.cx) && std::isnan(calibration.cy);
     if (!(in_the_middle || (std::isfinite(calibration.cx) && std::isfinite(calibration.cy))) ||
         !std::isfinite(calibration.doffs_px))

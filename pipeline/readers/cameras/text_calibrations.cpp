@@ -54,10 +54,9 @@ Camera read_camera(CalibrationText& source, const std::string& key, std::string_
     for (char& c : plain)
         if (c == '[' || c == ']' || c == ';') c = ' ';
     const auto parts = words(plain);
-    if (parts.size() != 9) {
+    if (parts.size() != 9)
         refuse_key(source, key,
                    "has " + std::to_string(parts.size()) + " numbers; [f 0 cx; 0 f cy; 0 0 1] is expected");
-    }
     double m[9];
     for (std::size_t i = 0; i < 9; ++i) m[i] = require_number(source, key, parts[i]);
     if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1)
@@ -246,7 +245,7 @@ std::optional<Calibration> parse_kitti(CalibrationText& source) {
     for (const auto& [key, value] : entries)
         if (const int camera = camera_of(key); camera >= kLeastOfDrivingStereo)
             pairs.emplace_back(camera, camera + 2);
-    for (const auto& [left, right] : pairs) {
+    for (const auto& [left, right] : pairs)
         for (const bool is_long : {true, false}) {
             const std::string l = is_long ? key_of("P_rect_", left) : "P" + std::to_string(left),
                               r = is_long ? key_of("P_rect_", right) : "P" + std::to_string(right);
@@ -255,7 +254,6 @@ std::optional<Calibration> parse_kitti(CalibrationText& source) {
             take_size(source, entries, left, calibration);
             return calibration;
         }
-    }
     return of_one(source, entries);
 }
 

@@ -24,7 +24,7 @@ Image stretched(const Image& image, bool in_x) {
     Image out{
         in_x ? 2 * image.width : image.width, in_x ? image.height : 2 * image.height, image.channels, {}};
     out.pixels.reserve(2 * image.pixels.size());
-    for (int y = 0; y < out.height; ++y) {
+    for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x) {
             const int near_x = in_x ? x / 2 : x, near_y = in_x ? y : y / 2;
             const int step = (in_x ? x : y) % 2 == 0 ? -1 : 1;
@@ -36,7 +36,6 @@ Image stretched(const Image& image, bool in_x) {
             if (!image.alpha.empty())
                 out.alpha.push_back(image.alpha[static_cast<std::size_t>(near_y) * image.width + near_x]);
         }
-    }
     return out;
 }
 

@@ -48,10 +48,9 @@ void try_first_part(TIFF* tiff, const TiffSource& source) {
 
 Raster read_converted(TIFF* tiff, const TiffLayout& layout, TiffSource& source) {
     char reason[1024] = "";
-    if (!TIFFRGBAImageOK(tiff, reason)) {
+    if (!TIFFRGBAImageOK(tiff, reason))
         refuse(source.path,
                std::string("TIFF variant not supported (") + reason + "); save it as grey or RGB");
-    }
     try_first_part(tiff, source);
     // Asking for the orientation that the file has makes libtiff leave the rows as they are.
     std::uint16_t orientation = ORIENTATION_TOPLEFT;

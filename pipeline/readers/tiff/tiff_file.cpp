@@ -156,7 +156,7 @@ class PlainReader {
             refuse(source_.path, "malformed TIFF: impossible tile size; export it again");
         // Not a vector: a tile far larger than the picture then costs address space only.
         const std::unique_ptr<std::uint8_t[]> tile(new std::uint8_t[bytes]);
-        for (std::uint64_t top = window_.y - window_.y % tile_height; top < bottom(); top += tile_height) {
+        for (std::uint64_t top = window_.y - window_.y % tile_height; top < bottom(); top += tile_height)
             for (std::uint64_t left = window_.x - window_.x % tile_width; left < right();
                  left += tile_width) {
                 const auto x = static_cast<std::uint32_t>(left), y = static_cast<std::uint32_t>(top);
@@ -168,7 +168,6 @@ class PlainReader {
                 for (std::uint32_t row = 0; row < rows; ++row)
                     put(tile.get() + row * row_bytes, x, columns, y + row, plane);
             }
-        }
     }
 
     bool is_stored_as_wanted() const {
@@ -192,7 +191,7 @@ class PlainReader {
                         std::size_t{last - first} * channels * sizeof(Sample));
             return;
         }
-        for (std::size_t i = first; i < last; ++i) {
+        for (std::size_t i = first; i < last; ++i)
             for (int c = from; c < to; ++c) {
                 Sample value = sample_at<Sample>(row, (i - x) * stride + (layout_.planes ? 0 : c), layout_);
                 if constexpr (!std::is_same_v<Sample, float>) {
@@ -201,7 +200,6 @@ class PlainReader {
                 }
                 out[(i - window_.x) * channels + c] = value;
             }
-        }
     }
 
     TIFF* tiff_;
@@ -252,10 +250,9 @@ TiffLayout read_layout(TIFF* tiff, const TiffSource& source) {
     layout.alpha = extras > 0 && kinds[0] != EXTRASAMPLE_UNSPECIFIED && layout.samples > layout.channels() &&
                    (layout.bits == 8 || layout.bits == 16) && layout.format == SAMPLEFORMAT_UINT &&
                    layout.photometric != PHOTOMETRIC_MINISWHITE;
-    if (layout.samples < 1 || layout.samples > 16) {
+    if (layout.samples < 1 || layout.samples > 16)
         refuse(source.path,
                "it has " + std::to_string(layout.samples) + " samples a pixel; save it as grey or RGB");
-    }
     return layout;
 }
 

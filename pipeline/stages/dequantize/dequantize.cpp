@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
+#include "pipeline/data/four_neighbours.h"
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/dequantize/pyramid.h"
 
@@ -62,15 +63,10 @@ bool are_apart(const DisparityMap& map, std::size_t i, std::size_t other) {
 // Returns 1 for pixels beside a discontinuity.
 std::vector<std::uint8_t> find_ends(const DisparityMap& map, ThreadPool& pool) {
     std::vector<std::uint8_t> is_end(map.values.size());
-    pool.parallel_for_each(map.height, [&](int y) {
-        for (int x = 0; x < map.width; ++x) {
-            const auto width = static_cast<std::size_t>(map.width);
-            const std::size_t i = y * width + x;
-            is_end[i] = (x > 0 && are_apart(map, i, i - 1)) ||
-                        (x + 1 < map.width && are_apart(map, i, i + 1)) ||
-                        (y > 0 && are_apart(map, i, i - width)) ||
-                        (y + 1 < map.height && are_apart(map, i, i + width));
-        }
+    pool.parallel_for(is_end.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            for_four_neighbours(i, map.width, map.height,
+                                [&](std::size_t other) { is_end[i] |= are_apart(map, i, other); });
     });
     return is_end;
 }
@@ -177,10 +173,8 @@ DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair,
     const float bend = bend_of(map, pool);
     float variance = bend * bend, first_miss = 0;
     if (!(variance > 0)) return result;
-    float least = kUnknownDisparity, most = -kUnknownDisparity;
-    for (const float d : map.values)
-        if (DisparityMap::known(d)) least = std::min(least, d), most = std::max(most, d);
-    const float raise = 1 - least;  // values of 0 would not take part
+    const KnownRange range = known_range(map);
+    const float raise = 1 - range.least;  // values of 0 would not take part
     const PairLevels levels(pair, pool);
     for (int look = 0; look < kLooks; ++look) {
         const Evidence evidence = levels.evidence_for(result, pool);
@@ -196,7 +190,8 @@ DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair,
         pool.parallel_for_each(map.height, [&](int y) {
             for (int x = 0; x < map.width; ++x)
                 if (fine.flags[fine.at(x, y)] & kIsSmoothed)
-                    result.at(x, y) = std::clamp(fine.smooth[fine.at(x, y)] - raise, least, most);
+                    result.at(x, y) =
+                        std::clamp(fine.smooth[fine.at(x, y)] - raise, range.least, range.largest);
         });
     }
     return result;

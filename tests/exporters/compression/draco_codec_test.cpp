@@ -66,8 +66,7 @@ TEST_P(DracoBits, DrcHoldsTheMeshWithinQuantisation) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(16, 16);
-    ExportConfig config{.draco = {12, 8, 12, GetParam()}};
-    export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "a.drc");
+    export_scene({&mesh, &texture, kGenerator, ""}, {.draco = {12, 8, 12, GetParam()}}, folder / "a.drc");
     const auto back = decode(contents(folder / "a.drc"));
     EXPECT_EQ(back->num_points(), mesh.positions.size());
     EXPECT_EQ(back->num_faces(), mesh.triangles.size());
@@ -211,9 +210,8 @@ TEST(Draco, SingleTriangleAndFlatMesh) {
 }
 
 TEST(Draco, DecoderProgramReadsDrc) {
-    if (std::system("command -v draco_decoder >/dev/null") != 0) {
+    if (std::system("command -v draco_decoder >/dev/null") != 0)
         GTEST_SKIP() << "draco_decoder is not there; install the package draco";
-    }
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(16, 16);

@@ -51,7 +51,7 @@ double worst_px(const SurfaceMesh& mesh, const Grid<3>& grid, const Calibration&
 class PositionGrid : public ::testing::TestWithParam<GridShape> {};
 
 TEST_P(PositionGrid, KeepsTheToleranceAndUsesIt) {
-    for (const SurfaceMesh& mesh : {sample_mesh(24, 18), rough_mesh(24, 18)}) {
+    for (const SurfaceMesh& mesh : {sample_mesh(24, 18), rough_mesh(24, 18)})
         for (const double tolerance : {0.01, 0.1, 0.5}) {
             const Calibration camera = camera_of(tolerance * 30);
             const Grid<3> grid = quantise_positions(mesh, camera, tolerance, GetParam());
@@ -65,7 +65,6 @@ TEST_P(PositionGrid, KeepsTheToleranceAndUsesIt) {
                 }
             EXPECT_LE(*std::max_element(grid.largest.begin(), grid.largest.end()), (1 << grid.bits()) - 1);
         }
-    }
 }
 
 TEST_P(PositionGrid, StepsAreEqualWhereTheyMustBe) {
@@ -109,7 +108,7 @@ TEST(PositionGridOfFarVertices, TakesFewBits) {
 // Returns the sum of |a + b - c - d| over all pairs of triangles with a common edge, by plain loops.
 long long unevenness(const std::vector<Triangle>& triangles, const std::vector<std::int32_t>& cells) {
     long long sum = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t i = 0; i < triangles.size(); ++i)
         for (std::size_t j = i + 1; j < triangles.size(); ++j) {
             long long own = 0, other = 0, shared = 0;
             int common = 0;
@@ -122,7 +121,6 @@ long long unevenness(const std::vector<Triangle>& triangles, const std::vector<s
                 if (std::count(triangles[i].begin(), triangles[i].end(), v) == 0) other += cells[v];
             if (common == 2) sum += std::abs(shared - own - other);
         }
-    }
     return sum;
 }
 

@@ -73,8 +73,7 @@ class Gltf : public ::testing::TestWithParam<const char*> {
 TEST_P(Gltf, PlainMeshComesBackExactly) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
-    ExportConfig config{.normals = NormalsKind::always};
-    const tinygltf::Model model = exported(mesh, &texture, config);
+    const tinygltf::Model model = exported(mesh, &texture, {.normals = NormalsKind::always});
     ASSERT_EQ(model.meshes.size(), 1u);
     const tinygltf::Primitive& primitive = model.meshes[0].primitives.at(0);
     EXPECT_EQ(primitive.mode, TINYGLTF_MODE_TRIANGLES);
@@ -94,10 +93,9 @@ TEST_P(Gltf, PlainMeshComesBackExactly) {
         EXPECT_EQ(positions.minValues.at(axis), static_cast<double>(low));
         EXPECT_EQ(positions.maxValues.at(axis), static_cast<double>(high));
     }
-    for (const auto& [name, index] : primitive.attributes) {
+    for (const auto& [name, index] : primitive.attributes)
         EXPECT_EQ(model.bufferViews.at(model.accessors.at(index).bufferView).target,
                   TINYGLTF_TARGET_ARRAY_BUFFER);
-    }
     EXPECT_EQ(model.bufferViews.at(model.accessors.at(primitive.indices).bufferView).target,
               TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
 }
@@ -178,8 +176,7 @@ TEST_P(Gltf, CameraSeesWhatTheLeftCameraSaw) {
     }
     EXPECT_EQ(extras.Get("focal_px").GetNumberAsDouble(), 64);
     EXPECT_EQ(extras.Get("size_px").Get(0).GetNumberAsInt(), 64);
-    ExportConfig without{.camera = false};
-    export_scene(scene, without, path_);
+    export_scene(scene, {.camera = false}, path_);
     EXPECT_TRUE(load(path_).cameras.empty());
 }
 
@@ -187,8 +184,7 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     const Image texture = sample_texture(64, 48);
     for (const TextureFormat format : {TextureFormat::jpeg, TextureFormat::png}) {
-        ExportConfig config{.texture = format};
-        const tinygltf::Model model = exported(mesh, &texture, config);
+        const tinygltf::Model model = exported(mesh, &texture, {.texture = format});
         const tinygltf::Material& material = model.materials.at(0);
         EXPECT_TRUE(material.extensions.contains("KHR_materials_unlit"));
         EXPECT_EQ(model.extensionsUsed, std::vector<std::string>{"KHR_materials_unlit"});
@@ -216,8 +212,7 @@ TEST_P(Gltf, MaterialDecidesAboutNormals) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     const Image texture = sample_texture(64, 48);
     const auto written = [&](MaterialKind material, NormalsKind normals) {
-        ExportConfig config{.normals = normals, .material = material};
-        const tinygltf::Model model = exported(mesh, &texture, config);
+        const tinygltf::Model model = exported(mesh, &texture, {.normals = normals, .material = material});
         const bool is_unlit = material == MaterialKind::unlit;
         EXPECT_EQ(model.materials.at(0).extensions.contains("KHR_materials_unlit"), is_unlit);
         EXPECT_EQ(model.extensionsUsed.size(), is_unlit ? 1u : 0u);

@@ -124,12 +124,11 @@ double colour_at(const Image& image, const Vec2f& t, int channel) {
     const double x = std::clamp(t.x * image.width - 0.5, 0.0, image.width - 1.0);
     const double y = std::clamp(t.y * image.height - 0.5, 0.0, image.height - 1.0);
     double sum = 0;
-    for (int py = 0; py < image.height; ++py) {
+    for (int py = 0; py < image.height; ++py)
         for (int px = 0; px < image.width; ++px) {
             const double wx = std::max(0.0, 1 - std::abs(x - px)), wy = std::max(0.0, 1 - std::abs(y - py));
             sum += wx * wy * image.at(px, py)[image.channels == 1 ? 0 : channel];
         }
-    }
     return sum;
 }
 
@@ -157,10 +156,9 @@ TEST_P(Ply, ComesBackWithColours) {
         std::memcpy(&normal, vertex + 12, 12);
         EXPECT_EQ(position, mesh.positions[i]);
         EXPECT_EQ(normal, mesh.normals[i]);
-        for (int c = 0; c < (GetParam() ? 3 : 0); ++c) {
+        for (int c = 0; c < (GetParam() ? 3 : 0); ++c)
             EXPECT_NEAR(static_cast<std::uint8_t>(vertex[24 + c]), colour_at(texture, mesh.texcoords[i], c),
                         0.51);
-        }
     }
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const char* face = bytes.data() + end + 432 * vertex_size + i * 13;
@@ -206,8 +204,7 @@ TEST(PlyFile, TheLastPropertyOfAVertexTellsWhichCamerasSawIt) {
     const TemporaryFolder folder;
     SurfaceMesh mesh = sample_mesh(4, 3);
     add_provenance(mesh);
-    ExportConfig config{.normals = NormalsKind::never};
-    export_scene({&mesh, nullptr, kGenerator, "{}"}, config, folder / "a.ply");
+    export_scene({&mesh, nullptr, kGenerator, "{}"}, {.normals = NormalsKind::never}, folder / "a.ply");
     const std::string bytes = contents(folder / "a.ply");
     EXPECT_CONTAINS(bytes, "property float z\nproperty uchar provenance\nelement face");
     const std::size_t begin = bytes.find("end_header\n") + 11;
@@ -218,9 +215,8 @@ TEST(PlyFile, TheLastPropertyOfAVertexTellsWhichCamerasSawIt) {
 TEST(UpAxis, ZTurnsPositionsAndNormalsAlike) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(4, 4);
-    ExportConfig config{.up = UpAxis::z};
     for (const char* name : {"a.obj", "a.ply", "a.stl"})
-        export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / name);
+        export_scene({&mesh, nullptr, kGenerator, ""}, {.up = UpAxis::z}, folder / name);
     const auto turned = [](const Vec3f& v) { return Vec3f{v.x, -v.z, v.y}; };
     const ObjFile obj = read_obj(folder / "a.obj");
     const std::string ply = contents(folder / "a.ply"), stl = contents(folder / "a.stl");

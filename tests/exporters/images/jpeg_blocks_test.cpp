@@ -116,8 +116,7 @@ TEST(JpegBlocks, OtherFilesGiveNothing) {
     EXPECT_TRUE(encode_jpeg_as(jpeg, grey, whole(grey)).bytes.empty());
     const Image blurred = decoded(jpeg);
     jpeg.resize(jpeg.size() - 40);  // within its last row of blocks
-    const PixelRect above{0, 0, 40, 16};
-    EXPECT_TRUE(encode_jpeg_as(jpeg, blurred, above).bytes.empty());
+    EXPECT_TRUE(encode_jpeg_as(jpeg, blurred, {0, 0, 40, 16}).bytes.empty());
 }
 
 TEST(JpegBlocks, ATextureTakesNoMoreBytesThanItsFile) {

@@ -36,8 +36,7 @@ TEST(Texture, IsCroppedToWhatTheMeshShows) {
 TEST(Texture, StaysWholeWhereAsked) {
     const SurfaceMesh mesh = part_of_the_picture();
     const Image image = sample_texture(64, 48);
-    ExportConfig config{.texture_crop = false};
-    const TexturedMesh out = textured_mesh({&mesh, &image, "", ""}, config);
+    const TexturedMesh out = textured_mesh({&mesh, &image, "", ""}, {.texture_crop = false});
     EXPECT_EQ(texture_of(image, out).pixels, image.pixels);
     EXPECT_EQ(out.mesh.texcoords, mesh.texcoords);
 }
@@ -64,13 +63,12 @@ TEST(Texture, SizeCapAveragesAreas) {
     const Image out = texture();
     ASSERT_EQ(out.width, 3);
     ASSERT_EQ(out.height, 2);
-    for (int y = 0; y < 2; ++y) {
+    for (int y = 0; y < 2; ++y)
         for (int x = 0; x < 3; ++x) {
             int sum = 0;
             for (int k = 0; k < 9; ++k) sum += *image.at(3 * x + k % 3, 3 * y + k / 3);
             EXPECT_NEAR(*out.at(x, y), sum / 9.0, 0.51);
         }
-    }
     config.texture_max_px = 4;  // pixels are shared between two, but the mean is unchanged
     const Image shared = texture();
     EXPECT_EQ(shared.width, 4);

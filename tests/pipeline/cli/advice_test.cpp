@@ -90,14 +90,12 @@ TEST(Advice, OnPairsHelps) {
     crossed.pixels.insert(crossed.pixels.end(), left.pixels.begin(), left.pixels.end());
     exporters::write_png(folder / "tb.png", crossed);
     Words one_file = {"--stereo", folder / "tb.png", "--layout", "tb", "--calib", kCamera};
-    Words exchanged = one_file;
-    exchanged.insert(exchanged.end(), {"--set", "input.stereo.right_first=true"});
-    expect_help(folder, one_file, "input.stereo.right_first=true", exchanged);
+    expect_help(folder, one_file, "input.stereo.right_first=true",
+                joined(one_file, {"--set", "input.stereo.right_first=true"}));
     expect_help(folder, {"--left", kLeft, "--right", kLeft, "--calib", kCamera},
                 "give the left and the right view", right);
-    Words narrow = right, wider = right;
-    narrow.insert(narrow.end(), {"--set", "disparity.num_disparities_px=16"});
-    wider.insert(wider.end(), {"--set", "disparity.num_disparities_px=48"});
+    const Words narrow = joined(right, {"--set", "disparity.num_disparities_px=16"});
+    Words wider = joined(right, {"--set", "disparity.num_disparities_px=48"});
     expect_help(folder, narrow, "set it to 48, or to 0", wider);
     wider.back() = "disparity.num_disparities_px=0";
     expect_help(folder, narrow, "set it to 48, or to 0", wider);
@@ -108,9 +106,8 @@ TEST(Advice, OnCamerasHelps) {
     write_text(folder / "km.txt",
                std::regex_replace(read_text(kCamera), std::regex("baseline=160"), "baseline=160000"));
     const Words wrong = {"--left", kLeft, "--right", kRight, "--calib", folder / "km.txt"};
-    Words right = wrong;
-    right.insert(right.end(), {"--set", "input.calibration.baseline_m=0.16"});
-    expect_help(folder, wrong, "set input.calibration.baseline_m to 1.6 or 0.16", right);
+    expect_help(folder, wrong, "set input.calibration.baseline_m to 1.6 or 0.16",
+                joined(wrong, {"--set", "input.calibration.baseline_m=0.16"}));
 }
 
 TEST(Advice, OnRowsHelps) {
@@ -120,9 +117,7 @@ TEST(Advice, OnRowsHelps) {
     std::rotate(lower.pixels.begin(), lower.pixels.end() - 8 * row, lower.pixels.end());
     exporters::write_png(folder / "lower.png", lower);
     const Words wrong = {"--left", kLeft, "--right", folder / "lower.png", "--calib", kCamera};
-    Words right = wrong;
-    right.insert(right.end(), {"--rectify", "always"});
-    expect_help(folder, wrong, "--rectify always", right);
+    expect_help(folder, wrong, "--rectify always", joined(wrong, {"--rectify", "always"}));
 }
 
 }  // namespace

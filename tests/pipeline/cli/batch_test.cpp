@@ -22,13 +22,11 @@ TEST(Batch, WritesWhatSingleRunsWrite) {
     const TemporaryFolder folder;
     write_text(folder / "jobs.txt",
                "# two jobs\n\n" + job(folder / "a b.drc") + job(folder / "c.drc", "--set mesh.spacing_px=9"));
-    const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
-    ASSERT_EQ(batch.exit_code, 0) << batch.err;
+    const ProcessResult batch = expect_success({"batch", folder / "jobs.txt"});
     EXPECT_EQ(std::count(batch.out.begin(), batch.out.end(), '\n'), 4) << batch.out;
     EXPECT_CONTAINS(batch.out, R"("event":"end","units":2,"done":2)");
-    const ProcessResult single = run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
-                                              sample("calib.txt"), "-o", folder / "single.drc"});
-    ASSERT_EQ(single.exit_code, 0) << single.err;
+    const ProcessResult single = expect_success({"run", "--disparity", sample("disparity.pfm"), "--calib",
+                                                 sample("calib.txt"), "-o", folder / "single.drc"});
     EXPECT_EQ(files::sha256_of_file(folder / "a b.drc"), files::sha256_of_file(folder / "single.drc"));
     EXPECT_NE(files::sha256_of_file(folder / "c.drc"), files::sha256_of_file(folder / "single.drc"));
 }
@@ -61,19 +59,14 @@ TEST(Batch, AManifestIsDoneOnceWithItsTable) {
                                      sample("disparity.pfm") + ",b,\n");
     const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o",    folder / "out", "--format",
                                             "drc",   "--depfile",      "--log", "text"};
-    const auto with = [&](const std::string& more) {
-        std::vector<std::string> arguments = batch;
-        arguments.push_back(more);
-        return run_program(arguments);
-    };
+    const auto with = [&](const std::string& more) { return run_program(batch, {more}); };
     EXPECT_CONTAINS(with("--dry-run").out, "b: to do, no result yet");
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
     const ProcessResult commands = with("--print-commands");
     EXPECT_EQ(std::count(commands.out.begin(), commands.out.end(), '\n'), 2) << commands.out;
     EXPECT_TRUE(commands.out.starts_with("hexrelief run --update --disparity ")) << commands.out;
 
-    const ProcessResult first = run_program(batch);
-    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const ProcessResult first = expect_success(batch);
     EXPECT_CONTAINS(first.out, "2 done, 0 up to date");
     EXPECT_TRUE(
         read_text(folder / "out/batch.csv").starts_with("name,status,exit_code,error,warnings,schema"));
@@ -91,8 +84,7 @@ TEST(Batch, TellsEachWarningOnceWithItsRows) {
     const std::string map = sample("disparity.pfm");  // without a calibration
     write_text(folder / "m.csv", "disparity,name\n" + map + ",a\n" + map + ",b\n");
     const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o", folder / "out"};
-    const ProcessResult told = run_program(batch);
-    ASSERT_EQ(told.exit_code, 0) << told.err;
+    const ProcessResult told = expect_success(batch);
     EXPECT_TRUE(told.err.starts_with("hexrelief: warning: " + (folder / "m.csv") + ":2 (and 1 more rows): "))
         << told.err;
     EXPECT_EQ(std::count(told.err.begin(), told.err.end(), '\n'), 1) << told.err;
@@ -142,8 +134,7 @@ TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
         EXPECT_TRUE(stem.starts_with("n")) << entry.path();
         EXPECT_TRUE(std::filesystem::exists(folder / ("out/" + stem + ".json"))) << entry.path();
     }
-    const ProcessResult again = run_program(batch);
-    EXPECT_EQ(again.exit_code, 0) << again.err;
+    const ProcessResult again = expect_success(batch);
     EXPECT_CONTAINS(again.out, R"("status":"up_to_date")");
     EXPECT_EQ(read_text(folder / "out/n11.glb"), read_text(folder / "out/n0.glb"));
 }
@@ -178,11 +169,9 @@ TEST(Run, UpdatesOnlyWhatChanged) {
         "run",   "--update",           "--disparity", sample("disparity.pfm"),
         "--set", "mesh.spacing_px=24", "-o",          folder / "a.drc"};
     EXPECT_EQ(run_program(run).exit_code, 2) << "it needs a report";
-    std::vector<std::string> reported = run;
-    reported.insert(reported.end(), {"--report", folder / "a.json"});
-    EXPECT_EQ(run_program(reported).exit_code, 0);
-    const ProcessResult second = run_program(reported);
-    EXPECT_EQ(second.exit_code, 0);
+    const std::vector<std::string> reported = joined(run, {"--report", folder / "a.json"});
+    expect_success(reported);
+    const ProcessResult second = expect_success(reported);
     EXPECT_CONTAINS(second.out, "a.json: up to date");
 }
 

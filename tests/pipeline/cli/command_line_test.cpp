@@ -33,18 +33,14 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"batch"},
                                      {"tiles"},
                                      {"tiles", "plan"}}) {
-        Arguments arguments = command;
-        arguments.push_back("--help");
-        const ProcessResult result = run_program(arguments);
-        EXPECT_EQ(result.exit_code, 0);
+        const ProcessResult result = expect_success(command, {"--help"});
         EXPECT_EQ(result.err, "");
         EXPECT_CONTAINS(result.out, "Example");
     }
 }
 
 TEST(CommandLine, VersionIsPrinted) {
-    const ProcessResult result = run_program({"--version"});
-    EXPECT_EQ(result.exit_code, 0);
+    const ProcessResult result = expect_success({"--version"});
     EXPECT_EQ(result.out, "hexrelief " HEXRELIEF_VERSION "\n");
 }
 
@@ -182,9 +178,8 @@ TEST(CommandLine, MessagesCannotSteerTheTerminal) {
     expect_failure({"info", folder / evil}, 3, shown);
     expect_failure({"run", "--left", evil, "--right", evil, "-o", folder / "a.glb"}, 3, shown);
     expect_failure({"config", "show", "--set", "mesh.seed=" + evil}, 2, shown);
-    const ProcessResult result = run_program(
+    const ProcessResult result = expect_success(
         {"run", "--disparity", sample("disparity.pfm"), "-o", folder / (evil + ".drc"), "--verbose"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_CONTAINS(result.out, shown);
     EXPECT_EQ((result.out + result.err).find('\x1b'), std::string::npos);
     expect_failure({"config", "show", "--set", "mesh.seed=" + std::string(100000, 'x')}, 2, " [...] ");
@@ -211,16 +206,15 @@ TEST(CommandLine, PlainMistakesAreNoInternalErrors) {
     write_text(folder / "far.pfm", "Pf\n2 1\n-1\n" + std::string("\xca\xf2\x49\x71\xca\xf2\x49\x71"));
     expect_failure({"run", "--disparity", folder / "far.pfm", "-o", out}, 3, "at most a million px");
     std::filesystem::create_symlink("/dev/null", folder / "null.glb");
-    EXPECT_EQ(run_program({"run", "--disparity", map, "-o", folder / "null.glb"}).exit_code, 0);
+    expect_success({"run", "--disparity", map, "-o", folder / "null.glb"});
     EXPECT_TRUE(std::filesystem::is_symlink(folder / "null.glb"));
 }
 
 TEST(CommandLine, ConfigShowRoundTrips) {
     const TemporaryFolder folder;
-    const ProcessResult shown = run_program({"config", "show", "--set", "mesh.seed=7"});
-    EXPECT_EQ(shown.exit_code, 0);
+    const ProcessResult shown = expect_success({"config", "show", "--set", "mesh.seed=7"});
     write_text(folder / "a.yaml", shown.out);
-    EXPECT_EQ(run_program({"config", "check", folder / "a.yaml"}).exit_code, 0);
+    expect_success({"config", "check", folder / "a.yaml"});
     EXPECT_EQ(run_program({"config", "show", "--config", folder / "a.yaml"}).out, shown.out);
     EXPECT_CONTAINS(shown.out, "seed: 7\n");
     EXPECT_TRUE(nlohmann::json::accept(run_program({"config", "schema"}).out));
@@ -229,8 +223,7 @@ TEST(CommandLine, ConfigShowRoundTrips) {
 
 TEST(CommandLine, EvaluateAgreesWithItself) {
     const ProcessResult result =
-        run_program({"evaluate", sample("disparity.pfm"), sample("disparity.pfm"), "--json"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+        expect_success({"evaluate", sample("disparity.pfm"), sample("disparity.pfm"), "--json"});
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json["bad_0.5_percent"], 0);
     const TemporaryFolder folder;
@@ -249,8 +242,7 @@ TEST(CommandLine, EvaluateAgreesWithItself) {
 TEST(CommandLine, EvaluateTakesTheRightViewsTruthAndTheLeastDiscontinuity) {
     const std::string map = sample("disparity.pfm");
     const auto figures = [&](const std::vector<std::string>& more) {
-        const ProcessResult result = run_program({"evaluate", map, map, "--json"}, more);
-        EXPECT_EQ(result.exit_code, 0) << result.err;
+        const ProcessResult result = expect_success({"evaluate", map, map, "--json"}, more);
         return nlohmann::json::parse(result.out);
     };
     const auto alone = figures({}), beside = figures({"--gt-right", map}),
@@ -303,8 +295,7 @@ TEST(CommandLine, InfoTellsWhatAMapIsTakenFor) {
     const auto info = [](std::vector<std::string> arguments) {
         arguments[0] = sample("inputs/" + arguments[0]);
         arguments.insert(arguments.begin(), "info");
-        const ProcessResult result = run_program(arguments);
-        EXPECT_EQ(result.exit_code, 0) << result.err;
+        const ProcessResult result = expect_success(arguments);
         return result.out;
     };
     const auto expect = [](const std::string& text, const std::string& part) { EXPECT_CONTAINS(text, part); };

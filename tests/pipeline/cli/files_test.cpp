@@ -32,8 +32,7 @@ TEST(Files, AnOutputIsNeverAnInput) {
 TEST(Files, ADemoLeavesOthersFilesAlone) {
     const TemporaryFolder folder;
     const std::vector<std::string> demo = {"demo", "--no-open", folder / "a b"};
-    const ProcessResult first = run_program(demo);
-    EXPECT_EQ(first.exit_code, 0) << first.err;
+    const ProcessResult first = expect_success(demo);
     EXPECT_CONTAINS(first.out, "--left '" + (folder / "a b/left.png'"));
     EXPECT_EQ(run_program(demo).exit_code, 0) << "its own are written anew";
     write_text(folder / "a b/left.png", "mine");

@@ -92,8 +92,7 @@ TEST(Inputs, ASpatialPhotographTellsItsCameraByItself) {
     EXPECT_CONTAINS(told.out, "80 x 60 px, left view");
     EXPECT_CONTAINS(told.out, "focal 80 px, baseline 0.16 m");
     const ProcessResult run =
-        run_program({"run", "--strict", "--stereo", photograph, "-o", folder / "a.glb", "--report", "-"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
+        expect_success({"run", "--strict", "--stereo", photograph, "-o", folder / "a.glb", "--report", "-"});
     const nlohmann::json report = nlohmann::json::parse(run.out);
     EXPECT_TRUE(report["surface"]["metric"].get<bool>());
     EXPECT_NEAR(report["depth_range"][0].get<double>(), 1.29, 0.1);
@@ -107,10 +106,8 @@ TEST(Inputs, APictureIsTurnedByItsOrientationUnlessThatIsOff) {
     const std::vector<std::string> run = {
         "run", "--depth",       kInputs / "depth.npy", "--color", left, "--calib", kInputs / "foundation.txt",
         "-o",  folder / "a.glb"};
-    EXPECT_EQ(run_program(run).exit_code, 0);
-    std::vector<std::string> off = run;
-    off.insert(off.end(), {"--set", "input.exif_orientation=false"});
-    expect_failure(off, 3, "same aspect");
+    expect_success(run);
+    expect_failure(joined(run, {"--set", "input.exif_orientation=false"}), 3, "same aspect");
 }
 
 TEST(Inputs, InfoTellsTheCameraInAnArchive) {
@@ -131,13 +128,9 @@ TEST(Inputs, OnePictureTwiceIsAnErrorWhereStrict) {
 
 TEST(Inputs, TheProgramsOwnMapOfThemIsNotSuspected) {
     const TemporaryFolder folder;
-    ASSERT_EQ(run_program({"run", "--left", kInputs / "left.png", "--right", kInputs / "right.png",
-                           "--save-stages", folder / "s"})
-                  .exit_code,
-              0);
-    const ProcessResult again =
-        run_program({"run", "--disparity", folder / "s/disparity.pfm", "--strict", "-o", folder / "a.glb"});
-    EXPECT_EQ(again.exit_code, 0) << again.err;
+    expect_success({"run", "--left", kInputs / "left.png", "--right", kInputs / "right.png", "--save-stages",
+                    folder / "s"});
+    expect_success({"run", "--disparity", folder / "s/disparity.pfm", "--strict", "-o", folder / "a.glb"});
 }
 
 }  // namespace

@@ -32,8 +32,7 @@ nlohmann::json mesh_by(const TemporaryFolder& folder, const std::vector<std::str
     std::vector<std::string> words{
         "-o", folder / output, "--report", folder / "r.json", "--save-stages", folder / "stages"};
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
-    const ProcessResult result = run_program(pair_arguments(words));
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const ProcessResult result = expect_success(pair_arguments(words));
     return result.exit_code == 0 ? nlohmann::json::parse(read_text(folder / "r.json")) : nlohmann::json();
 }
 
@@ -156,9 +155,8 @@ TEST_F(Networks, WhatCannotBeRunIsALineAndNothingIsWritten) {
     expect_failure(arguments("rubbish"), 3, "rubbish.onnx: it is no ONNX file");
     expect_failure(arguments("huge"), 3, "too large to be run");
     expect_failure(arguments("missing"), 3, "missing.onnx");
-    std::vector<std::string> other = arguments("block");
-    other.insert(other.end(), {"--set", "disparity.model_kind=other"});
-    expect_failure(other, 2, "disparity.model_kind must be one of levels");
+    expect_failure(joined(arguments("block"), {"--set", "disparity.model_kind=other"}), 2,
+                   "disparity.model_kind must be one of levels");
     expect_failure(pair_arguments({"-o", folder_ / "x.glb", "--set", "disparity.method=onnx"}), 2,
                    "disparity.method=onnx needs disparity.model");
     EXPECT_FALSE(fs::exists(folder_ / "x.glb"));
@@ -174,9 +172,7 @@ TEST_F(Networks, DamagedGraphsNeverCrashOrHangTheRun) {
             bytes[(random >> 8) % bytes.size()] = static_cast<char>(random >> 3);
         }
         write_text(models() + "/damaged.onnx", bytes);
-        std::vector<std::string> words = arguments("damaged");
-        words.insert(words.end(), {"--set", "disparity.timeout_s=20"});
-        const ProcessResult result = run_program(words);
+        const ProcessResult result = run_program(arguments("damaged"), {"--set", "disparity.timeout_s=20"});
         EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 2 || result.exit_code == 3)
             << i << ": " << result.exit_code << " " << result.err;
     }
@@ -192,15 +188,9 @@ TEST(Matchers, TheRightPictureAloneChecksASuppliedMap) {
                                        "--color",
                                        sample("left.png"),
                                        "--color-right"};
-    const auto with = [&](const std::string& right) {
-        std::vector<std::string> words = map;
-        words.insert(words.end(), {right, "--verbose"});
-        return run_program(words);
-    };
-    const ProcessResult fits = with(sample("right.png")), other = with(sample("left.png"));
-    EXPECT_EQ(fits.exit_code, 0) << fits.err;
+    const ProcessResult fits = expect_success(map, {sample("right.png"), "--verbose"}),
+                        other = expect_success(map, {sample("left.png"), "--verbose"});
     EXPECT_CONTAINS(fits.err, "of the pixels have another colour in the right picture");
-    EXPECT_EQ(other.exit_code, 0) << other.err;
     EXPECT_CONTAINS(other.err, "so that is not looked at");
     expect_failure({"run", "-o", folder / "x.ply", "--disparity", sample("disparity.pfm"), "--color-right",
                     sample("right.png")},

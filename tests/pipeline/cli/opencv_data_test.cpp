@@ -63,10 +63,9 @@ TEST(OpenCvData, AnUnrectifiedPairIsRectifiedByItsCalibration) {
     if (!fs::exists(kData / "left01.jpg")) GTEST_SKIP() << "Debian's opencv-doc is not installed";
     const TemporaryFolder folder;
     write_text(folder / "stereo.yml", kChessboardCameras);
-    const ProcessResult result = run_program(
-        {"run", "--strict", "--quiet", "--left", kData / "left01.jpg", "--right", kData / "right01.jpg",
-         "--calib", folder / "stereo.yml", "-o", folder / "o.glb", "--save-stages", folder / "stages"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    expect_success({"run", "--strict", "--quiet", "--left", kData / "left01.jpg", "--right",
+                    kData / "right01.jpg", "--calib", folder / "stereo.yml", "-o", folder / "o.glb",
+                    "--save-stages", folder / "stages"});
     const StereoPair pair{readers::read_image(folder / "stages/left_rectified.png"),
                           readers::read_image(folder / "stages/right_rectified.png")};
     const checks::RowFit rows = checks::measure_rows(pair, stages::match_coarsely(pair, 0, 1), 1);

@@ -22,8 +22,7 @@ int run_line(const std::string& line) {
 TEST(Pipes, GiveTheBytesThatFilesGive) {
     const TemporaryFolder folder;
     const std::string program = HEXRELIEF_PROGRAM, map = sample("disparity.pfm"), color = sample("left.png");
-    ASSERT_EQ(run_program({"run", "--disparity", map, "--color", color, "-o", folder / "file.drc"}).exit_code,
-              0);
+    expect_success({"run", "--disparity", map, "--color", color, "-o", folder / "file.drc"});
     EXPECT_EQ(run_line("cat " + map + " | " + program + " run --quiet --disparity - --color " + color +
                        " -o " + (folder / "minus.drc")),
               0);

@@ -26,9 +26,8 @@ void expect_keys(const Json& json, std::vector<std::string> keys) {
 TEST(Run, WritesEveryFormatAndNamesAllFiles) {
     const TemporaryFolder folder;
     const ProcessResult result =
-        run_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.gltf", "-o", folder / "a.drc",
-                                    "-o", folder / "a.obj", "-o", folder / "a.ply"}));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+        expect_success(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.gltf", "-o",
+                                       folder / "a.drc", "-o", folder / "a.obj", "-o", folder / "a.ply"}));
     EXPECT_EQ(result.err, "");  // calibrated: no warning; piped: no progress
     EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
     for (const char* part : {" vertices, ", " triangles, depth 1.28 to 5.",
@@ -77,7 +76,7 @@ TEST(Run, StrictRefusesWhatIsOtherwiseWarnedOf) {
     EXPECT_EQ(run_program({"batch", "--strict", folder / "jobs.txt"}).exit_code, 3);
     EXPECT_FALSE(std::filesystem::exists(folder / "b.ply"));
     // What is right is not refused.
-    EXPECT_EQ(run_program(pair_arguments({"--strict", "-o", folder / "c.ply"})).exit_code, 0);
+    expect_success(pair_arguments({"--strict", "-o", folder / "c.ply"}));
 }
 
 TEST(Run, WritesToTheStandardOutput) {
@@ -87,7 +86,7 @@ TEST(Run, WritesToTheStandardOutput) {
     };
     const ProcessResult named =
         run_program(arguments({"-o", folder / "a.glb", "--report", folder / "r.json"}));
-    ASSERT_EQ(run_program(arguments({"-o", folder / "a.drc"})).exit_code, 0);
+    expect_success(arguments({"-o", folder / "a.drc"}));
     ASSERT_EQ(named.exit_code, 0) << named.err;
     const ProcessResult glb = run_program(arguments({"-o", "-"}));
     EXPECT_TRUE(glb.out == read_text(folder / "a.glb"));
@@ -100,9 +99,7 @@ TEST(Run, WritesToTheStandardOutput) {
 TEST(Run, MakesTheFoldersOfItsFiles) {
     const TemporaryFolder folder;
     const std::string map = sample("disparity.pfm"), mesh = folder / "new/deep/a.obj";
-    ASSERT_EQ(
-        run_program({"run", "--disparity", map, "-o", mesh, "--report", folder / "other/r.json"}).exit_code,
-        0);
+    expect_success({"run", "--disparity", map, "-o", mesh, "--report", folder / "other/r.json"});
     EXPECT_TRUE(std::filesystem::exists(mesh) && std::filesystem::exists(folder / "new/deep/a.mtl"));
     EXPECT_TRUE(std::filesystem::exists(folder / "other/r.json"));
 }
@@ -120,17 +117,15 @@ TEST(Run, SaysThatAMapWithoutColorHasNone) {
 
 TEST(Run, QuietSaysNothing) {
     const TemporaryFolder folder;
-    const ProcessResult result = run_program({"run", "--left", sample("left.png"), "--right",
-                                              sample("right.png"), "-o", folder / "a.drc", "--quiet"});
-    EXPECT_EQ(result.exit_code, 0);
+    const ProcessResult result = expect_success({"run", "--left", sample("left.png"), "--right",
+                                                 sample("right.png"), "-o", folder / "a.drc", "--quiet"});
     EXPECT_EQ(result.out + result.err, "");
 }
 
 TEST(Run, WithoutCalibrationWarnsOnceAndIsRelative) {
     const TemporaryFolder folder;
-    const ProcessResult result = run_program({"run", "--disparity", sample("disparity.pfm"), "-o",
-                                              folder / "a.drc", "--report", folder / "r.json"});
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const ProcessResult result = expect_success({"run", "--disparity", sample("disparity.pfm"), "-o",
+                                                 folder / "a.drc", "--report", folder / "r.json"});
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
     EXPECT_EQ(report["warnings"].size(), 1u);
@@ -140,10 +135,9 @@ TEST(Run, WithoutCalibrationWarnsOnceAndIsRelative) {
 
 TEST(Run, ReportFollowsTheSchema) {
     const TemporaryFolder folder;
-    const ProcessResult result = run_program(
+    expect_success(
         pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "--report", folder / "r.json",
                         "--seed", "7", "--threads", "2", "--set", "mesh.spacing_px=8"}));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
     expect_keys(report, {"schema",        "hexrelief", "backend",     "backend_reason", "device",
                          "threads",       "seed",      "config",      "input",          "foreground_share",
@@ -230,12 +224,9 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
         std::filesystem::create_directory(to);
         std::vector<std::string> arguments = {"--threads",    runs[i], "--save-stages",
                                               to + "/stages", "--set", "export.compression=draco"};
-        for (const char* extension : {"glb", "gltf", "drc", "obj", "ply"}) {
-            arguments.push_back("-o");
-            arguments.push_back(to + "/a." + extension);
-        }
-        const ProcessResult result = run_program(pair_arguments(arguments));
-        ASSERT_EQ(result.exit_code, 0) << result.err;
+        for (const char* extension : {"glb", "gltf", "drc", "obj", "ply"})
+            arguments.insert(arguments.end(), {"-o", to + "/a." + extension});
+        expect_success(pair_arguments(arguments));
     }
     std::size_t compared = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "0")) {
@@ -253,9 +244,8 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
 TEST(Run, LevelsOfDetailBesideAndInside) {
     const TemporaryFolder folder;
     const ProcessResult result =
-        run_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "-o", folder / "a.drc",
-                                    "--report", folder / "r.json", "--set", "export.lod=3"}));
-    ASSERT_EQ(result.exit_code, 0) << result.err;
+        expect_success(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "-o", folder / "a.drc",
+                                       "--report", folder / "r.json", "--set", "export.lod=3"}));
     EXPECT_EQ(result.err.find("MSFT_lod"), std::string::npos) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
     ASSERT_EQ(report["levels"].size(), 2u);
@@ -275,9 +265,8 @@ TEST(Run, LevelsOfDetailBesideAndInside) {
     }
     EXPECT_EQ(report["outputs"].size(), 3u * (1 + 3 + 1));
     EXPECT_EQ(folder.entries(), 3 * (1 + 3 + 1) + 1);
-    const ProcessResult inside = run_program(pair_arguments(
+    const ProcessResult inside = expect_success(pair_arguments(
         {"-o", folder / "b.glb", "--set", "export.lod=3", "--set", "export.lod_storage=inside"}));
-    ASSERT_EQ(inside.exit_code, 0) << inside.err;
     EXPECT_CONTAINS(inside.err, "b.glb on top of each other");
     const inspect::MeshDescription glb = exporters::describe_mesh(folder / "b.glb");
     ASSERT_EQ(glb.coarser.size(), 2u);
@@ -300,17 +289,15 @@ TEST(Run, LevelsOfDetailThatCannotBeAreUsageErrors) {
 
 TEST(Run, SeedChangesTheMesh) {
     const TemporaryFolder folder;
-    ASSERT_EQ(run_program(pair_arguments({"-o", folder / "a.ply", "--seed", "1"})).exit_code, 0);
-    ASSERT_EQ(run_program(pair_arguments({"-o", folder / "b.ply", "--seed", "2"})).exit_code, 0);
+    expect_success(pair_arguments({"-o", folder / "a.ply", "--seed", "1"}));
+    expect_success(pair_arguments({"-o", folder / "b.ply", "--seed", "2"}));
     EXPECT_NE(read_text(folder / "a.ply"), read_text(folder / "b.ply"));
 }
 
 TEST(Run, SavesEveryStage) {
     const TemporaryFolder folder;
-    ASSERT_EQ(run_program({"run", "--disparity", sample("disparity.pfm"), "--color", sample("left.png"),
-                           "--calib", sample("calib.txt"), "--save-stages", folder / "new/stages"})
-                  .exit_code,
-              0);
+    expect_success({"run", "--disparity", sample("disparity.pfm"), "--color", sample("left.png"), "--calib",
+                    sample("calib.txt"), "--save-stages", folder / "new/stages"});
     for (const char* name : {"disparity.pfm", "disparity.png", "density.pfm", "density.png", "samples.png",
                              "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png", "depth.exr"})
         EXPECT_GT(std::filesystem::file_size(folder / (std::string("new/stages/") + name)), 100u) << name;
@@ -322,7 +309,7 @@ TEST(Run, SavesEveryStage) {
 
 TEST(Run, MatchesTheSyntheticPair) {
     const TemporaryFolder folder;
-    ASSERT_EQ(run_program(pair_arguments({"--save-stages", folder.path().string()})).exit_code, 0);
+    expect_success(pair_arguments({"--save-stages", folder.path().string()}));
     const ProcessResult result =
         run_program({"evaluate", folder / "disparity.pfm", sample("disparity.pfm"), "--json"});
     const Json json = Json::parse(result.out);
@@ -332,14 +319,11 @@ TEST(Run, MatchesTheSyntheticPair) {
 
 TEST(Run, ExplicitCalibrationOverridesAndScalesDepth) {
     const TemporaryFolder folder;
-    for (const char* baseline : {"0.1", "0.2"}) {
-        ASSERT_EQ(run_program({"run", "--disparity", sample("disparity.pfm"), "--set",
-                               "input.calibration.focal_px=500", "--set",
-                               std::string("input.calibration.baseline_m=") + baseline, "--report",
-                               folder / (std::string(baseline) + ".json")})
-                      .exit_code,
-                  0);
-    }
+    for (const char* baseline : {"0.1", "0.2"})
+        expect_success({"run", "--disparity", sample("disparity.pfm"), "--set",
+                        "input.calibration.focal_px=500", "--set",
+                        std::string("input.calibration.baseline_m=") + baseline, "--report",
+                        folder / (std::string(baseline) + ".json")});
     const Json near = Json::parse(read_text(folder / "0.1.json")),
                far = Json::parse(read_text(folder / "0.2.json"));
     EXPECT_EQ(near["surface"]["metric"], true);

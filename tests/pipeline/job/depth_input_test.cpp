@@ -59,12 +59,10 @@ Bounds bounds(const RunReport& report) {
 }
 
 RunRequest request_for(const test::TemporaryFolder& folder) {
-    RunRequest request;
-    request.config.input.calibration.file = test::sample("calib.txt");
-    request.config.mesh.spacing_px = 8;
-    request.report = folder / "r.json";
-    request.outputs = {folder / "a.ply"};
-    return request;
+    return {
+        .outputs = {folder / "a.ply"},
+        .config = {.input = {.calibration = {.file = test::sample("calib.txt")}}, .mesh = {.spacing_px = 8}},
+        .report = folder / "r.json"};
 }
 
 TEST(DepthInput, ADepthMapGivesTheMeshOfItsDisparityMap) {
@@ -107,14 +105,12 @@ TEST(DepthInput, DisparitiesMayReachDownToMinusDoffs) {
     std::string pgm = "P5\n60 40\n255\n";
     for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(20 + (i % 60) / 2);
     test::write_text(folder / "d.pgm", pgm);
-    RunRequest request;
-    request.source = DisparityFiles{folder / "d.pgm"};
-    request.outputs = {folder / "a.ply"};
-    request.config.input.disparity.scale = 1;
-    request.config.disparity.dequantize = stages::Dequantization::none;
-    request.config.input.calibration.focal_px = 60;
-    request.config.input.calibration.baseline_m = 0.1;
-    request.config.input.calibration.doffs_px = 0;
+    RunRequest request{
+        .source = DisparityFiles{folder / "d.pgm"},
+        .outputs = {folder / "a.ply"},
+        .config = {.input = {.disparity = {.scale = 1},
+                             .calibration = {.focal_px = 60, .baseline_m = 0.1, .doffs_px = 0}},
+                   .disparity = {.dequantize = stages::Dequantization::none}}};
     const RunReport expected = run_job(request);
     request.config.input.disparity.offset_px = -30;
     request.config.input.calibration.doffs_px = 30;
@@ -129,8 +125,7 @@ TEST(DepthInput, AFocalLengthIsEnoughForAMetricMesh) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();
     RunRequest request = request_for(folder);
-    request.config.input.calibration = {};
-    request.config.input.calibration.focal_px = scene.camera.focal_px;
+    request.config.input.calibration = {.focal_px = scene.camera.focal_px};
     request.source = depth_file(folder, scene);
     std::string said;
     RunLog log;

@@ -22,12 +22,10 @@ using test::FailingBackend;
 using test::Fails;
 
 RunRequest sample_request(const test::TemporaryFolder& folder) {
-    RunRequest request;
-    request.source = DisparityFiles{test::sample("disparity.pfm")};
-    request.config.input.calibration.file = test::sample("calib.txt");
-    request.config.mesh.spacing_px = 12;
-    request.outputs = {folder / "a.glb"};
-    return request;
+    return {.source = DisparityFiles{test::sample("disparity.pfm")},
+            .outputs = {folder / "a.glb"},
+            .config = {.input = {.calibration = {.file = test::sample("calib.txt")}},
+                       .mesh = {.spacing_px = 12}}};
 }
 
 TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
@@ -176,13 +174,12 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     test::write_text(folder / "c.ppm", picture);
     test::write_text(folder / "camera",
                      "{focal_px: 80, baseline_m: 0.1, cx: 31, cy: 24, width: 64, height: 48}");
-    RunRequest request;
-    request.source = DisparityFiles{folder / "d.pfm", folder / "c.ppm"};
-    request.config.input.calibration.file = folder / "camera";
-    request.config.mesh.spacing_px = 4;
-    request.config.exporting.texture = exporters::TextureFormat::png;
-    request.config.exporting.texture_crop = false;
-    request.outputs = {folder / "a.obj"};
+    const RunRequest request{
+        .source = DisparityFiles{folder / "d.pfm", folder / "c.ppm"},
+        .outputs = {folder / "a.obj"},
+        .config = {.input = {.calibration = {.file = folder / "camera"}},
+                   .mesh = {.spacing_px = 4},
+                   .exporting = {.texture = exporters::TextureFormat::png, .texture_crop = false}}};
     const RunReport report = run_job(request);
     EXPECT_EQ(report.relief->disparity.map.width, 32);
     EXPECT_EQ(report.relief->input.calibration.focal_px, 40);
@@ -204,11 +201,8 @@ TEST(Runner, APairIsRectifiedByItsCalibration) {
                                               matrix("K2", 3, 3, k) + matrix("D2", 1, 5, d) +
                                               matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") +
                                               matrix("T", 3, 1, "-0.16, 0., 0."));
-    RunRequest request;
-    request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
-    request.config.mesh.spacing_px = 12;
+    RunRequest request = pair_request(folder);
     request.config.input.calibration.file = folder / "pair.yml";
-    request.outputs = {folder / "a.glb"};
     request.stages_folder = folder / "stages";
     const RunReport report = run_job(request);
     const Relief& rectified = *report.relief;
@@ -244,10 +238,7 @@ TEST(Runner, AStereoFileIsAPair) {
             both.append(reinterpret_cast<const char*>(image->at(0, y)),
                         3 * static_cast<std::size_t>(left.width));
     test::write_text(folder / "both.ppm", both);
-    RunRequest request;
-    request.source = PairFiles{test::sample("left.png"), test::sample("right.png")};
-    request.config.mesh.spacing_px = 12;
-    request.config.input.calibration.file = test::sample("calib.txt");
+    RunRequest request = pair_request(folder);
     request.outputs = {folder / "a.ply"};
     run_job(request);
     request.source = StereoFile{folder / "both.ppm"};
@@ -265,14 +256,12 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(20 + (i % 60) / 7);
     test::write_text(folder / "d.pgm", pgm);
     const auto run = [&](stages::Dequantization dequantize, double max_error_px) {
-        RunRequest request;
-        request.source = DisparityFiles{folder / "d.pgm"};
-        request.config.input.disparity.scale = 1;
-        request.config.disparity.dequantize = dequantize;
-        request.config.budget.max_error_px = max_error_px;
-        request.outputs = {folder / "a.glb"};
-        request.report = folder / "r.json";
-        return run_job(request);
+        return run_job({.source = DisparityFiles{folder / "d.pgm"},
+                        .outputs = {folder / "a.glb"},
+                        .config = {.input = {.disparity = {.scale = 1}},
+                                   .disparity = {.dequantize = dequantize},
+                                   .budget = {.max_error_px = max_error_px}},
+                        .report = folder / "r.json"});
     };
     const RunReport smooth = run(stages::Dequantization::automatic, 0),
                     exact = run(stages::Dequantization::none, 0);
@@ -297,14 +286,11 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     test::write_text(folder / "mask.pgm", mask);
     const auto run = [&](config::Densification densification, std::string& told,
                          const char* masked = nullptr) {
-        RunRequest request;
-        DisparityFiles files{folder / "d.pgm"};
-        if (masked) files.mask = folder / masked;
-        request.source = files;
-        request.config.input.disparity.scale = 1;
-        request.config.input.densify = densification;
-        request.outputs = {folder / "a.glb"};
-        request.report = folder / "r.json";
+        const RunRequest request{
+            .source = DisparityFiles{.map = folder / "d.pgm", .mask = masked ? folder / masked : ""},
+            .outputs = {folder / "a.glb"},
+            .config = {.input = {.disparity = {.scale = 1}, .densify = densification}},
+            .report = folder / "r.json"};
         RunLog log;
         log.decides = [&](const std::string& decision) {
             if (decision.starts_with("densify: ")) told = decision;

@@ -55,12 +55,11 @@ class WholeMap : public testing::Test {
             files.right = saved(folder_ / "right.pgm", scene_.right, kScale);
             files.color_right = saved(folder_ / "right_color.pgm", scene_.right_color, 1);
         }
-        RunRequest request;
-        request.source = files;
-        request.config.input.disparity.scale = kScale;
+        RunRequest request{.source = files,
+                           .outputs = {folder_ / "a.glb"},
+                           .config = {.input = {.disparity = {.scale = kScale}}},
+                           .report = folder_ / "a.json"};
         for (const std::string& setting : settings) config::apply_setting(request.config, setting);
-        request.outputs = {folder_ / "a.glb"};
-        request.report = folder_ / "a.json";
         return run_job(request);
     }
     static stages::Disparities seen(const SurfaceMesh& mesh, double right, double up = 0) {
@@ -247,14 +246,14 @@ TEST_F(WholeMap, AThingThatIsCutOutStaysSo) {
 }
 
 TEST_F(WholeMap, ARightMapOfAnotherSizeIsAnError) {
-    DisparityFiles files{saved(folder_ / "left.pgm", scene_.left, kScale)};
-    files.right = folder_ / "small.pgm";
-    std::ofstream(files.right) << "P5 2 2 255\nabcd";
-    RunRequest request;
-    request.source = files;
-    request.config.input.disparity.scale = kScale;
-    request.outputs = {folder_ / "a.glb"};
-    const std::string text = test::error_of([&] { run_job(request); });
+    const std::string right = folder_ / "small.pgm";
+    std::ofstream(right) << "P5 2 2 255\nabcd";
+    const DisparityFiles files{.map = saved(folder_ / "left.pgm", scene_.left, kScale), .right = right};
+    const std::string text = test::error_of([&] {
+        run_job({.source = files,
+                 .outputs = {folder_ / "a.glb"},
+                 .config = {.input = {.disparity = {.scale = kScale}}}});
+    });
     EXPECT_CONTAINS(text, "small.pgm: it has 2x2 px, but");
     EXPECT_CONTAINS(text, "160x120");
 }

@@ -51,11 +51,7 @@ Image read(const Bytes& bytes) {
 }
 
 std::string error_for(const Bytes& bytes) {
-    const Folder folder;
-    const auto path = folder.write("bad.bmp", bytes);
-    const std::string message = error_of([&] { read_image(path); });
-    EXPECT_CONTAINS(message, "bad.bmp");
-    return message;
+    return error_of_file("bad.bmp", bytes, [](const auto& path) { read_image(path); });
 }
 
 // Two rows of one pixel and its filling, the lower one first: blue, then red.

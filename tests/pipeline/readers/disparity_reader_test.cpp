@@ -18,11 +18,7 @@ DisparityMap read(const Bytes& bytes, const DisparityFileConfig& config = {}) {
 }
 
 std::string error_for(const Bytes& bytes, const DisparityFileConfig& config = {}) {
-    const Folder folder;
-    const auto path = folder.write("bad.map", bytes);
-    const std::string message = error_of([&] { read_disparity_map(path, config); });
-    EXPECT_CONTAINS(message, "bad.map");
-    return message;
+    return error_of_file("bad.map", bytes, [&](const auto& path) { read_disparity_map(path, config); });
 }
 
 using Values = std::vector<float>;
@@ -233,13 +229,12 @@ TEST(ReadDisparity, FloatsThatAreNoDisparityAreUnknown) {
 TEST(ReadDisparity, FloatTiffInEveryLayout) {
     Values raw;
     for (int i = 0; i < 37 * 21; ++i) raw.push_back(1 + 0.25f * static_cast<float>(i));
-    for (int tile : {0, 16}) {
+    for (int tile : {0, 16})
         for (bool big_endian : {false, true}) {
             const TiffKind kind{
                 .bits = 32, .format = 3, .compression = 5, .tile = tile, .big_endian = big_endian};
             EXPECT_EQ(read(make_tiff(37, 21, bytes_of(raw), kind)).values, raw);
         }
-    }
     const std::vector<double> doubles(raw.begin(), raw.end());
     EXPECT_EQ(read(make_tiff(37, 21, bytes_of(doubles), {.bits = 64, .format = 3})).values, raw);
 }

@@ -16,11 +16,7 @@ Image read(const Bytes& bytes) {
 }
 
 std::string error_for(const Bytes& bytes) {
-    const Folder folder;
-    const auto path = folder.write("bad.bin", bytes);
-    const std::string message = error_of([&] { read_image(path); });
-    EXPECT_CONTAINS(message, "bad.bin");
-    return message;
+    return error_of_file("bad.bin", bytes, [](const auto& path) { read_image(path); });
 }
 
 void expect_image(const Image& image, int width, int height, int channels, const Bytes& pixels) {
@@ -35,11 +31,10 @@ const Bytes kColour = {1, 2, 3, 40, 50, 60, 7, 8, 9, 100, 110, 120, 13, 14, 15, 
 
 Bytes gradient(int width, int height, int channels) {
     Bytes samples;
-    for (int y = 0; y < height; ++y) {
+    for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
             for (int c = 0; c < channels; ++c)
                 samples.push_back(static_cast<std::uint8_t>(60 + 3 * x + 2 * y + 20 * c));
-    }
     return samples;
 }
 
@@ -229,8 +224,8 @@ TEST(ReadTiff, GivesGreyAndColourHoweverStored) {
     for (int c = 0; c < 3; ++c)
         for (std::size_t i = c; i < large.size(); i += 3) planar.push_back(large[i]);
     expect_image(read(make_tiff(3, 2, kGrey, {})), 3, 2, 1, kGrey);
-    for (int compression : {1, 5, 8}) {
-        for (int tile : {0, 16}) {
+    for (int compression : {1, 5, 8})
+        for (int tile : {0, 16})
             for (bool big_endian : {false, true}) {
                 const TiffKind kind{.samples = 3,
                                     .photometric = 2,
@@ -242,8 +237,6 @@ TEST(ReadTiff, GivesGreyAndColourHoweverStored) {
                 planes.planes = true;
                 expect_image(read(make_tiff(37, 21, planar, planes)), 37, 21, 3, large);
             }
-        }
-    }
 }
 
 TEST(ReadTiff, KeepsAlphaInvertsWhiteIsZeroAndRounds) {

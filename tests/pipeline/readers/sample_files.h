@@ -70,6 +70,16 @@ Bytes make_pfm(int width, int height, const std::vector<float>& values, bool lit
 
 using test::error_of;
 
+// Returns the error of reading a file with these contents; it names the file.
+template <typename Contents, typename Read>
+std::string error_of_file(const std::string& name, const Contents& contents, const Read& read) {
+    const Folder folder;
+    const std::filesystem::path path = folder.write(name, contents);
+    const std::string message = error_of([&] { read(path); });
+    EXPECT_CONTAINS(message, name);
+    return message;
+}
+
 // Returns the peak memory, in MiB, of a process that does the work, which must not throw.
 long peak_memory_MiB(const std::function<void()>& work);
 

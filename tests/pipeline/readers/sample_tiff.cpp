@@ -14,19 +14,17 @@ std::size_t row_bytes(int width, const TiffKind& kind) {
 void write_tiles(TIFF* tiff, int width, int height, const Bytes& rows, const TiffKind& kind, int plane) {
     const std::size_t pixel = static_cast<std::size_t>(kind.planes ? 1 : kind.samples) * kind.bits / 8;
     const std::size_t stride = row_bytes(width, kind);
-    for (int top = 0; top < height; top += kind.tile) {
+    for (int top = 0; top < height; top += kind.tile)
         for (int left = 0; left < width; left += kind.tile) {
             Bytes tile(pixel * kind.tile * kind.tile, 0);
-            for (int y = 0; y < kind.tile && top + y < height; ++y) {
+            for (int y = 0; y < kind.tile && top + y < height; ++y)
                 for (int x = 0; x < kind.tile && left + x < width; ++x) {
                     const std::size_t from = stride * (static_cast<std::size_t>(plane) * height + top + y);
                     std::copy_n(rows.data() + from + pixel * (left + x), pixel,
                                 tile.data() + pixel * (static_cast<std::size_t>(y) * kind.tile + x));
                 }
-            }
             TIFFWriteTile(tiff, tile.data(), left, top, 0, static_cast<std::uint16_t>(plane));
         }
-    }
 }
 
 }  // namespace

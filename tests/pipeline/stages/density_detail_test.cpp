@@ -102,8 +102,7 @@ TEST(DensityDetail, ScalesWithTheImage) {
 TEST(Density, DetailIsAShareOfTheWhole) {
     const DisparityMap map = map_of(wall_and_ripples);
     const auto ripples_share = [&](double detail) {
-        DensityConfig config{.detail = detail};
-        const std::vector<float> density = compute_density(map, config).values;
+        const std::vector<float> density = compute_density(map, {.detail = detail}).values;
         EXPECT_EQ(*std::max_element(density.begin(), density.end()), 1);
         return mean(density, 84, kWidth) * (kWidth - 84) / (mean(density, 0, kWidth) * kWidth);
     };
@@ -117,9 +116,8 @@ TEST(Density, DetailIsAShareOfTheWhole) {
 }
 
 TEST(Density, DetailIsCheckedForItsRange) {
-    DensityConfig config{.detail = 1};
     EXPECT_CONTAINS(
-        test::error_of([&] { compute_density(map_of(wall_and_ripples), config); }, ErrorKind::usage),
+        test::error_of([&] { compute_density(map_of(wall_and_ripples), {.detail = 1}); }, ErrorKind::usage),
         "density.detail");
 }
 

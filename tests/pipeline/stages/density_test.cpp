@@ -74,8 +74,7 @@ TEST(Density, AutomaticCutsAnObjectOutOfItsFarWall) {
     for (const int scale : {1, 2, 4}) {
         const DisparityMap map =
             scene(scale, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
-        DensityConfig config{.floor = 0};
-        const DensityMap density = compute_density(map, config);
+        const DensityMap density = compute_density(map, {.floor = 0});
         for (int y = 0; y < map.height; ++y)
             for (int x = 0; x < map.width; ++x)
                 ASSERT_EQ(density.at(x, y) > 0, on_object((x + 0.5) / scale, (y + 0.5) / scale))
@@ -242,15 +241,13 @@ TEST(Density, OtsuKeepsAllOfAConstantMap) {
 }
 
 TEST(Density, CountsZeroAndNegativeAsBackgroundAndUnknownAsNothing) {
-    DensityConfig config{.background_method = BackgroundMethod::none, .floor = 0.1};
-    const DensityMap density =
-        compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}), config);
+    const DensityMap density = compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}),
+                                               {.background_method = BackgroundMethod::none, .floor = 0.1});
     EXPECT_EQ(density.values, (std::vector<float>{0.1f, 0.1f, 0, 0, 0, 1}));
 }
 
 TEST(Density, FloorLiftsWhatIsKnown) {
-    DensityConfig config{.floor = 0.05};
-    const DensityMap density = compute_density(row({1, 12, 40, kUnknownDisparity}), config);
+    const DensityMap density = compute_density(row({1, 12, 40, kUnknownDisparity}), {.floor = 0.05});
     EXPECT_EQ(density.values, (std::vector<float>{0.05f, 0.05f, 1, 0}));
 }
 

@@ -30,8 +30,7 @@ TEST(Depth, RaysAreProjectedOnTheAxis) {
     // A sphere around the camera: every point is 5 m away.
     DepthMap map{40, 30, std::vector<float>(40 * 30, 5.0f)};
     map.values[7] = kNone;
-    const Calibration camera{.focal_px = 30, .cx = 19.5, .cy = 10.5};
-    project_on_axis(map, camera);
+    project_on_axis(map, {.focal_px = 30, .cx = 19.5, .cy = 10.5});
     EXPECT_FLOAT_EQ(map.values[10 * 40 + 19], 5) << "the principal point";
     EXPECT_FALSE(DepthMap::known(map.values[7]));
     for (const auto& [x, y] : {std::pair{0, 0}, {39, 29}, {3, 17}}) {

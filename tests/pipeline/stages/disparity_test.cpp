@@ -41,12 +41,11 @@ StereoPair shifted_pair(int width, int height, int shift) {
         h = (h ^ (h >> 15)) * 0x2c1b3c6du;
         return static_cast<std::uint8_t>((h ^ (h >> 13)) >> 8);
     };
-    for (int y = 0; y < height; ++y) {
+    for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             *pair.left.at(x, y) = texture(x, y);
             *pair.right.at(x, y) = texture(x + shift, y);
         }
-    }
     return pair;
 }
 
@@ -54,7 +53,7 @@ StereoPair shifted_pair(int width, int height, int shift) {
 // they have no match.
 DisparityMap visible_truth() {
     DisparityMap truth = sample().disparity;
-    for (int y = 0; y < truth.height; ++y) {
+    for (int y = 0; y < truth.height; ++y)
         for (int x = 0; x < truth.width; ++x) {
             const float match = x - truth.at(x, y);
             bool hidden = match < 0;
@@ -64,7 +63,6 @@ DisparityMap visible_truth() {
             }
             if (hidden) truth.at(x, y) = kUnknownDisparity;
         }
-    }
     return truth;
 }
 
@@ -188,12 +186,10 @@ TEST(Disparity, KeepsTheLeftBand) {
     EXPECT_GT(share_at(compute_disparity(pair, {}, 1), 0, 64, shift), 0.94);  // filled beyond the frame
     // Matched, although the search range is wider than x.
     EXPECT_GT(share_at(map, shift + 2, 64, shift), 0.97);
-    for (int y = 0; y < map.height; ++y) {
-        for (int x = 0; x + 1 < shift; ++x) {
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x + 1 < shift; ++x)
             EXPECT_TRUE(!DisparityMap::known(map.at(x, y)) || map.at(x, y) <= x + 1)
                 << "outside the right image";
-        }
-    }
 }
 
 TEST(Disparity, ChoosesARangeThatHoldsTheScene) {
@@ -293,7 +289,7 @@ TEST(Disparity, SurvivesTheSmallestAndEmptiestImages) {
     std::vector<DisparityConfig> configs(5, sgbm());
     for (std::size_t i = 0; i < 4; ++i) configs[i].mode = static_cast<SgbmMode>(i);
     configs[4] = DisparityConfig{};
-    for (const DisparityConfig& config : configs) {
+    for (const DisparityConfig& config : configs)
         for (const int height : {1, 2, 3, 5, 17}) {
             StereoPair pair = shifted_pair(16, height, 2);
             EXPECT_EQ(compute_disparity(pair, config, 2).values.size(), std::size_t{16} * height);
@@ -301,7 +297,6 @@ TEST(Disparity, SurvivesTheSmallestAndEmptiestImages) {
             pair.right.pixels = pair.left.pixels;
             EXPECT_EQ(compute_disparity(pair, config, 2).values.size(), std::size_t{16} * height);
         }
-    }
 }
 
 TEST(Disparity, RefusesWhatDoesNotFit) {

@@ -36,14 +36,13 @@ struct Example {
             const double d = disparity(x, y);
             return std::isnan(d) ? std::numeric_limits<float>::infinity() : static_cast<float>(d);
         };
-        for (int row = 0; row < kRows; ++row) {
+        for (int row = 0; row < kRows; ++row)
             for (int column = 0; column < kColumns; ++column) {
                 const double x = (column + 0.25 + 0.5 * (row & 1)) * kSpacing_px,
                              y = (row + 0.5) * kSpacing_px;
                 mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y)});
                 disparities.push_back(known(x, y));
             }
-        }
     }
     // Returns all triangles whose vertices have a disparity.
     DisparityMesh cut_mesh() const {
@@ -176,7 +175,7 @@ TEST(Surface, WeighsNormalsByAngles) {
     };
     const auto dot = [](const auto& a, const auto& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
     std::vector<std::array<double, 3>> sums(s.positions.size(), {0, 0, 0});
-    for (const Triangle& t : s.triangles) {
+    for (const Triangle& t : s.triangles)
         for (int k = 0; k < 3; ++k) {
             const auto u = minus(s.positions[t[(k + 1) % 3]], s.positions[t[k]]),
                        v = minus(s.positions[t[(k + 2) % 3]], s.positions[t[k]]);
@@ -185,7 +184,6 @@ TEST(Surface, WeighsNormalsByAngles) {
             const double angle = std::acos(dot(u, v) / std::sqrt(dot(u, u) * dot(v, v)));
             for (int i = 0; i < 3; ++i) sums[t[k]][i] += angle * n[i] / std::sqrt(dot(n, n));
         }
-    }
     for (std::size_t i = 0; i < sums.size(); ++i) {
         const double size = std::sqrt(dot(sums[i], sums[i]));
         EXPECT_NEAR(s.normals[i].x, sums[i][0] / size, 2e-5);
@@ -294,14 +292,11 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
             d = (state >> 16) % 3 == 0 ? std::numeric_limits<float>::infinity() : 20.0f;
         }
         std::size_t expected = 0;
-        for (int row = 0; row + 1 < kRows; ++row) {
-            for (int column = 0; column + 1 < kColumns; ++column) {
-                for (const Triangle& t : quad_triangles(kColumns, column, row)) {
+        for (int row = 0; row + 1 < kRows; ++row)
+            for (int column = 0; column + 1 < kColumns; ++column)
+                for (const Triangle& t : quad_triangles(kColumns, column, row))
                     expected +=
                         std::all_of(t.begin(), t.end(), [&](auto i) { return e.disparities[i] == 20; });
-                }
-            }
-        }
         const SurfaceMesh s = e.build();
         expect_sound(s);
         EXPECT_EQ(s.triangles.size(), expected) << "faces were lost";

@@ -336,10 +336,7 @@ TEST(MatchTiles, BadInputsAreRefusedInALine) {
         {{left, right, "-o", map, "--set", "input.calibration.rectify=always"}, 2, "rectify"},
         {{left, right, "-o", map, "--calib", sample("inputs/stereo.yml")}, 3, "rectified already"}};
     for (const BadRun& run : runs) {
-        std::vector<std::string> arguments = {"tiles", "match"};
-        arguments.insert(arguments.end(), run.arguments.begin(), run.arguments.end());
-        arguments.insert(arguments.end(), {"--backend", "cpu"});
-        const ProcessResult result = run_program(arguments);
+        const ProcessResult result = run_program({"tiles", "match", "--backend", "cpu"}, run.arguments);
         EXPECT_EQ(result.exit_code, run.exit_code) << result.err;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
         EXPECT_CONTAINS(result.err, run.told);
@@ -362,16 +359,14 @@ TEST(MatchTiles, InterruptedRunsLeaveNothing) {
 TEST(MatchTiles, MapsArePlannedAndSolved) {
     const PairFolder folder(300, 220);
     const std::string map = folder / "map.tif";
-    const ProcessResult matched = run_program({"tiles", "match", folder / "left.pgm", folder / "right.pgm",
-                                               "-o", map, "--tile", "128", "--verbose", "--backend", "cpu"});
-    EXPECT_EQ(matched.exit_code, 0) << matched.err;
+    const ProcessResult matched =
+        expect_success({"tiles", "match", folder / "left.pgm", folder / "right.pgm", "-o", map, "--tile",
+                        "128", "--verbose", "--backend", "cpu"});
     EXPECT_CONTAINS(matched.out, "300x220 px in 6 tiles");
     EXPECT_CONTAINS(matched.err, "chosen from the pair");
-    const ProcessResult planned = run_program(
+    expect_success(
         {"tiles", "plan", map, "-o", folder / "plan", "--color", folder / "left.pgm", "--backend", "cpu"});
-    EXPECT_EQ(planned.exit_code, 0) << planned.err;
-    const ProcessResult solved = run_program({"tiles", "solve", folder / "plan", "--backend", "cpu"});
-    EXPECT_EQ(solved.exit_code, 0) << solved.err;
+    expect_success({"tiles", "solve", folder / "plan", "--backend", "cpu"});
 }
 
 }  // namespace

@@ -251,7 +251,7 @@ std::vector<std::string> plan_words(const TemporaryFolder& folder,
 TEST(TilesByCommand, KilledWorkersLoseNothing) {
     const TemporaryFolder folder;
     write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 5));
-    ASSERT_EQ(run_program(plan_words(folder)).exit_code, 0);
+    expect_success(plan_words(folder));
     const std::vector<std::string> solve = {"tiles", "solve", folder / "p", "--quiet"};
     for (int k = 0; k < 6; ++k) {
         const pid_t worker = start_program(solve);
@@ -259,8 +259,8 @@ TEST(TilesByCommand, KilledWorkersLoseNothing) {
         kill(worker, SIGKILL);
         wait_for_exit(worker);
     }
-    ASSERT_EQ(run_program(solve).exit_code, 0);
-    ASSERT_EQ(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/tileset.json"}).exit_code, 0);
+    expect_success(solve);
+    expect_success({"tiles", "merge", folder / "p", "-o", folder / "p/tileset.json"});
     const TilePlan plan = read_plan(folder / "p");
     std::map<std::string, std::string> sums;
     for (const TileNumber& tile : tiles_of_level(plan, plan.finest_level()))
@@ -268,17 +268,17 @@ TEST(TilesByCommand, KilledWorkersLoseNothing) {
             sums[tile_file(plan, tile, ending)] = files::sha256_of_file(tile_file(plan, tile, ending));
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "p"))
         EXPECT_FALSE(entry.path().filename().string().ends_with(".tmp")) << entry.path();
-    ASSERT_EQ(run_program({"tiles", "solve", folder / "p", "--force", "--quiet"}).exit_code, 0);
+    expect_success({"tiles", "solve", folder / "p", "--force", "--quiet"});
     for (const auto& [name, sum] : sums) EXPECT_EQ(files::sha256_of_file(name), sum) << name;
 }
 
 TEST(TilesByCommand, APlanIsTheSameByAnyThreadsAndBackend) {
     const TemporaryFolder folder;
     write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 7));
-    ASSERT_EQ(run_program(plan_words(folder, {"--threads", "1", "--backend", "cpu"})).exit_code, 0);
+    expect_success(plan_words(folder, {"--threads", "1", "--backend", "cpu"}));
     const std::string plan = read_text(folder / "p/plan.json");
     std::filesystem::remove_all(folder / "p");
-    ASSERT_EQ(run_program(plan_words(folder, {"--threads", "3"})).exit_code, 0);
+    expect_success(plan_words(folder, {"--threads", "3"}));
     EXPECT_EQ(read_text(folder / "p/plan.json"), plan);
 }
 
@@ -297,19 +297,18 @@ TEST(TilesByCommand, PresetsThatTheHelpNamesDoForTiles) {
 TEST(TilesByCommand, ShardsAndPrintedCommandsAreAllTiles) {
     const TemporaryFolder folder;
     write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 6));
-    ASSERT_EQ(run_program(plan_words(folder)).exit_code, 0);
+    expect_success(plan_words(folder));
     const ProcessResult commands = run_program({"tiles", "solve", folder / "p", "--print-commands"});
     EXPECT_EQ(std::count(commands.out.begin(), commands.out.end(), '\n'), 4);
     EXPECT_CONTAINS(commands.out, "--tile 1,0\n");
-    EXPECT_EQ(run_program({"tiles", "solve", folder / "p", "--shard", "1/3"}).exit_code, 0);
+    expect_success({"tiles", "solve", folder / "p", "--shard", "1/3"});
     const ProcessResult early = run_program({"tiles", "merge", folder / "p", "-o", folder / "s.glb"});
     EXPECT_EQ(early.exit_code, 3);
     EXPECT_CONTAINS(early.err, "tile (0, 1) is not solved (and 1 more)");
     EXPECT_FALSE(std::filesystem::exists(folder / "s.glb"));
-    EXPECT_EQ(run_program({"tiles", "solve", folder / "p", "--shard", "2/3"}).exit_code, 0);
-    const ProcessResult last = run_program({"tiles", "solve", folder / "p", "--tile", "1,0"});
-    EXPECT_EQ(last.exit_code, 0);
-    EXPECT_EQ(run_program({"tiles", "merge", folder / "p", "-o", folder / "s.glb"}).exit_code, 0);
+    expect_success({"tiles", "solve", folder / "p", "--shard", "2/3"});
+    expect_success({"tiles", "solve", folder / "p", "--tile", "1,0"});
+    expect_success({"tiles", "merge", folder / "p", "-o", folder / "s.glb"});
 }
 
 void expect_refused(const ProcessResult& result, int exit_code, const std::string& why) {
@@ -331,15 +330,14 @@ TEST(TilesByCommand, MistakesAreOneLine) {
     write_map(map, busy_map(120, 100, 1));
     for (const char* setting :
          {"density.detail=0.5", "mesh.border=free", "surface.silhouette_rounds=1", "export.lod=2"}) {
-        std::vector<std::string> words = plan_words(folder, camera);
-        words.insert(words.end(), {"--set", setting});
-        expect_refused(run_program(words), 2, std::string(setting).substr(0, std::string(setting).find('=')));
+        expect_refused(run_program(plan_words(folder, camera), {"--set", setting}), 2,
+                       std::string(setting).substr(0, std::string(setting).find('=')));
     }
     expect_refused(run_program(plan_words(folder, {"--threads", "1025"})), 2, "an integer from 0 to 1024");
     expect_refused(run_program({"tiles", "plan", map, "-o", folder / "p", "--tile-vertices", "77"}), 2,
                    "not in range 78 to ");
     expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "plan.json");
-    ASSERT_EQ(run_program(plan_words(folder, camera)).exit_code, 0);
+    expect_success(plan_words(folder, camera));
     expect_refused(run_program({"tiles", "solve", folder / "p", "--tile", "4,4"}), 2, "--tile");
     expect_refused(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/a.obj"}), 2, "a.obj");
     expect_refused(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/plan.json"}), 2,

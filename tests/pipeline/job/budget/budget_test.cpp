@@ -21,12 +21,15 @@ struct Outcome {
     std::uintmax_t bytes = 0;
 };
 
-Outcome run_map(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> extra) {
+// Runs on the sample's map with more options, and expects an exit code.
+Outcome run_map(const TemporaryFolder& folder, const std::string& name, const std::vector<std::string>& extra,
+                int exit_code = 0) {
     Outcome outcome{run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
                                  sample("calib.txt"), "--report", folder / "r.json", "-o", folder / name},
                                 extra),
                     {},
                     0};
+    EXPECT_EQ(outcome.process.exit_code, exit_code) << outcome.process.err;
     if (outcome.process.exit_code != 0) return outcome;
     outcome.report = Json::parse(read_text(folder / "r.json"));
     outcome.bytes = std::filesystem::file_size(folder / name);
@@ -37,7 +40,6 @@ TEST(Budget, VerticesAreKeptAndNearlyUsed) {
     const TemporaryFolder folder;
     for (const int limit : {400, 3000}) {
         const Outcome o = run_map(folder, "a.drc", {"--vertices", std::to_string(limit)});
-        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
         const int vertices = o.report["surface"]["vertices"];
         EXPECT_LE(vertices, limit);
         EXPECT_GT(vertices, 0.85 * limit);
@@ -55,7 +57,6 @@ TEST(Budget, VerticesAreKeptAndNearlyUsed) {
 TEST(Budget, BytesAreThoseOfTheFile) {
     const TemporaryFolder folder;
     const Outcome o = run_map(folder, "a.drc", {"--max-bytes", "9000"});
-    ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
     EXPECT_LE(o.bytes, 9000u);
     EXPECT_GT(o.bytes, 7000u);
     EXPECT_EQ(o.report["budget"]["reached"], o.bytes);
@@ -68,7 +69,6 @@ TEST(Budget, BytesCountPicturesAndLevels) {
     const auto expect_within = [&](const char* file, int most, std::vector<std::string> extra) {
         extra.insert(extra.end(), {"--max-bytes", std::to_string(most)});
         const Outcome o = run_map(folder, file, extra);
-        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
         std::uintmax_t bytes = 0;
         for (const Json& output : o.report["outputs"]) bytes += output["bytes"].get<std::uintmax_t>();
         EXPECT_EQ(o.report["budget"]["reached"], bytes) << file;
@@ -83,7 +83,6 @@ TEST(Budget, BytesCountPicturesAndLevels) {
 TEST(Budget, BytesCountEveryFileOfAnOutput) {
     const TemporaryFolder folder;
     const Outcome o = run_map(folder, "a.gltf", {"--color", sample("left.png"), "--max-bytes", "120000"});
-    ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
     std::uintmax_t bytes = 0;
     for (const Json& output : o.report["outputs"]) bytes += output["bytes"].get<std::uintmax_t>();
     EXPECT_EQ(o.report["outputs"].size(), 3u);
@@ -101,7 +100,6 @@ TEST(Budget, TheTextureTakesPart) {
     std::uintmax_t least = 1000000;
     for (const char* limit : {"100000", "12000"}) {
         const Outcome o = run_map(folder, "a.glb", {"--color", sample("left.png"), "--max-bytes", limit});
-        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
         EXPECT_LE(o.bytes, std::stoul(limit));
         EXPECT_LT(o.bytes, least);
         least = o.bytes;
@@ -117,15 +115,14 @@ TEST(Budget, TheTextureTakesPart) {
     const Outcome sharp = run_map(folder, "a.glb",
                                   {"--color", sample("left.png"), "--max-bytes", "20000", "--set",
                                    "export.texture_quality=90", "--verbose"});
-    ASSERT_EQ(sharp.process.exit_code, 0) << sharp.process.err;
     EXPECT_LE(sharp.bytes, 20000u);
     EXPECT_EQ(texture_of(sharp)[0], 90) << "as given";
     EXPECT_GT(texture_of(sharp)[1], 0);
     EXPECT_CONTAINS(sharp.process.err, "budget: texture of quality 90, at most ");
-    const Outcome given = run_map(folder, "a.glb",
-                                  {"--color", sample("left.png"), "--max-bytes", "9000", "--set",
-                                   "export.texture_quality=90", "--set", "export.texture_max_px=320"});
-    EXPECT_EQ(given.process.exit_code, 2) << "the texture alone is larger";
+    run_map(folder, "a.glb",  // whose texture alone is larger
+            {"--color", sample("left.png"), "--max-bytes", "9000", "--set", "export.texture_quality=90",
+             "--set", "export.texture_max_px=320"},
+            2);
 }
 
 // A budget chooses the preset `compact` if no preset is named; explicit settings are kept.
@@ -133,7 +130,6 @@ TEST(Budget, ChoosesTheCompactPreset) {
     const TemporaryFolder folder;
     const auto config = [&](const std::vector<std::string>& extra) {
         const Outcome o = run_map(folder, "a.glb", extra);
-        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
         Json found = o.report["config"];
         for (const char* section : {"input", "budget", "run"}) found.erase(section);
         found["mesh"].erase("spacing_px");
@@ -163,7 +159,6 @@ TEST(Budget, ErrorIsKept) {
     std::size_t finer = 0;
     for (const double limit : {0.3, 0.7}) {
         const Outcome o = run_map(folder, "a.obj", {"--max-error-px", std::to_string(limit)});
-        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
         EXPECT_LE(o.report["surface"]["duo_rmse_near_px"], limit);
         EXPECT_NEAR(o.report["budget"]["reached"].get<double>(),
                     o.report["surface"]["duo_rmse_near_px"].get<double>(), 1e-9)
@@ -184,7 +179,6 @@ void expect_again_without_budget(const TemporaryFolder& folder, const Outcome& f
         run_map(folder, "a.drc",
                 {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
                  "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
-    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
     EXPECT_EQ(read_text(folder / "a.drc"), bytes);
     EXPECT_TRUE(plain.report["budget"].is_null());
 }
@@ -193,7 +187,6 @@ void expect_again_without_budget(const TemporaryFolder& folder, const Outcome& f
 TEST(Budget, TheSpacingFoundMakesTheSameFile) {
     const TemporaryFolder folder;
     const Outcome found = run_map(folder, "a.drc", {"--max-bytes", "6000"});
-    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
     const std::string bytes = read_text(folder / "a.drc");
     const Outcome again = run_map(folder, "a.drc", {"--max-bytes", "6000", "--threads", "3"});
     EXPECT_EQ(read_text(folder / "a.drc"), bytes) << "deterministic";
@@ -208,7 +201,6 @@ TEST(Tolerance, FollowsTheSurfacesOwnError) {
         const Outcome o =
             run_map(folder, "a.drc",
                     {"--set", "export.tolerance_share=" + share, "--set", "export.tolerance_px=" + most});
-        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
         // The surface has the same error in every file; only the report of the .obj shows it.
         const Outcome exact = run_map(folder, "exact.obj", {});
         return std::pair{o.report["config"]["export"]["tolerance_px"].get<double>(),
@@ -229,7 +221,6 @@ TEST(Tolerance, FollowsTheSurfacesOwnError) {
 TEST(Tolerance, HoldsInABudget) {
     const TemporaryFolder folder;
     const Outcome found = run_map(folder, "a.drc", {"--config", "compact", "--max-bytes", "5000"});
-    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
     EXPECT_LE(found.bytes, 5000u);
     EXPECT_EQ(found.report["budget"]["tolerance_px"], found.report["config"]["export"]["tolerance_px"]);
     expect_again_without_budget(folder, found);
@@ -239,14 +230,12 @@ TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
     const TemporaryFolder folder;
     for (const std::vector<std::string>& extra :
          {std::vector<std::string>{"--max-bytes", "60"}, {"--vertices", "3"}, {"--max-error-px", "0.0001"}}) {
-        const Outcome o = run_map(folder, "a.drc", extra);
-        EXPECT_EQ(o.process.exit_code, 2) << extra[0];
+        const Outcome o = run_map(folder, "a.drc", extra, 2);
         EXPECT_CONTAINS(o.process.err, "out of reach");
         EXPECT_EQ(std::count(o.process.err.begin(), o.process.err.end(), '\n'), 1) << o.process.err;
         EXPECT_FALSE(std::filesystem::exists(folder / "a.drc"));
     }
-    const Outcome both = run_map(folder, "a.drc", {"--max-bytes", "6000", "--vertices", "300"});
-    EXPECT_EQ(both.process.exit_code, 2);
+    const Outcome both = run_map(folder, "a.drc", {"--max-bytes", "6000", "--vertices", "300"}, 2);
     EXPECT_CONTAINS(both.process.err, "exclude each other");
 }
 
@@ -265,18 +254,16 @@ void write_slope(const std::string& path) {
 TEST(Budget, LevelsOfDetailLimitTheSpacing) {
     const TemporaryFolder folder;
     write_slope(folder / "l.pfm");
-    const auto result = run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3",
-                                     "--max-bytes", "38000", "-o", folder / "f.obj", "--quiet"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+    expect_success({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3", "--max-bytes", "38000",
+                    "-o", folder / "f.obj", "--quiet"});
 }
 
 TEST(Budget, WhatTheLeftCameraDoesNotSeeGivesWay) {
     const TemporaryFolder folder;
     write_slope(folder / "l.pfm");
     const auto result =
-        run_program({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3", "--max-bytes", "30000",
-                     "--report", folder / "r.json", "-o", folder / "f.obj"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
+        expect_success({"run", "--disparity", folder / "l.pfm", "--set", "export.lod=3", "--max-bytes",
+                        "30000", "--report", folder / "r.json", "-o", folder / "f.obj"});
     EXPECT_CONTAINS(result.err, "(surface.views=left)");
     EXPECT_CONTAINS(read_text(folder / "r.json"), "\"hidden_triangles\": 0");
 }

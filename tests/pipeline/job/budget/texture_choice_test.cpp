@@ -38,13 +38,12 @@ TEST(TextureChoice, KeepsWhatIsGiven) {
 }
 
 TEST(TextureChoice, TheFirstThatFits) {
-    const TextureLimits limits{{0, 90}, 100};
     const auto bytes = [](const TextureChoice& choice) {
         const double side = choice.max_px > 0 ? choice.max_px : 100;
         return side * side * choice.quality / 100;
     };
     const auto chosen = [&](double most, double share) {
-        const TextureChoice choice = choose_texture(limits, most, share, bytes);
+        const TextureChoice choice = choose_texture({{0, 90}, 100}, most, share, bytes);
         return std::pair{choice.max_px, choice.quality};
     };
     EXPECT_EQ(chosen(1e6, 0.5), std::pair(0, 90));

@@ -11,11 +11,7 @@ CalibrationFile read(std::string_view text) {
 }
 
 std::string error_for(std::string_view text) {
-    const Folder folder;
-    const auto path = folder.write("bad.txt", text);
-    const std::string message = error_of([&] { read_calibration(path); });
-    EXPECT_CONTAINS(message, "bad.txt");
-    return message;
+    return error_of_file("bad.txt", text, [](const auto& path) { read_calibration(path); });
 }
 
 struct Expected {

@@ -26,11 +26,7 @@ std::optional<StereoCalibrationFile> read(const std::string& text, Rectify recti
 }
 
 std::string error_for(const std::string& text, Rectify rectify = Rectify::automatic) {
-    const Folder folder;
-    const auto path = folder.write("bad.yml", text);
-    const std::string message = error_of([&] { read_stereo_calibration(path, rectify); });
-    EXPECT_CONTAINS(message, "bad.yml");
-    return message;
+    return error_of_file("bad.yml", text, [&](const auto& path) { read_stereo_calibration(path, rectify); });
 }
 
 TEST(ReadStereoCalibration, AllOfIt) {

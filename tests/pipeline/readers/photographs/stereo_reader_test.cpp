@@ -18,11 +18,7 @@ StereoPair read(const Bytes& bytes, const StereoFileConfig& config = {}) {
 }
 
 std::string error_for(const Bytes& bytes, const StereoFileConfig& config = {}) {
-    const Folder folder;
-    const auto path = folder.write("bad.mpo", bytes);
-    const std::string message = error_of([&] { read_stereo_file(path, config); });
-    EXPECT_CONTAINS(message, "bad.mpo");
-    return message;
+    return error_of_file("bad.mpo", bytes, [&](const auto& path) { read_stereo_file(path, config); });
 }
 
 TEST(ReadStereoFile, HalvesSideBySideAndTopBottom) {

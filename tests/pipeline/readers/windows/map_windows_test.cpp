@@ -69,9 +69,9 @@ TEST(MapWindows, OfTiffsAreCropsOfTheWholeMap) {
     const Folder folder;
     const int width = 53, height = 39;
     const std::vector<float> values = sample_floats(width * height);
-    for (const auto& [bits, format] : std::vector<std::pair<int, int>>{{8, 1}, {16, 1}, {32, 3}, {64, 3}}) {
-        for (const int tile : {0, 16, 64}) {
-            for (const int compression : {1, 5, 8}) {
+    for (const auto& [bits, format] : std::vector<std::pair<int, int>>{{8, 1}, {16, 1}, {32, 3}, {64, 3}})
+        for (const int tile : {0, 16, 64})
+            for (const int compression : {1, 5, 8})
                 for (const int kind_number : {0, 1, 2}) {
                     TiffKind kind{.bits = bits,
                                   .format = format,
@@ -88,9 +88,6 @@ TEST(MapWindows, OfTiffsAreCropsOfTheWholeMap) {
                     const MapWindowConfig config{.disparity = {.scale = 3, .offset_px = -1}};
                     expect_windows(path, config, read_disparity_map(path, config.disparity));
                 }
-            }
-        }
-    }
 }
 
 TEST(MapWindows, OfSamplesOfFewBits) {
@@ -173,7 +170,7 @@ TEST(MapWindows, ServeSeveralThreads) {
         const auto windows = MapWindows::open(path);
         std::vector<int> wrong(4, 0);
         std::vector<std::thread> threads;
-        for (unsigned thread = 0; thread < 4; ++thread) {
+        for (unsigned thread = 0; thread < 4; ++thread)
             threads.emplace_back([&, thread] {
                 std::mt19937 random(thread);
                 for (int i = 0; i < 50; ++i) {
@@ -184,7 +181,6 @@ TEST(MapWindows, ServeSeveralThreads) {
                             wrong[thread] += window.at(column, row) != map.at(x + column, y + row);
                 }
             });
-        }
         for (std::thread& thread : threads) thread.join();
         EXPECT_EQ(wrong, std::vector<int>(4, 0));
     }
@@ -237,14 +233,13 @@ TEST(MapWindows, DamagedFilesAreRefused) {
     EXPECT_CONTAINS(open_error(make_tiff(64, 64, grey, kind)), "--disparity-scale");
     kind.bits = 16;
     const Bytes wide(2 * 64 * 64, 9);
-    for (const int tile : {0, 16}) {
+    for (const int tile : {0, 16})
         for (const int compression : {1, 8}) {
             kind.tile = tile;
             kind.compression = compression;
             const Bytes whole = make_tiff(64, 64, wide, kind);
             EXPECT_CONTAINS(open_error(Bytes(whole.begin(), whole.begin() + whole.size() / 2)), "malformed");
         }
-    }
     kind.format = 2;
     EXPECT_CONTAINS(open_error(make_tiff(64, 64, wide, kind)), "signed");
     EXPECT_CONTAINS(open_error(make_tiff(8, 8, Bytes(3 * 64, 9), {.samples = 3, .photometric = 2})),

@@ -33,7 +33,7 @@ TEST(MapWriter, MapsAreReadBack) {
     for (const auto& [width, height] :
          std::vector<std::pair<int, int>>{{1, 1}, {37, 29}, {64, 32}, {5, 70}}) {
         const DisparityMap map = sample_map(width, height);
-        for (const int tile : {1, 7, 16, 256}) {
+        for (const int tile : {1, 7, 16, 256})
             for (const char* const name : {"map.tif", "map.tiff", "map.pfm"}) {
                 SCOPED_TRACE(std::string(name) + " " + std::to_string(width) + " tile " +
                              std::to_string(tile));
@@ -46,7 +46,6 @@ TEST(MapWriter, MapsAreReadBack) {
                 EXPECT_EQ(windows->read(width / 2, height / 2, 1, 1).values[0],
                           map.at(width / 2, height / 2));
             }
-        }
     }
 }
 

@@ -147,7 +147,7 @@ TEST(Densify, PlanesComeBack) {
 TEST(Densify, MeasurementsStayAndOriginsTellThemApart) {
     const DisparityMap sparse = sampled(90, 70, slanted, random_share(10));
     const DisparityMap dense = densify(sparse, {}, 1);
-    for (std::size_t i = 0; i < sparse.values.size(); ++i) {
+    for (std::size_t i = 0; i < sparse.values.size(); ++i)
         if (DisparityMap::known(sparse.values[i])) {
             EXPECT_EQ(dense.values[i], sparse.values[i]);
             EXPECT_EQ(dense.origins[i], PixelOrigin::matched);
@@ -155,7 +155,6 @@ TEST(Densify, MeasurementsStayAndOriginsTellThemApart) {
             EXPECT_EQ(dense.origins[i],
                       DisparityMap::known(dense.values[i]) ? PixelOrigin::filled : PixelOrigin::unknown);
         }
-    }
 }
 
 TEST(Densify, StepsFollowThePicture) {
