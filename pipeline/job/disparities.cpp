@@ -18,6 +18,7 @@
 #include "pipeline/stages/by_colour/bare_borders.h"
 #include "pipeline/stages/by_colour/bare_patches.h"
 #include "pipeline/stages/by_colour/mixed_pixels.h"
+#include "pipeline/stages/by_colour/rim_strips.h"
 #include "pipeline/stages/by_colour/rims.h"
 #include "pipeline/stages/densify/densify.h"
 #include "pipeline/stages/densify/measurements.h"
@@ -329,6 +330,7 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
     if (pair)
         disparity.map = stages::with_bare_borders_behind(std::move(disparity.map), pair->views.left,
                                                          kind_of(*pair), threads);
+    if (is_smoothed && is_of_points) disparity.map = stages::with_rim_strips_joined(std::move(disparity.map));
     relief.pair_camera = camera;
     end_scene(disparity, camera, config.surface, log);
     count_from_infinity(disparity, camera, relief.input.is_aligned(), log);
