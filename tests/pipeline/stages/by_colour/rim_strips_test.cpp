@@ -40,6 +40,14 @@ TEST(RimStrips, StayIfTheyAreWideOrLowOrNearerToWhatIsBehind) {
         EXPECT_EQ(with_rim_strips_joined(map).values, map.values) << map.at(kThingBegin, 30);
 }
 
+TEST(RimStrips, StayIfTheyStandInFrontOfAGroove) {
+    DisparityMap map = thing_with_rim(2, 10);
+    const DisparityMap border = thing_with_rim(1, 4);
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        if (border.values[i] == kThing_px - 4) map.values[i] = border.values[i];
+    EXPECT_EQ(with_rim_strips_joined(map).values, map.values);
+}
+
 TEST(RimStrips, LowOnesJoinWithHigherOnesBesideThem) {
     DisparityMap map = thing_with_rim(3, 1.2f);
     map.at(kThingBegin, 30) = kThing_px - 5;
