@@ -19,8 +19,8 @@ struct MeshPart {
     std::size_t vertices = 0, triangles = 0;  // how many
 };
 
-// The cameras that saw a vertex; left is also what is told of a mesh of one view. filled, where that is asked for:
-// the left one saw it, and no match or measurement supports its depth. Files hold these numbers.
+// The cameras that saw a vertex; left is also what is told of a mesh of one view. filled, where that is asked
+// for: the left one saw it, and no match or measurement supports its depth. Files hold these numbers.
 enum class Provenance : std::uint8_t { both, left, right, nobody, filled };
 inline constexpr std::array<const char*, 5> kProvenanceNames = {"both", "left", "right", "nobody", "filled"};
 

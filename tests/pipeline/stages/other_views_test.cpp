@@ -191,10 +191,8 @@ TEST(OtherView, AWallWithoutAnOutlineKeepsItsColours) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall - 1, kThreads);
     OtherView view = left_view(visible.seen[0]);
     view.picture = {};
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
-            *view.color.at(x, y) =
-                static_cast<std::uint8_t>(x < kBoxBegin || x >= kBoxEnd ? 90 + (3 * x + y) % 5 : 200);
+    for (int i = 0; i < kWidth * kHeight; ++i)
+        view.color.pixels[i] = i % kWidth < kBoxBegin || i % kWidth >= kBoxEnd ? 90 + i % 5 : 200;
     const Image before = view.color;
     continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, visible,
                     kThreads);
