@@ -82,10 +82,8 @@ pid_t fork_or_throw() {
     return process;
 }
 
-constexpr int kBug = 1, kMemory = 6;
+constexpr int kBug = 1;
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
-constexpr const char* kOutOfMemory =
-    "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
 // Resets the process's peak memory. On kernels that cannot, it remains the peak so far.
 void forget_peak_memory() {
@@ -261,11 +259,11 @@ UnitResult result_of_exception() {
         result.exit_code = static_cast<int>(ErrorKind::input);
         result.message = "cannot use '" + error.path1().string() + "': " + error.code().message();
     } catch (const std::bad_alloc&) {
-        result.exit_code = kMemory;
+        result.exit_code = kMemoryExitCode;
         result.message = kOutOfMemory;
     } catch (const std::system_error& error) {  // thrown by threads, which need memory
         const bool memory = error.code() == std::errc::resource_unavailable_try_again;
-        result.exit_code = memory ? kMemory : kBug;
+        result.exit_code = memory ? kMemoryExitCode : kBug;
         result.message = memory ? kOutOfMemory : std::string("internal error: ") + error.what();
     } catch (const std::exception& error) {
         result.message = std::string("internal error: ") + error.what();

@@ -88,6 +88,11 @@ std::vector<std::string> device_names();
 // if there is no usable GPU, Error(usage) for another text.
 std::vector<std::string> devices_of(const std::string& text);
 
+// The exit code and the words where memory ends.
+inline constexpr int kMemoryExitCode = 6;
+inline constexpr const char* kOutOfMemory =
+    "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
+
 // Returns three quarters of the memory that is available now, within the process's control group.
 std::uint64_t memory_to_use();
 

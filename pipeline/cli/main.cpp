@@ -7,6 +7,7 @@
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
+#include "pipeline/cli/uncaught.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
@@ -82,6 +83,7 @@ int main(int argc, char** argv) {
     // during which no other thread can map or clear pages.
     mallopt(M_TOP_PAD, 2 << 20);
 #endif
+    hexrelief::cli::tell_of_uncaught_exceptions();
     const int exit_code = hexrelief::cli::run_command_line(argc, argv);
 #if !defined(NDEBUG) && !defined(__SANITIZE_THREAD__)
     // Runs the sanitizer's search for leaks, and writes what coverage has counted.

@@ -36,6 +36,16 @@ def mounted(test, options, script):
     return result
 
 
+def compiled(test, name, source):
+    """A library to be preloaded, in C."""
+    if shutil.which("cc") is None:
+        test.skipTest("no compiler")
+    path, library = test.outer / f"{name}.c", test.outer / f"{name}.so"
+    path.write_text(source)
+    subprocess.run(["cc", "-shared", "-fPIC", "-o", library, path], check=True)
+    return library
+
+
 class Disks(Fault):
     def test_full_disk_leaves_the_old_files(self):
         words = " ".join(self.outputs("--quiet"))
@@ -96,6 +106,39 @@ class Limits(Fault):
         for mebibytes in (40, 80, 120, 160, 200, 250, 300):
             result = self.run_program(self.outputs("--threads", "4", "--backend", "cpu"), preexec_fn=limits(AS=mebibytes << 20))
             self.assert_all_or_none(result, 6)
+
+    def test_memory_that_ends_for_good(self):
+        """Not even the message, nor what is undone, can allocate."""
+        library = compiled(self, "memory", """
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+void* __libc_malloc(size_t);
+void* __libc_memalign(size_t, size_t);
+void* __libc_calloc(size_t, size_t);
+void* __libc_realloc(void*, size_t);
+static atomic_long left = 1 << 30;
+__attribute__((constructor)) static void begin(void) { left = atol(getenv("ALLOCATIONS")); }
+static int ends(void) { return atomic_fetch_sub(&left, 1) > 0 ? 0 : (errno = ENOMEM); }
+void* malloc(size_t bytes) { return ends() ? 0 : __libc_malloc(bytes); }
+void* calloc(size_t count, size_t bytes) { return ends() ? 0 : __libc_calloc(count, bytes); }
+void* realloc(void* block, size_t bytes) { return ends() ? 0 : __libc_realloc(block, bytes); }
+void* aligned_alloc(size_t alignment, size_t bytes) { return ends() ? 0 : __libc_memalign(alignment, bytes); }
+int posix_memalign(void** block, size_t alignment, size_t bytes) {
+    return ends() || !(*block = __libc_memalign(alignment, bytes)) ? ENOMEM : 0;
+}
+""")
+        ended = 0
+        for allocations in range(3000, 60000, 2000):
+            surroundings = {"LD_PRELOAD": str(library), "ALLOCATIONS": str(allocations)}
+            result = self.run_program(self.outputs("--threads", "4", "--backend", "cpu"), env=surroundings)
+            if result.returncode == 0:
+                break
+            self.assert_told(result, 6)
+            self.assertEqual(os.listdir(self.folder), [])
+            ended += 1
+        self.assertGreater(ended, 4)
 
     def test_threads(self):
         self.require_other_user()
@@ -161,8 +204,7 @@ class Surroundings(Fault):
         self.assertEqual(found[0], found[1])
 
     def test_clock_that_steps_backwards(self):
-        source, library = self.outer / "clock.c", self.outer / "clock.so"
-        source.write_text("""
+        library = compiled(self, "clock", """
 #define _GNU_SOURCE
 #include <sys/syscall.h>
 #include <sys/time.h>
@@ -188,9 +230,6 @@ time_t time(time_t* now) {
     return precise.tv_sec;
 }
 """)
-        if shutil.which("cc") is None:
-            self.skipTest("no compiler for a clock")
-        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
         expected = self.bytes_with()
         clock = {"LD_PRELOAD": str(library)}
         self.assertEqual(self.bytes_with(env=clock), expected)
