@@ -90,16 +90,16 @@ TEST(RimsByColour, UnknownPixelsAndOriginsStay) {
     EXPECT_EQ(with_rims_by_colour(map, {}, 2).at(198, 30), kNear_px);  // no picture
 }
 
-// A slanted near thing with shreds at its rim: mirrored, in three channels and on more threads it becomes the
-// same.
+// A rough near thing before a rough wall, with shreds at its rim: mirrored, in three channels and on more
+// threads it becomes the same.
 TEST(RimsByColour, DoNotDependOnTheOrderOfPixelsChannelsOrThreads) {
     DisparityMap map = thing_from(200), mirrored = map;
     Image left = dark_from(200), mirrored_left = left, colour{kWidth, kHeight, 3, {}};
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-            if (x >= 200) map.at(x, y) += 0.3f * static_cast<float>(y);
-            if (x >= 199 && x < 202 && y % 13 < 9) map.at(x, y) = 30 + static_cast<float>(y % 7);
-            *left.at(x, y) = static_cast<std::uint8_t>((x >= 202 ? 110 : 126) + (x * 13 + y * 29) % 3 % 2);
+            map.at(x, y) += 0.3f * static_cast<float>(y % 7) + 0.4f * static_cast<float>(x % 3);
+            if (x >= 199 && x < 203 && y % 13 < 9) map.at(x, y) = 30 + static_cast<float>(y % 7);
+            *left.at(x, y) = static_cast<std::uint8_t>((x >= 203 ? 110 : 126) + (x * 13 + y * 29) % 3 % 2);
             mirrored.at(kWidth - 1 - x, y) = map.at(x, y);
             *mirrored_left.at(kWidth - 1 - x, y) = *left.at(x, y);
             colour.pixels.insert(colour.pixels.end(), 3, *left.at(x, y));
