@@ -21,7 +21,8 @@ constexpr double kMostSlope = 0.3;
 constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface whose colours are mixed
 // What continues is no longer than this share of a view's side; in photographs, with colours from the last.
 constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 16, kMirroredShareOfPhotographs = 40;
-constexpr int kApart = 2;  // times its width: a baseline on, mixed pixels stand apart from their thing
+constexpr int kApart = 2;      // times its width: a baseline on, mixed pixels stand apart from their thing
+constexpr int kRatherFar = 2;  // times less unlike the farther surface than the nearer one: not mixed of both
 // What looks this unlike a surface: levels, and times the mean deviation of its colours from their mean.
 constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
 constexpr int kBorder_px = 2;
@@ -63,15 +64,15 @@ double slope_at(const Disparities& front, const Line& line, int end, int span) {
     return std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
 }
 
-// Returns the number of pixels at the end of a surface, at most `most`, that are mixed or look rather like
-// the nearer surface, at line(near), than like this one. reach: the number of this one's pixels.
+// Returns the number of pixels at the end of a surface, at most `most` and one, that are mixed of it and the
+// nearer surface, at line(near). reach: the number of this one's pixels.
 int mixed_at(const Image& picture, const Line& line, int end, int near, int reach, int most) {
     if (picture.empty() || near >= line.count) return kMixed;
     const auto difference = [&](int i, int j) { return color_difference(picture, line(i), line(j)); };
     const int far = end - std::min(reach - 1, most + kMixed);
     int last = std::max(end - most, far);
-    while (last < end - kMixed && difference(last, near) >= difference(last, far)) ++last;
-    return end - last + (last < end - kMixed ? 1 : 0);
+    while (last <= end - kMixed && difference(last, near) >= kRatherFar * difference(last, far)) ++last;
+    return end - last + 1;
 }
 
 // Returns where the nearer surface in front of line(end) begins: behind pixels that are mixed.
@@ -134,7 +135,9 @@ void mark_mixed(const Disparities& front, const Image& picture, const Line& line
     const auto difference = [&](int i, int j) { return color_difference(picture, line(i), line(j)); };
     const bool is_compared = !picture.empty() && near < line.count && mixed < reach;
     for (int i = end; i > end - mixed; --i) {
-        const bool is_of_nearer = is_compared && difference(i, near) < difference(i, end - reach + 1);
+        const bool is_of_nearer =
+            mixed == reach ||
+            (is_compared && difference(i, near) < kRatherFar * difference(i, end - reach + 1));
         colours[line(i)] = std::max(colours[line(i)], is_of_nearer ? Purity::of_nearer : Purity::mixed);
     }
     mark_outline(front, picture, line, end, most, colours);
@@ -164,12 +167,16 @@ void continue_from(const Disparities& front, const std::vector<Purity>& colours,
         reach = reach_of(front, line, end, reach, std::min(mirrored, mixed) + kMixed);
     }
     const bool has_colours = !is_photograph || mixed < reach;
-    // Outlines and pixels of the nearer surface's colours get clean ones as well.
-    for (int k = 0; is_photograph && has_colours && k < mixed; ++k)
+    // Outlines and pixels of the nearer surface's colours get clean ones as well. Those farther away are
+    // beside another silhouette.
+    const int own = std::min(mixed, side.mixed_px + 1);
+    for (int k = 0; is_photograph && k < own; ++k)
         if (const std::size_t pixel = line(end - k);
             colours[pixel] == Purity::outline ||
-            (colours[pixel] == Purity::of_nearer && near - far > kApart * mixed))
-            result.offer(pixel, front[pixel], 0, line(end - folded(2 * mixed - k, mixed, reach - 1)));
+            (colours[pixel] == Purity::of_nearer && near - far > kApart * own))
+            result.offer(
+                pixel, front[pixel], 0,
+                has_colours ? line(end - folded(2 * mixed - k, mixed, reach - 1)) : Continued::kNoColour);
     for (int k = 1; k <= longest && end + k < line.count; ++k) {
         const std::size_t pixel = line(end + k);
         const double d = std::min(far + slope * std::min(k, span), near);

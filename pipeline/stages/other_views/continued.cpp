@@ -61,6 +61,7 @@ void give_scraps_away(Continued& continued, const Disparities& front, const View
             open.push_back(pixel);
     }
     for (const std::uint32_t pixel : open) disparities[pixel] = kNotCovered;
+    const auto is_in_front = [&](std::size_t i) { return continued.distances[i] == 0; };
     // What is beside them grows by a pixel a round.
     for (std::size_t given = 1; given > 0;) {
         std::vector<std::pair<std::uint32_t, std::uint32_t>> now;  // a pixel and the one that it follows
@@ -68,9 +69,9 @@ void give_scraps_away(Continued& continued, const Disparities& front, const View
         for (const std::uint32_t pixel : open) {
             std::uint32_t from = pixel;
             for_four_neighbours(pixel, place.width, place.height, [&](std::size_t i) {
-                if (disparities[i] == kNotCovered || continued.distances[i] == 0 ||
-                    front[pixel] - disparities[i] <= kOneSurface_px)
-                    return;
+                if (disparities[i] == kNotCovered || is_in_front(i) != is_in_front(pixel)) return;
+                const double nearer = front[pixel] - disparities[i];
+                if (is_in_front(pixel) ? std::abs(nearer) > kOneSurface_px : nearer <= kOneSurface_px) return;
                 if (from == pixel || disparities[i] < disparities[from]) from = static_cast<std::uint32_t>(i);
             });
             if (from == pixel)
@@ -79,8 +80,8 @@ void give_scraps_away(Continued& continued, const Disparities& front, const View
                 now.emplace_back(pixel, from);
         }
         for (const auto& [pixel, from] : now) {
-            disparities[pixel] = disparities[from];
-            continued.distances[pixel] = continued.distances[from] + 1;
+            disparities[pixel] = is_in_front(pixel) ? front[pixel] : disparities[from];
+            if (!is_in_front(pixel)) continued.distances[pixel] = continued.distances[from] + 1;
             continued.colours_of[pixel] = continued.colours_of[from];
         }
         given = now.size();
@@ -126,7 +127,7 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
             const std::uint32_t from = continued.pixels[begin];
             for_four_neighbours(from, missing.width, missing.height, [&](std::size_t i) {
                 if (continued.disparities[i] != kNotCovered || DisparityMap::known(missing.values[i]) ||
-                    front[i] - continued.disparities[from] <= kOneSurface_px)
+                    (front[i] != kNotCovered && front[i] - continued.disparities[from] <= kOneSurface_px))
                     return;
                 continued.disparities[i] = continued.disparities[from];
                 continued.colours_of[i] = continued.colours_of[from];

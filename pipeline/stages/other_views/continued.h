@@ -27,9 +27,11 @@ struct Continued {
 
     // The nearest silhouette decides; of two, the farther surface. What continues goes before colours alone.
     void offer(std::size_t pixel, double d, int distance, std::size_t colour_of) {
-        constexpr auto kLast = std::numeric_limits<std::int32_t>::max();
-        const int rank = distance == 0 ? kLast : distance,
-                  old = distances[pixel] == 0 ? kLast : distances[pixel];
+        const auto rank_of = [](std::int32_t its_distance, std::size_t its_colour) {
+            constexpr auto kLast = std::numeric_limits<std::int32_t>::max();
+            return its_distance > 0 ? its_distance : its_colour == kNoColour ? kLast : kLast - 1;
+        };
+        const int rank = rank_of(distance, colour_of), old = rank_of(distances[pixel], colours_of[pixel]);
         if (disparities[pixel] != kNotCovered && (rank > old || (rank == old && d >= disparities[pixel])))
             return;
         disparities[pixel] = d;
@@ -44,7 +46,8 @@ inline constexpr double kNeighbours_px = 2;
 // A step within the near thing, such as at its rim, is no silhouette: what continues there is part of the
 // thing. Such a pixel's disparity is nearer to that of what hides it, `front`, than to the median of the
 // means, over squares of radius_px / 16 px a side, of what continues within radius_px. The pixel gets what
-// continues beside it, or nothing if that would not be hidden. So does a pixel without a colour.
+// continues beside it, or nothing if that would not be hidden. So does a pixel without a colour; one in
+// front gets the colour of one beside it that is in front.
 void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px);
 
 // Makes lines that continue one surface agree. The same for any number of threads.

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <vector>
 
+#include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
@@ -71,6 +73,23 @@ TEST(Continued, WhatHasNoColourGetsThatOfWhatIsBesideItOrGoes) {
     EXPECT_EQ(scene.continued.pixels.size(), 15u * kHeight);
 }
 
+TEST(Continued, WhatIsInFrontWithoutAColourGetsThatOfWhatIsInFrontBesideIt) {
+    BehindThing scene(5, 20);
+    for (int y = 3; y < 7; ++y) {
+        scene.continued.offer(at(25, y), kNear, 0, y == 3 ? at(28, y) : Continued::kNoColour);
+        scene.continued.pixels.push_back(at(25, y));
+    }
+    // A colour goes before none, whichever is offered first.
+    scene.continued.offer(at(25, 6), kNear, 0, at(29, 6));
+    scene.continued.offer(at(25, 3), kNear, 0, Continued::kNoColour);
+    scene.give();
+    EXPECT_EQ(scene.continued.colours_of[at(25, 4)], at(28, 3));
+    EXPECT_EQ(scene.continued.colours_of[at(25, 5)], at(29, 6));
+    EXPECT_EQ(scene.continued.colours_of[at(25, 3)], at(28, 3));
+    EXPECT_EQ(scene.continued.disparities[at(25, 5)], kNear);
+    EXPECT_EQ(scene.continued.distances[at(25, 5)], 0);
+}
+
 TEST(Continued, DetailIsThatOfTheColoursOwnPixels) {
     BehindThing scene(5, 35);
     Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight)};
@@ -114,6 +133,45 @@ TEST(Continued, ColoursSpreadAsFarAsAskedOverWhatHidesThem) {
         EXPECT_EQ(scene.continued.colours_of[at(19 + spread_px, 9)], at(5, 9));
         EXPECT_EQ(scene.continued.disparities[at(20 + spread_px, 9)], kNotCovered);
     }
+}
+
+TEST(Continued, ColoursSpreadOverWhatIsOpen) {
+    BehindThing scene(5, 20);
+    scene.front[at(21, 9)] = kNotCovered;
+    const DisparityMap missing{kWidth, kHeight, std::vector<float>(kWidth * kHeight, kUnknownDisparity)};
+    spread_colours(scene.continued, missing, scene.front, 3);
+    EXPECT_EQ(scene.continued.colours_of[at(21, 9)], at(5, 9));
+}
+
+// A near thing before a wall, over whose edge its colours reach by 4 px, and by one that is mixed. In some rows
+// the wall is but a crack of the thing, in some the marks of another silhouette leave it no clean colour.
+TEST(Continued, MixedPixelsBesideAThingAreCleanInEachRow) {
+    constexpr int kEdge = 40, kSide = 100, kRows = 60;
+    const auto is_crack = [](int y) { return y >= 10 && y < 14; };
+    const auto disparity_at = [&](int x, int y) {
+        if (x < kEdge || (is_crack(y) && x >= kEdge + 3 && x < kEdge + 15)) return 80.0;
+        return y < kRows / 2 ? 20.0 : 30.0;
+    };
+    // From the edge on. The last is the wall's own, so that the line is no outline.
+    constexpr std::array<std::uint8_t, 8> kColours = {220, 220, 220, 220, 150, 100, 100, 190};
+    OtherView view;
+    view.place = {0, 0, 0, 1, kSide, kRows};
+    view.missing = {kSide, kRows, std::vector<float>(kSide * kRows, kUnknownDisparity)};
+    view.color = {kSide, kRows, 1, std::vector<std::uint8_t>(kSide * kRows, 100)};
+    SeenSurface here;
+    here.place = view.place;
+    for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kSide; ++x) {
+            here.disparities.push_back(disparity_at(x, y));
+            if (disparity_at(x, y) == 80)
+                *view.color.at(x, y) = 220;
+            else if (x - kEdge < 8)
+                *view.color.at(x, y) = kColours[x - kEdge];
+        }
+    continue_behind(view, here, {.right = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, {{here}, 1}, 2);
+    for (int y = 2; y < kRows - 2; ++y)
+        for (int x = kEdge; x < kEdge + (is_crack(y) ? 3 : 6); ++x)
+            EXPECT_LT(*view.color.at(x, y), 112) << x << ' ' << y;
 }
 
 TEST(Continued, SmallRegionIsACrackOfTheSurfaceThatItGoesOnWith) {
