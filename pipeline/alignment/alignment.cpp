@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -191,44 +190,16 @@ constexpr double kLeastYawDeviation = 0.15 * kDegree, kLeastYawDeviationGuessed 
 // Farthest over nearest distance, at most: if infinity is not known, and if it is.
 constexpr double kFarthest = 4, kFarthestKnown = 40;
 constexpr double kDeepForWide = 0.25;  // a scene whose infinity is not known: its depth over its width
-constexpr std::size_t kNeighbours = 8, kSupporting = 3;
-constexpr double kSupport_px = 2, kSupportSlope = 0.1;
 constexpr std::size_t kLeastForSupport = 30, kLeastSupported = 20;
 
-// Returns the disparities that at least three of a match's eight nearest have nearly as well: a repeated
-// pattern slides along rows unnoticed.
+// Returns the disparities of matches that those around them have nearly as well: a repeated pattern slides
+// along rows unnoticed.
 std::vector<double> supported(const std::vector<Match>& matches, const std::vector<double>& disparities) {
     if (matches.size() < kLeastForSupport) return disparities;
-    std::vector<std::size_t> order(matches.size());  // by column, so that few are looked at
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return matches[a].left.x < matches[b].left.x; });
+    std::vector<Point> shifts;
+    for (const double d : disparities) shifts.push_back({d, 0});
     std::vector<double> out;
-    std::vector<std::pair<double, std::size_t>> nearest;  // a heap of squared distances
-    for (std::size_t rank = 0; rank < order.size(); ++rank) {
-        const std::size_t i = order[rank];
-        const auto column = [&](std::size_t other) { return matches[order[other]].left.x; };
-        nearest.clear();
-        for (std::size_t before = rank, behind = rank + 1; before > 0 || behind < order.size();) {
-            const bool is_before =
-                behind == order.size() ||
-                (before > 0 && column(rank) - column(before - 1) <= column(behind) - column(rank));
-            const std::size_t j = order[is_before ? --before : behind++];
-            const double x = matches[j].left.x - matches[i].left.x, y = matches[j].left.y - matches[i].left.y;
-            if (nearest.size() == kNeighbours && x * x > nearest.front().first) break;
-            nearest.emplace_back(x * x + y * y, j);
-            std::push_heap(nearest.begin(), nearest.end());
-            if (nearest.size() <= kNeighbours) continue;
-            std::pop_heap(nearest.begin(), nearest.end());
-            nearest.pop_back();
-        }
-        const auto agrees = [&](const std::pair<double, std::size_t>& other) {
-            return std::fabs(disparities[other.second] - disparities[i]) <
-                   kSupport_px + kSupportSlope * std::sqrt(other.first);
-        };
-        if (static_cast<std::size_t>(std::count_if(nearest.begin(), nearest.end(), agrees)) >= kSupporting)
-            out.push_back(disparities[i]);
-    }
+    for (const std::size_t i : supported_by_neighbours(matches, shifts)) out.push_back(disparities[i]);
     return out.size() >= kLeastSupported ? out : disparities;
 }
 

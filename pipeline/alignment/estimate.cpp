@@ -15,6 +15,7 @@ constexpr double kFocalDeviation = 0.2, kRadialDeviation = 0.06;
 constexpr double kRadialGain = 0.92;       // of the cost of matches that were not fitted
 constexpr double kQuarterTurnCost = 0.02;  // added to the row cost of pictures that have to be turned
 constexpr std::size_t kMostInStarts = 400, kMostFitted = 1000;  // more matches cost time and tell little
+constexpr std::size_t kLeastLikeNeighbours = 40;
 // Views whose matches lie behind infinity by more than this are exchanged.
 constexpr double kClearlyBehind_px = 3, kYawDeviations = 2;
 
@@ -41,6 +42,20 @@ std::vector<Match> at_most(const std::vector<Match>& matches, std::size_t most) 
     return every(matches, 0, std::max<std::size_t>(1, (matches.size() + most - 1) / most));
 }
 
+// Returns the matches that shift like those around them; all if these are few. Others are of repeated
+// patterns, along the rows of which a wrong estimate may find more that agree than the true one does.
+std::vector<Match> supported(const std::vector<Match>& matches) {
+    std::vector<Point> shifts;
+    for (const Match& match : matches)
+        shifts.push_back({match.right.x - match.left.x, match.right.y - match.left.y});
+    std::vector<std::size_t> places = supported_by_neighbours(matches, shifts);
+    if (places.size() < kLeastLikeNeighbours) return matches;
+    std::sort(places.begin(), places.end());
+    std::vector<Match> some;
+    for (const std::size_t i : places) some.push_back(matches[i]);
+    return some;
+}
+
 Point turned(const Point& p, const Camera& camera) {
     return {p.y, camera.width - 1 - p.x};
 }
@@ -64,10 +79,10 @@ void find_start(Estimate& estimate, const EstimateConfig& config, ThreadPool& po
         std::vector<Match> all, some;
     };
     const Camera& given = estimate.camera;
-    std::vector<Orientation> orientations{{false, given, estimate.matches, {}}};
+    std::vector<Orientation> orientations{{false, given, supported(estimate.matches), {}}};
     if (!config.is_rig)
         orientations.push_back(
-            {true, {given.height, given.width, given.focal_px}, turned(estimate.matches, given), {}});
+            {true, {given.height, given.width, given.focal_px}, turned(orientations[0].all, given), {}});
     struct Attempt {
         const Orientation& orientation;
         Parameters start;
@@ -94,8 +109,8 @@ void find_start(Estimate& estimate, const EstimateConfig& config, ThreadPool& po
     const Attempt& best = *std::min_element(
         attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) { return a.cost < b.cost; });
     estimate.is_quarter_turned = best.orientation.is_turned;
+    if (best.orientation.is_turned) estimate.matches = turned(std::move(estimate.matches), given);
     estimate.camera = best.orientation.camera;
-    estimate.matches = best.orientation.all;
     estimate.fit = best.fit;
 }
 
@@ -168,7 +183,7 @@ Estimate with_matches(Estimate estimate, std::vector<Match> matches, const Estim
     estimate.matches = std::move(matches);
     estimate.is_exchanged = false;
     const std::vector<Match>& all = estimate.matches;
-    const std::vector<Match> some = at_most(all, kMostFitted);
+    const std::vector<Match> some = at_most(supported(all), kMostFitted);
     const std::vector<Match> fitted = every(some, 0, 2), held_out = every(some, 1, 2);
     const auto fit_from_start = [&](const std::vector<Match>& to, const Prior& prior) {
         return fit_views(estimate.camera, to, prior, estimate.fit.parameters, kKnownWidth_px);

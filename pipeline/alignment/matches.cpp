@@ -1,8 +1,11 @@
 #include "pipeline/alignment/matches.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <optional>
+#include <utility>
 
 #include "pipeline/base/uninitialized_vector.h"
 
@@ -12,6 +15,8 @@ namespace {
 constexpr int kCells = 12;      // a side of the picture has so many parts
 constexpr int kBorder_px = 20;  // px: a descriptor reaches 15 px
 constexpr int kApart = 3;       // px between corners
+constexpr std::size_t kNeighbours = 8, kSupporting = 3;
+constexpr double kSupport_px = 2, kSupportSlope = 0.1;
 constexpr std::int64_t kLeastStrength =
     9600;  // 16 times the sum of 25 squared gradients of some 5 grey levels
 
@@ -289,6 +294,41 @@ std::vector<Match> find_matches(const GreyPicture& left, const GreyPicture& righ
         b = halved(b);
     }
     return matches;
+}
+
+std::vector<std::size_t> supported_by_neighbours(const std::vector<Match>& matches,
+                                                 const std::vector<Point>& shifts) {
+    std::vector<std::size_t> order(matches.size());  // by column, so that few are looked at
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return matches[a].left.x < matches[b].left.x; });
+    std::vector<std::size_t> out;
+    std::vector<std::pair<double, std::size_t>> nearest;  // a heap of squared distances
+    for (std::size_t rank = 0; rank < order.size(); ++rank) {
+        const std::size_t i = order[rank];
+        const auto column = [&](std::size_t other) { return matches[order[other]].left.x; };
+        nearest.clear();
+        for (std::size_t before = rank, behind = rank + 1; before > 0 || behind < order.size();) {
+            const bool is_before =
+                behind == order.size() ||
+                (before > 0 && column(rank) - column(before - 1) <= column(behind) - column(rank));
+            const std::size_t j = order[is_before ? --before : behind++];
+            const double x = matches[j].left.x - matches[i].left.x, y = matches[j].left.y - matches[i].left.y;
+            if (nearest.size() == kNeighbours && x * x > nearest.front().first) break;
+            nearest.emplace_back(x * x + y * y, j);
+            std::push_heap(nearest.begin(), nearest.end());
+            if (nearest.size() <= kNeighbours) continue;
+            std::pop_heap(nearest.begin(), nearest.end());
+            nearest.pop_back();
+        }
+        const auto agrees = [&](const std::pair<double, std::size_t>& other) {
+            const double x = shifts[other.second].x - shifts[i].x, y = shifts[other.second].y - shifts[i].y;
+            return std::sqrt(x * x + y * y) < kSupport_px + kSupportSlope * std::sqrt(other.first);
+        };
+        if (static_cast<std::size_t>(std::count_if(nearest.begin(), nearest.end(), agrees)) >= kSupporting)
+            out.push_back(i);
+    }
+    return out;
 }
 
 }  // namespace hexrelief::alignment

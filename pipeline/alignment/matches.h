@@ -52,4 +52,9 @@ struct Match {
 // matches in the same order for any number of threads.
 std::vector<Match> find_matches(const GreyPicture& left, const GreyPicture& right, ThreadPool& pool);
 
+// Returns the places of the matches that shift like at least three of their eight nearest in the left
+// picture: by 2 px and a tenth of their distance more or less. shifts: one of each match, px.
+std::vector<std::size_t> supported_by_neighbours(const std::vector<Match>& matches,
+                                                 const std::vector<Point>& shifts);
+
 }  // namespace hexrelief::alignment
