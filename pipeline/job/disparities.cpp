@@ -17,6 +17,7 @@
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/stages/by_colour/bare_borders.h"
 #include "pipeline/stages/by_colour/bare_patches.h"
+#include "pipeline/stages/by_colour/frame_pieces.h"
 #include "pipeline/stages/by_colour/mixed_pixels.h"
 #include "pipeline/stages/by_colour/rim_strips.h"
 #include "pipeline/stages/by_colour/rims.h"
@@ -324,7 +325,8 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
                 pair->views.left, threads);
         if (is_smoothed) refine_noisy(disparity, *pair, threads, log);
         if (is_smoothed && is_of_points)
-            disparity.map = stages::with_wider_near(std::move(disparity.map), threads);
+            disparity.map =
+                stages::with_wider_near(stages::with_frame_pieces_joined(std::move(disparity.map)), threads);
         flatten_relief(disparity, *pair, camera, log);
     }
     if (pair)

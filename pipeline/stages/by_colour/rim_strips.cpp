@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/by_colour/line_of_map.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -14,13 +15,6 @@ constexpr float kSilhouetteShare = 225, kLeastSilhouette_px = 2;  // of the long
 constexpr float kRiseShare = 450;  // of the longer side: what the steps before it are worth
 constexpr int kRounds = 2;         // a strip's corner is a strip when its sides have joined
 constexpr float kJoinedStep_px = 1.0001f;
-
-// A row or a column of a map, from either end.
-struct LineOfMap {
-    std::ptrdiff_t first, step;
-    int count;
-    std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
-};
 
 // Notes how far the strips of a line that end at a silhouette have to rise.
 void find_rim_strips(const DisparityMap& map, const LineOfMap& line, std::vector<float>& rises) {

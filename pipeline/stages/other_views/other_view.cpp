@@ -42,13 +42,22 @@ bool is_seen(const SeenSurface& seen, const ViewPoint& in_left) {
 // Closes notches narrower than twice `reach` lines of what cameras see of the lines: between two others, a
 // line is as long there as these, as if what lies behind continued from the one to the other.
 void close_notches(std::vector<Frame::Line>& lines, int reach) {
+    const auto is_empty = [](const Frame::Line& line) { return line.is_empty(); };
+    const auto first = std::find_if_not(lines.begin(), lines.end(), is_empty);
+    if (first == lines.end()) return;
+    const auto end = std::find_if_not(lines.rbegin(), lines.rend(), is_empty).base();
+    // Before the first line and behind the last one it goes on as there.
+    const int before = static_cast<int>(first - lines.begin()), count = static_cast<int>(end - first);
+    std::vector<Frame::Line> wide(static_cast<std::size_t>(reach), *first);
+    wide.insert(wide.end(), first, end);
+    wide.insert(wide.end(), static_cast<std::size_t>(reach), *(end - 1));
     const auto over_surroundings = [&](bool is_widened) {
-        const std::vector<Frame::Line> before = lines;
-        const int count = static_cast<int>(lines.size());
-        for (int i = 0; i < count; ++i)
-            for (int k = std::max(0, i - reach); k <= std::min(count - 1, i + reach); ++k) {
-                Frame::Line& line = lines[i];
-                const Frame::Line& other = before[k];
+        const std::vector<Frame::Line> narrow = wide;
+        const int all = static_cast<int>(wide.size());
+        for (int i = 0; i < all; ++i)
+            for (int k = std::max(0, i - reach); k <= std::min(all - 1, i + reach); ++k) {
+                Frame::Line& line = wide[i];
+                const Frame::Line& other = narrow[k];
                 if (other.is_empty()) continue;
                 line.first_seen = is_widened ? std::min(line.first_seen, other.first_seen)
                                              : std::max(line.first_seen, other.first_seen);
@@ -58,6 +67,7 @@ void close_notches(std::vector<Frame::Line>& lines, int reach) {
     };
     over_surroundings(true);
     over_surroundings(false);
+    std::copy_n(wide.begin() + reach, count, lines.begin() + before);
 }
 
 }  // namespace
