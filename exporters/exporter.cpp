@@ -9,6 +9,7 @@
 #include "exporters/formats/solid_body.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -155,10 +156,7 @@ const std::vector<const MeshFormat*>& mesh_formats() {
 }
 
 std::string export_extensions() {
-    std::string list;
-    for (const MeshFormat* format : mesh_formats())
-        list.append(list.empty() ? "" : " ").append(format->extension);
-    return list;
+    return joined(mesh_formats(), " ", [](const MeshFormat* format) { return format->extension; });
 }
 
 const MeshFormat* find_mesh_format(const std::filesystem::path& path) {

@@ -17,9 +17,8 @@ std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig
     const std::vector<float> table = som::magnification_table(config.magnification);
     const float largest = *std::max_element(weights.begin(), weights.end());
     if (table.empty() || !(largest > 0)) return weights;
-    pool.parallel_for(weights.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            weights[i] = step::magnify(weights[i] / largest, table.data(), som::kMagnificationSteps);
+    pool.parallel_for_each(weights.size(), [&](std::size_t i) {
+        weights[i] = step::magnify(weights[i] / largest, table.data(), som::kMagnificationSteps);
     });
     return weights;
 }
@@ -28,11 +27,10 @@ std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig
 std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, ThreadPool& pool) {
     const int w = (width + 1) / 2, h = (height + 1) / 2;
     std::vector<float> coarse(static_cast<std::size_t>(w) * h);
-    pool.parallel_for(h, [&](std::size_t first, std::size_t last) {
-        for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y)
-            for (int x = 0; x < w; ++x)
-                coarse[static_cast<std::size_t>(y) * w + x] =
-                    step::coarser_pixel(fine.data(), width, height, x, y);
+    pool.parallel_for_each(h, [&](int y) {
+        for (int x = 0; x < w; ++x)
+            coarse[static_cast<std::size_t>(y) * w + x] =
+                step::coarser_pixel(fine.data(), width, height, x, y);
     });
     return coarse;
 }

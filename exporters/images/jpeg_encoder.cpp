@@ -177,12 +177,8 @@ std::vector<std::uint8_t> encode_baseline_jpeg(const Image& picture, const Pixel
     const std::size_t strips = (part.height + kStripRows - 1) / kStripRows;
     ThreadPool pool(std::min(threads, static_cast<int>(strips)));
     std::vector<JpegSymbols> symbols(strips, JpegSymbols(0));
-    ThreadPool::ChunkCounters counters(pool.size());
-    pool.run([&](int thread) {
-        pool.run_chunks<1>(strips, thread, counters, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                symbols[i] = symbols_of(picture, part, static_cast<int>(i) * kStripRows, settings);
-        });
+    pool.parallel_for_chunks<1>(strips, [&](std::size_t i) {
+        symbols[i] = symbols_of(picture, part, static_cast<int>(i) * kStripRows, settings);
     });
     for (std::size_t i = 0; i < strips; ++i) symbols[i].follow(i > 0 ? &symbols[i - 1] : nullptr);
     const JpegCodes codes = optimal_jpeg_codes(symbols);

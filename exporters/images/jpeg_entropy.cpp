@@ -265,12 +265,8 @@ void append_jpeg_scan(std::vector<std::uint8_t>& file, const std::vector<JpegSym
     std::vector<std::uint64_t> begins = {0};
     for (const JpegSymbols& part : parts) begins.push_back(begins.back() + words.bits_of(part));
     std::vector<std::vector<std::uint8_t>> bytes(parts.size());
-    ThreadPool::ChunkCounters counters(pool.size());
-    pool.run([&](int thread) {
-        pool.run_chunks<1>(parts.size(), thread, counters, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) bytes[i] = bytes_of(parts, i, words, begins[i]);
-        });
-    });
+    pool.parallel_for_chunks<1>(parts.size(),
+                                [&](std::size_t i) { bytes[i] = bytes_of(parts, i, words, begins[i]); });
     std::size_t size = file.size();
     for (const auto& some : bytes) size += some.size();
     file.reserve(size + 2);

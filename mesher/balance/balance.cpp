@@ -28,20 +28,18 @@ Primitive integrate_rows(const som::LevelPlan& plan, const std::vector<float>& d
     const double scale = step::mass_scale(largest);
     result.sums.resize(static_cast<std::size_t>(width + 1) * height);
     std::vector<std::int64_t> totals(height), filled(height);
-    pool.parallel_for(height, [&](std::size_t first, std::size_t last) {
-        for (std::size_t y = first; y < last; ++y) {
-            const float* const row = &density[y * width];
-            double* const sums = &result.sums[y * (width + 1)];
-            sums[0] = 0;
-            std::int64_t sum = 0;
-            for (int x = 0; x < width; ++x) {
-                const std::int64_t mass = step::whole_mass(row[x], scale);
-                sum += mass;
-                sums[x + 1] = static_cast<double>(sum);
-                filled[y] += mass > 0;
-            }
-            totals[y] = sum;
+    pool.parallel_for_each(height, [&](std::size_t y) {
+        const float* const row = &density[y * width];
+        double* const sums = &result.sums[y * (width + 1)];
+        sums[0] = 0;
+        std::int64_t sum = 0;
+        for (int x = 0; x < width; ++x) {
+            const std::int64_t mass = step::whole_mass(row[x], scale);
+            sum += mass;
+            sums[x + 1] = static_cast<double>(sum);
+            filled[y] += mass > 0;
         }
+        totals[y] = sum;
     });
     for (int y = 0; y < height; ++y) {
         result.total += totals[y];

@@ -60,12 +60,10 @@ class RowPrimitive {
     RowPrimitive(const DensityMap& density, ThreadPool& pool)
         : width_(density.width), height_(density.height), sums_(0) {
         sums_.resize(static_cast<std::size_t>(width_ + 1) * height_);
-        pool.parallel_for(height_, [&](std::size_t first, std::size_t last) {
-            for (std::size_t y = first; y < last; ++y) {
-                double* const row = &sums_[y * (width_ + 1)];
-                row[0] = 0;
-                for (int x = 0; x < width_; ++x) row[x + 1] = row[x] + density.at(x, static_cast<int>(y));
-            }
+        pool.parallel_for_each(height_, [&](std::size_t y) {
+            double* const row = &sums_[y * (width_ + 1)];
+            row[0] = 0;
+            for (int x = 0; x < width_; ++x) row[x + 1] = row[x] + density.at(x, static_cast<int>(y));
         });
     }
 
@@ -159,16 +157,15 @@ EdgeMasses::EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int thr
     : columns_(mesh.columns), mass_(mesh.positions.size()) {
     ThreadPool pool(threads);
     const RowPrimitive primitive(density, pool);
-    pool.parallel_for(mesh.rows, [&](std::size_t first, std::size_t last) {
-        for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
-            for (int column = 0; column < mesh.columns; ++column)
-                for (int k = 0; k < 3; ++k) {
-                    const step::Offset o = step::neighbour_offset(row, k);
-                    const int c = column + o.column, r = row + o.row;
-                    const bool exists = c >= 0 && c < mesh.columns && r < mesh.rows;
-                    mass_[mesh.index(column, row)][k] =
-                        exists ? primitive.along(mesh.at(column, row), mesh.at(c, r)) : 0;
-                }
+    pool.parallel_for_each(mesh.rows, [&](int row) {
+        for (int column = 0; column < mesh.columns; ++column)
+            for (int k = 0; k < 3; ++k) {
+                const step::Offset o = step::neighbour_offset(row, k);
+                const int c = column + o.column, r = row + o.row;
+                const bool exists = c >= 0 && c < mesh.columns && r < mesh.rows;
+                mass_[mesh.index(column, row)][k] =
+                    exists ? primitive.along(mesh.at(column, row), mesh.at(c, r)) : 0;
+            }
     });
 }
 

@@ -31,10 +31,9 @@ CellDistributions build_distributions(const LevelPlan& plan, const MeshConfig& c
     const float scale = static_cast<float>((1u << step::weight_bits(grid.co)) - 1) / largest;
     CellDistributions distributions{std::vector<std::uint32_t>(density.size()),
                                     std::vector<std::uint32_t>(cells), std::vector<std::uint64_t>(cells)};
-    pool.parallel_for(cells, [&](std::size_t first, std::size_t last) {
-        for (std::size_t cell = first; cell < last; ++cell)
-            distributions.sums[cell] = step::cumulate_weights(grid, static_cast<int>(cell), density.data(),
-                                                              scale, distributions.cumulative.data());
+    pool.parallel_for_each(cells, [&](std::size_t cell) {
+        distributions.sums[cell] = step::cumulate_weights(grid, static_cast<int>(cell), density.data(), scale,
+                                                          distributions.cumulative.data());
     });
     const std::uint32_t most = *std::max_element(distributions.sums.begin(), distributions.sums.end());
     for (int cell = 0; cell < cells; ++cell)

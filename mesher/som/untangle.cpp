@@ -15,10 +15,9 @@ int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, Threa
     LatticePositions next;
     const step::BorderHold border{pinned, plan.outline};
     const auto each_vertex = [&](const auto& visit) {
-        pool.parallel_for(rows, [&](std::size_t first, std::size_t last) {
-            for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
-                for (int column = 0; column < columns; ++column)
-                    visit(column, row, static_cast<std::size_t>(row) * columns + column);
+        pool.parallel_for_each(rows, [&](int row) {
+            for (int column = 0; column < columns; ++column)
+                visit(column, row, static_cast<std::size_t>(row) * columns + column);
         });
     };
     for (int sweep = 0; sweep < step::kMostUntangleSweeps; ++sweep) {

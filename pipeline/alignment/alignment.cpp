@@ -37,11 +37,9 @@ class AlignedPicture {
     GreyPicture of(const GreyPicture& picture, ThreadPool& pool) const {
         GreyPicture out{canvas_.width, canvas_.height, {}};
         out.values.resize(static_cast<std::size_t>(out.width) * out.height);
-        pool.parallel_for(static_cast<std::size_t>(out.height), [&](std::size_t first, std::size_t last) {
-            for (std::size_t y = first; y < last; ++y)
-                for (int x = 0; x < out.width; ++x)
-                    out.row(static_cast<int>(y))[x] =
-                        sample(picture, in_picture({1.0 * x, static_cast<double>(y)}));
+        pool.parallel_for_each(out.height, [&](int y) {
+            for (int x = 0; x < out.width; ++x)
+                out.row(y)[x] = sample(picture, in_picture({1.0 * x, 1.0 * y}));
         });
         return out;
     }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "pipeline/alignment/fit.h"
@@ -98,13 +97,12 @@ void find_start(Estimate& estimate, const EstimateConfig& config, ThreadPool& po
     }
     // The focal length is held: far from the solution it would only be bent to what turns explain.
     const Prior prior = prior_of({true, config.is_rig}, false);
-    pool.parallel_for(attempts.size(), [&](std::size_t first, std::size_t last) {
-        for (Attempt& attempt : std::span(attempts).subspan(first, last - first)) {
-            const auto& [is_turned, camera, all, some] = attempt.orientation;
-            attempt.fit = fit_views(camera, some, prior, attempt.start);
-            attempt.cost =
-                row_cost(views_of(camera, attempt.fit.parameters), all) + (is_turned ? kQuarterTurnCost : 0);
-        }
+    pool.parallel_for_each(attempts.size(), [&](std::size_t i) {
+        Attempt& attempt = attempts[i];
+        const auto& [is_turned, camera, all, some] = attempt.orientation;
+        attempt.fit = fit_views(camera, some, prior, attempt.start);
+        attempt.cost =
+            row_cost(views_of(camera, attempt.fit.parameters), all) + (is_turned ? kQuarterTurnCost : 0);
     });
     const Attempt& best = *std::min_element(
         attempts.begin(), attempts.end(), [](const Attempt& a, const Attempt& b) { return a.cost < b.cost; });
@@ -189,11 +187,9 @@ Estimate with_matches(Estimate estimate, std::vector<Match> matches, const Estim
         return fit_views(estimate.camera, to, prior, estimate.fit.parameters, kKnownWidth_px);
     };
     double costs_held_out[2];  // without and with a radial term
-    pool.parallel_for(2, [&](std::size_t first, std::size_t last) {
-        for (std::size_t k = first; k < last; ++k)
-            costs_held_out[k] = row_cost(
-                views_of(estimate.camera, fit_from_start(fitted, prior_of(config, k == 1)).parameters),
-                held_out);
+    pool.parallel_for_each(2, [&](int k) {
+        costs_held_out[k] = row_cost(
+            views_of(estimate.camera, fit_from_start(fitted, prior_of(config, k == 1)).parameters), held_out);
     });
     const bool has_radial = costs_held_out[1] < kRadialGain * costs_held_out[0];
     Prior prior = prior_of(config, has_radial);

@@ -277,9 +277,8 @@ std::vector<Corner> find_corners(const GreyPicture& picture, int count, ThreadPo
         for (const Peak& c : cell) corners.push_back({c.x, c.y});
     }
     const Sums boxes = box_sums(width, height, pool, [&](int x, int y) { return picture.row(y)[x]; });
-    pool.parallel_for(corners.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            corners[i].descriptor = describe(boxes, corners[i].x, corners[i].y);
+    pool.parallel_for_each(corners.size(), [&](std::size_t i) {
+        corners[i].descriptor = describe(boxes, corners[i].x, corners[i].y);
     });
     return corners;
 }

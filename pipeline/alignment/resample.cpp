@@ -156,11 +156,10 @@ std::uint8_t noise_at(int x, int y) {
 
 void fill_unknown(Resampled& view, ThreadPool& pool) {
     Image& image = view.image;
-    pool.parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t first, std::size_t last) {
-        for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y)
-            for (int x = 0; x < image.width; ++x)
-                if (!view.known[static_cast<std::size_t>(y) * image.width + x])
-                    std::fill_n(image.at(x, y), image.channels, noise_at(x, y));
+    pool.parallel_for_each(image.height, [&](int y) {
+        for (int x = 0; x < image.width; ++x)
+            if (!view.known[static_cast<std::size_t>(y) * image.width + x])
+                std::fill_n(image.at(x, y), image.channels, noise_at(x, y));
     });
 }
 

@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 namespace hexrelief {
@@ -37,19 +38,20 @@ class ThreadPool {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
     // The same, as body(i) for each i of [0, count).
-    template <typename Body>
-    void parallel_for_each(int count, const Body& body) {
+    template <typename Index, typename Body>
+    void parallel_for_each(Index count, const Body& body) {
         parallel_for(static_cast<std::size_t>(count), [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) body(static_cast<int>(i));
+            for (std::size_t i = first; i < last; ++i) body(static_cast<Index>(i));
         });
     }
-    // Runs body(first, last) on chunks of [0, count), count < 2^31. A thread first takes the chunks of its
-    // own share, whose data the preceding loop left in its core's cache, and then chunks from the far end of
-    // other threads' shares. The result must not depend on which thread runs a chunk.
-    template <typename Body>
+    // Runs body(first, last) on chunks of [0, count), or body(i) on each item, count < 2^31. A thread first
+    // takes the chunks of its own share, whose data the preceding loop left in its core's cache, and then
+    // chunks from the far end of other threads' shares. The result must not depend on which thread runs a
+    // chunk.
+    template <std::size_t kChunk = 32, typename Body>
     void parallel_for_chunks(std::size_t count, const Body& body) {
         ChunkCounters counters(size_);
-        run([&](int thread) { run_chunks(count, thread, counters, body); });
+        run([&](int thread) { run_chunks<kChunk>(count, thread, counters, body); });
     }
     // Counts the items of each thread's share that have been handed out.
     class ChunkCounters {
@@ -79,7 +81,10 @@ class ThreadPool {
                 if (front + back >= size) break;
                 const std::size_t length = std::min(kChunk, size - front - back);
                 const std::size_t from = k == 0 ? front : size - back - length;
-                body(first + from, first + from + length);
+                if constexpr (std::is_invocable_v<Body, std::size_t>)
+                    for (std::size_t i = first + from; i < first + from + length; ++i) body(i);
+                else
+                    body(first + from, first + from + length);
             }
         }
     }

@@ -7,6 +7,7 @@
 #include "pipeline/batch/file_pattern.h"
 #include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::batch {
 namespace {
@@ -41,8 +42,7 @@ std::string all_replaced(std::string text, const Sides& sides) {
 }
 
 [[noreturn]] void refuse_pattern(const std::string& pattern) {
-    std::string words;
-    for (const SideWords& side : side_words()) words += (words.empty() ? "" : ", ") + std::string(side.left);
+    const std::string words = joined(side_words(), ", ", &SideWords::left);
     throw Error(ErrorKind::usage, "pattern '" + pattern +
                                       "': must hold {name} once and a word for the left view (" + words +
                                       "), as '{name}_left.png' and '{name}/im0.png' do");
@@ -256,8 +256,7 @@ std::vector<ManifestRow> pattern_rows(const fs::path& path) {
 std::vector<ManifestRow> folder_rows(const fs::path& folder) {
     std::vector<ManifestRow> rows = Finder(folder).rows();
     if (!rows.empty()) return rows;
-    std::string known;
-    for (const PairRule& rule : pair_rules()) known += (known.empty() ? "" : "; ") + rule.files();
+    const std::string known = joined(pair_rules(), "; ", &PairRule::files);
     throw Error(ErrorKind::input, "no pair is found in '" + folder.string() + "': pairs are " + known +
                                       "; by other names give a pattern with {name}, as '" +
                                       (folder / "{name}/left.*").string() + "', or a manifest");

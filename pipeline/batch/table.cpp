@@ -40,9 +40,8 @@ void flatten(const Json& json, const std::string& key, Values& values) {
     if (json.is_null()) return;
     const std::string below = key.empty() ? "" : key + ".";
     if (is_list_of_texts(json)) {
-        std::string list;
-        for (const Json& part : json) list += (list.empty() ? "" : "; ") + part.get<std::string>();
-        values.emplace_back(key, list);
+        values.emplace_back(key,
+                            joined(json, "; ", [](const Json& part) { return part.get<std::string>(); }));
     } else if (json.is_array()) {
         for (std::size_t i = 0; i < json.size(); ++i) {
             const bool is_named = json[i].is_object() && json[i].contains("name");

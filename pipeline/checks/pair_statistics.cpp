@@ -97,10 +97,9 @@ std::vector<std::uint8_t> textured_blocks(const Image& picture, int threads) {
     const GreyImage grey = grey_of(picture);
     const std::size_t columns = grey.width / kBlock_px;
     std::vector<std::uint8_t> textured(columns * (grey.height / kBlock_px));
-    ThreadPool(threads).parallel_for(textured.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            textured[i] = is_textured(grey, static_cast<int>(i % columns) * kBlock_px,
-                                      static_cast<int>(i / columns) * kBlock_px);
+    ThreadPool(threads).parallel_for_each(textured.size(), [&](std::size_t i) {
+        textured[i] = is_textured(grey, static_cast<int>(i % columns) * kBlock_px,
+                                  static_cast<int>(i / columns) * kBlock_px);
     });
     return textured;
 }

@@ -163,9 +163,8 @@ std::vector<PointSearch> find_points(const GreyImage& left, int cells) {
 std::vector<PointMatch> match_points(const GreyImage& left, const GreyImage& right,
                                      const std::vector<PointSearch>& searches, int threads) {
     std::vector<std::optional<PointMatch>> found(searches.size());
-    ThreadPool(threads).parallel_for_chunks(searches.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) found[i] = match_point(left, right, searches[i]);
-    });
+    ThreadPool(threads).parallel_for_chunks(
+        searches.size(), [&](std::size_t i) { found[i] = match_point(left, right, searches[i]); });
     std::vector<PointMatch> matches;
     for (const auto& match : found)
         if (match) matches.push_back(*match);

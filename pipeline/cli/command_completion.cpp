@@ -10,15 +10,10 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/config/options.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::cli {
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-    return text;
-}
 
 std::string replaced(const std::string& text, char from, const std::string& to) {
     std::string changed;
@@ -54,7 +49,7 @@ std::string choices_of(const OptionDescription& option) {
             if (values.empty()) values = {""};
             for (const std::string& value : values) words.push_back(field.path + "=" + value);
         }
-    return joined(words);
+    return joined(words, " ");
 }
 
 // Visits each command with its full name below the program: "", "run", "tiles run".
@@ -79,13 +74,12 @@ std::string bash_script(const CommandDescription& program) {
     std::string paths, words, values;
     visit(program, "", [&](const CommandDescription& command, const std::string& path) {
         if (!path.empty()) paths += (paths.empty() ? "" : "|") + quoted(path, "");
-        words +=
-            "        " + quoted(path, "") + ") words=" + quoted(joined(offered_words(command)), "") + " ;;\n";
+        words += "        " + quoted(path, "") +
+                 ") words=" + quoted(joined(offered_words(command), " "), "") + " ;;\n";
         for (const OptionDescription& option : command.options) {
             if (option.is_positional || option.value.empty()) continue;
-            std::string names;
-            for (const std::string& name : option.names)
-                names += (names.empty() ? "" : "|") + quoted(path + " " + name, "");
+            const std::string names = joined(
+                option.names, "|", [&](const std::string& name) { return quoted(path + " " + name, ""); });
             const std::string choices = choices_of(option);
             values += "        " + names + ") " +
                       (choices.empty() ? "values=-" : "values=" + quoted(choices, "")) + " ;;\n";
@@ -202,7 +196,7 @@ std::string fish_script(const CommandDescription& program) {
             text += begin + " -n " + quoted(here, "\\'") + " -f -a " + sub.name + " -d " +
                     quoted(sub.help, "\\'") + "\n";
         for (const OptionDescription& option : command.options) {
-            const std::string literals = joined(literals_of(option.value));
+            const std::string literals = joined(literals_of(option.value), " ");
             if (option.is_positional && !literals.empty())
                 text += begin + " -n " + quoted(here, "\\'") + " -f -a " + quoted(literals, "\\'") + "\n";
             if (option.is_positional) continue;

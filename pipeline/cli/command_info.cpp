@@ -14,6 +14,7 @@
 #include "pipeline/cli/piped_inputs.h"
 #include "pipeline/cli/tell_calibration.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/disparities.h"
 #include "pipeline/job/input.h"
@@ -162,8 +163,7 @@ void tell_views(const fs::path& path, const readers::FileDescription& raster, co
         return;
     }
     line(text, "as stereo",
-         "two views of " + std::to_string(views->width) + " x " + std::to_string(views->height) +
-             " px: " + views->told);
+         "two views of " + size_text(views->width, views->height, " x ") + " px: " + views->told);
     const Calibration& camera = views->camera;
     if (camera.focal_px > 0)
         line(text, "camera",
@@ -218,7 +218,7 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
     const unsigned gives = readers::codec::find_codec(path)->gives;
     if (is_matrix(raster, gives) && tell_if_calibration(path, text)) return;
     line(text, "format", raster.format);
-    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px",
+    line(text, "size", size_text(raster.width, raster.height, " x ") + " px",
          size_json(raster.width, raster.height));
     line(text, "channels", std::to_string(raster.channels), raster.channels);
     line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""), raster.bits);
@@ -288,8 +288,7 @@ std::string information_of_pair(const fs::path& left, const fs::path& right, con
         for (const auto& [name, path] : {std::pair{"left", left}, {"right", right}})
             if (const auto raster = readers::describe_raster(path, {}, options.limits()))
                 line(text, name,
-                     raster->format + ", " + std::to_string(raster->width) + " x " +
-                         std::to_string(raster->height) + " px");
+                     raster->format + ", " + size_text(raster->width, raster->height, " x ") + " px");
         tell(foresee(job::PairFiles{left, right}, {}, options.limits()), text);
         return text;
     });

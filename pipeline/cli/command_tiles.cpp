@@ -56,10 +56,6 @@ auto with_backend(const config::ExecutionConfig& config, const Work& work) {
     return result;
 }
 
-std::string size_text(int width, int height) {
-    return std::to_string(width) + " x " + std::to_string(height);
-}
-
 struct PlanOptions {
     std::filesystem::path map, color, folder;
     Options config;
@@ -82,8 +78,9 @@ int plan_tiles(const PlanOptions& options) {
         const tiles::TilePlan plan = with_backend(request.config.run, [&](job::Backend& backend) {
             return tiles::make_plan(request, backend, log);
         });
-        return options.folder.string() + ": " + size_text(plan.tiling().across(), plan.tiling().down()) +
-               " tiles, a lattice of " + size_text(plan.columns, plan.rows) + " vertices";
+        return options.folder.string() + ": " +
+               size_text(plan.tiling().across(), plan.tiling().down(), " x ") + " tiles, a lattice of " +
+               size_text(plan.columns, plan.rows, " x ") + " vertices";
     });
 }
 
@@ -105,10 +102,9 @@ int match_tiles(const MatchOptions& options) {
         const tiles::TiledMatch match = with_backend(request.config.run, [&](job::Backend& backend) {
             return tiles::match_in_tiles(request, backend, log);
         });
-        return options.output.string() + ": " + std::to_string(match.width) + "x" +
-               std::to_string(match.height) + " px in " + std::to_string(match.tiles) + " tiles, " +
-               fixed(100 * match.matched_share, 1) + " % matched, " + fixed(100 * match.known_share, 1) +
-               " % known";
+        return options.output.string() + ": " + size_text(match.width, match.height) + " px in " +
+               std::to_string(match.tiles) + " tiles, " + fixed(100 * match.matched_share, 1) +
+               " % matched, " + fixed(100 * match.known_share, 1) + " % known";
     });
 }
 

@@ -6,6 +6,7 @@
 
 #include "pipeline/cli/printable.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief::cli::info {
@@ -26,7 +27,7 @@ void tell_calibration(const readers::CalibrationFile& file, Text& text) {
          std::isnan(camera.cx) ? Json() : Json({camera.cx, camera.cy}));
     line(text, "doffs", number(camera.doffs_px) + " px", camera.doffs_px);
     if (camera.width > 0)
-        line(text, "size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px",
+        line(text, "size", size_text(camera.width, camera.height, " x ") + " px",
              size_json(camera.width, camera.height));
     if (file.depth_per_m > 0) line(text, "depths", number(file.depth_per_m) + " integers in a metre");
     if (!file.other.empty()) line(text, "also", file.other.string());
@@ -46,7 +47,7 @@ void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& t
     const double baseline_m = std::hypot(t[0], t[1], t[2]);
     line(text, "baseline", number(baseline_m) + " m", baseline_m);
     if (cameras.width > 0)
-        line(text, "size", std::to_string(cameras.width) + " x " + std::to_string(cameras.height) + " px",
+        line(text, "size", size_text(cameras.width, cameras.height, " x ") + " px",
              size_json(cameras.width, cameras.height));
     if (!file.other.empty()) line(text, "also", file.other.string());
     lines(text, "note", file.told);

@@ -7,6 +7,7 @@
 
 #include "pipeline/config/fields.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::config {
 namespace {
@@ -79,10 +80,9 @@ std::string short_type(const Field& field) {
     if (field.type == FieldType::boolean) return "true | false";
     if (field.type == FieldType::text) return "text";
     if (field.type == FieldType::file) return "file";
-    std::string type;
-    for (const std::string& name : field.choices) type += (type.empty() ? "" : " | ") + name;
-    if (field.type == FieldType::choice) return type;
-    type = format_value(FieldValue(field.range.min)) + " .. " + format_value(FieldValue(field.range.max));
+    if (field.type == FieldType::choice) return joined(field.choices, " | ");
+    std::string type =
+        format_value(FieldValue(field.range.min)) + " .. " + format_value(FieldValue(field.range.max));
     if (!field.unit.empty()) type += " " + field.unit;
     return type + (field.type == FieldType::integer ? ", integer" : "") +
            (field.is_optional ? ", or null" : "");

@@ -9,6 +9,7 @@
 
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::config {
@@ -96,9 +97,7 @@ std::string option_help(const Field& field) {
 }
 
 std::string option_value(const Field& field) {
-    std::string names;
-    for (const std::string& name : field.choices) names += (names.empty() ? "" : "|") + name;
-    return field.option.value.empty() ? names : field.option.value;
+    return field.option.value.empty() ? joined(field.choices, "|") : field.option.value;
 }
 
 const Field& row_of_option(const std::string& flag, const std::vector<std::string>& files) {
@@ -167,9 +166,7 @@ std::string shell_quoted(const std::string& word) {
 }
 
 std::string shell_line(const std::vector<std::string>& words) {
-    std::string line;
-    for (const std::string& word : words) line += (line.empty() ? "" : " ") + shell_quoted(word);
-    return line;
+    return joined(words, " ", shell_quoted);
 }
 
 }  // namespace hexrelief::config

@@ -13,6 +13,7 @@
 
 #include "pipeline/config/fields.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::config {
@@ -241,11 +242,7 @@ void apply_setting(Config& config, const std::string& setting) {
 }
 
 std::string describe_type(const Field& field) {
-    if (field.type == FieldType::choice) {
-        std::string names;
-        for (const std::string& name : field.choices) names += (names.empty() ? "" : ", ") + name;
-        return "one of " + names;
-    }
+    if (field.type == FieldType::choice) return "one of " + joined(field.choices, ", ");
     // In the order of FieldType.
     constexpr const char* kTypes[] = {"true or false", "an integer", "a number", "", "a text", "a file name"};
     const std::string type =

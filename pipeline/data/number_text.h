@@ -1,9 +1,10 @@
-// Formats numbers for messages, and reads them from words.
+// Formats numbers, sizes and lists for messages, and reads numbers from words.
 #pragma once
 
 #include <charconv>
 #include <cstddef>
 #include <cstdio>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,21 @@ inline std::string number_text(double value, int digits = 9) {
 inline std::string fixed(double value, int decimals) {
     char text[64];
     std::snprintf(text, sizeof text, "%.*f", decimals, value);
+    return text;
+}
+
+// Returns a picture's sides: "640x480".
+template <typename Side>
+std::string size_text(Side width, Side height, const char* between = "x") {
+    return std::to_string(width) + between + std::to_string(height);
+}
+
+// Returns the items' texts with a separator between them. text_of: a function or a member of an item.
+template <typename Items, typename TextOf = std::identity>
+std::string joined(const Items& items, std::string_view separator, const TextOf& text_of = {}) {
+    std::string text;
+    for (const auto& item : items)
+        text.append(text.empty() ? "" : separator).append(std::invoke(text_of, item));
     return text;
 }
 

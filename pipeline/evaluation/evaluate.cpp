@@ -10,6 +10,7 @@
 
 #include "pipeline/base/opencv_squares.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::evaluation {
 namespace {
@@ -26,11 +27,8 @@ int roughness_step_px(double discontinuity_px) {
 
 void check_size(const DisparityMap& map, const std::string& name, const DisparityMap& truth) {
     if (map.width == truth.width && map.height == truth.height) return;
-    const auto size = [](const DisparityMap& of) {
-        return std::to_string(of.width) + "x" + std::to_string(of.height);
-    };
-    throw Error(ErrorKind::input, name + " is " + size(map) + ", its ground truth " + size(truth) +
-                                      "; give two maps of one size");
+    throw Error(ErrorKind::input, name + " is " + size_text(map.width, map.height) + ", its ground truth " +
+                                      size_text(truth.width, truth.height) + "; give two maps of one size");
 }
 
 double percent(long long part, long long whole) {

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::files {
 namespace {
@@ -69,12 +70,11 @@ std::string quoted(const std::filesystem::path& path, Position position) {
 std::string make_rule(const std::vector<std::filesystem::path>& targets,
                       const std::vector<std::filesystem::path>& sources) {
     if (targets.empty()) throw Error(ErrorKind::usage, "--depfile: no file is made; give -o FILE");
-    std::string rule, alone;
-    for (const auto& target : targets) rule += (rule.empty() ? "" : " ") + quoted(target, Position::target);
-    rule += ':';
+    const auto as_target = [](const std::filesystem::path& file) { return quoted(file, Position::target); };
+    std::string rule = joined(targets, " ", as_target) + ":", alone;
     for (const auto& source : sources) {
         rule += " \\\n  " + quoted(source, Position::source);
-        alone += "\n" + quoted(source, Position::target) + ":\n";
+        alone += "\n" + as_target(source) + ":\n";
     }
     return rule + "\n" + alone;
 }

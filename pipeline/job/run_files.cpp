@@ -9,6 +9,7 @@
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/config/fields.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/files/make_rule.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/input.h"
@@ -182,9 +183,8 @@ void check_shapes(const RunRequest& request) {
         const double here = static_cast<double>(width) / static_cast<double>(height);
         const auto are_alike = [](double p, double q) { return p < 1.1 * q && q < 1.1 * p; };
         if (are_alike(here, aspect) || are_alike(1 / here, aspect)) continue;  // it may have to be turned
-        throw Error(ErrorKind::input, file + ": it has " + std::to_string(width) + "x" +
-                                          std::to_string(height) + " px, but " + input.path.string() + " " +
-                                          std::to_string(input.width) + "x" + std::to_string(input.height) +
+        throw Error(ErrorKind::input, file + ": it has " + size_text(width, height) + " px, but " +
+                                          input.path.string() + " " + size_text(input.width, input.height) +
                                           "; both must show the left view, with the same aspect");
     }
 }
@@ -204,9 +204,8 @@ void check_memory(const RunRequest& request) {
     const MainInput input = main_input(request);
     const std::uint64_t needed = memory_for(input, request.config);
     if (needed <= limit) return;
-    throw Error(ErrorKind::input, input.path.string() + ": its " + std::to_string(input.width) + "x" +
-                                      std::to_string(input.height) + " px" +
-                                      (input.other_pixels > 0 ? ", and what goes with them," : "") +
+    throw Error(ErrorKind::input, input.path.string() + ": its " + size_text(input.width, input.height) +
+                                      " px" + (input.other_pixels > 0 ? ", and what goes with them," : "") +
                                       " are estimated to take " + std::to_string(needed) +
                                       " bytes of memory, more than the limit of " + std::to_string(limit) +
                                       " (limits.max_memory); scale it down, or raise the limit");

@@ -9,6 +9,7 @@
 #include "pipeline/checks/thresholds.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/job/other_views.h"
 #include "pipeline/job/outputs.h"
@@ -34,7 +35,7 @@ HexMesh2D solve_lattice(const LeftView& view, const MeshConfig& config, Backend&
     if (device.bytes > 0)
         log.decide("device: training " + fixed(device.training_s * 1e3, 3) + " ms, balancing " +
                    fixed(device.balance_s * 1e3, 3) + " ms on its own clock, " + memory_text(device));
-    log.decide("lattice: " + std::to_string(lattice.columns) + " x " + std::to_string(lattice.rows) + ", " +
+    log.decide("lattice: " + size_text(lattice.columns, lattice.rows, " x ") + ", " +
                std::to_string(lattice.iterations) + " iterations on " + backend.name());
     return lattice;
 }

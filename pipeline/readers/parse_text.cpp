@@ -39,6 +39,12 @@ std::vector<std::string_view> lines(std::string_view text) {
     return found;
 }
 
+std::string lower_case(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
 std::optional<double> parse_number(std::string_view text) {
     text = trim(text);
     if (text.starts_with('+') && !text.starts_with("+-"))

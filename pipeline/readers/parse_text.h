@@ -21,6 +21,9 @@ std::vector<std::string_view> words(std::string_view text);
 // Returns the lines without their ends (LF, CRLF or CR).
 std::vector<std::string_view> lines(std::string_view text);
 
+// Returns the text with the letters A to Z small.
+std::string lower_case(std::string text);
+
 // Returns the whole text as a finite number; nullopt otherwise ("nan", "inf", trailing letters, nothing).
 std::optional<double> parse_number(std::string_view text);
 

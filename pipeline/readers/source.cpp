@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {
@@ -102,7 +103,7 @@ SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes
 }
 
 void check_size(const SourceFile& source, unsigned long long width, unsigned long long height) {
-    const std::string size = std::to_string(width) + "x" + std::to_string(height);
+    const std::string size = size_text(width, height);
     if (width == 0 || height == 0)
         refuse(source.path, "its size is " + size + "; both sides must be at least 1");
     const auto limit = static_cast<unsigned long long>(source.limits.max_pixels);

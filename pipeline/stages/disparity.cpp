@@ -6,6 +6,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/stages/by_colour/bare_planes.h"
 #include "pipeline/stages/by_colour/mixed_pixels.h"
 #include "pipeline/stages/sgbm.h"
@@ -17,7 +18,7 @@ constexpr int kLeastColumns = 16;
 constexpr double kSgbmLeftRight_px = 1;
 
 std::string size_of(const Image& image) {
-    return std::to_string(image.width) + "x" + std::to_string(image.height);
+    return size_text(image.width, image.height);
 }
 
 }  // namespace
@@ -153,15 +154,13 @@ DisparityMap to_pixels(matching::MatchedMap matched, const StereoPair& pair, con
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
                      std::vector<PixelOrigin>(count, PixelOrigin::unknown)};
-    ThreadPool(threads).parallel_for(count, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            const bool is_matched = matched.is_matched[i] != 0;
-            if (matched.disparities[i] == matching::kUnknown16) continue;
-            int d = matched.disparities[i] + config.min_disparity_px * matching::kOnePixel;
-            if (d == 0) d = 1;
-            map.values[i] = static_cast<float>(d) / matching::kOnePixel;
-            map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
-        }
+    ThreadPool(threads).parallel_for_each(count, [&](std::size_t i) {
+        const bool is_matched = matched.is_matched[i] != 0;
+        if (matched.disparities[i] == matching::kUnknown16) return;
+        int d = matched.disparities[i] + config.min_disparity_px * matching::kOnePixel;
+        if (d == 0) d = 1;
+        map.values[i] = static_cast<float>(d) / matching::kOnePixel;
+        map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
     });
     if (planes) map = with_planes_on_bare_patches(std::move(map), pair, *planes, threads);
     map = without_mixed_pixels(std::move(map), pair.left, Scraps::stay);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "exporters/compression/quantized_streams.h"
 #include "pipeline/data/bounds.h"
@@ -113,19 +114,29 @@ int add_stream_view(GltfParts& parts, const VertexStream& stream, const char* na
     return view;
 }
 
-template <typename Index>
-int add_index_view(GltfParts& parts, const std::vector<std::uint32_t>& indices, std::size_t vertices,
-                   bool meshopt) {
+// Adds the corners of triangles. Returns their accessor.
+int add_indices(GltfParts& parts, std::span<const std::uint32_t> indices, long long vertices, bool meshopt) {
+    const bool is_short = short_indices(vertices);
+    const auto add = [&](const void* data, std::size_t bytes) {
+        return add_view(parts, data, bytes, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
+    };
+    int view;
     if (meshopt) {
-        std::vector<std::uint8_t> bytes(meshopt_encodeIndexBufferBound(indices.size(), vertices));
+        std::vector<std::uint8_t> bytes(
+            meshopt_encodeIndexBufferBound(indices.size(), static_cast<std::size_t>(vertices)));
         meshopt_encodeIndexVersion(1);  // required by the extension
         bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), indices.data(), indices.size()));
-        return add_compressed_view(parts, {std::move(bytes), indices.size(), sizeof(Index), "TRIANGLES"},
+        const std::size_t size = is_short ? sizeof(std::uint16_t) : sizeof(std::uint32_t);
+        view = add_compressed_view(parts, {std::move(bytes), indices.size(), size, "TRIANGLES"},
                                    TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
+    } else if (is_short) {
+        const std::vector<std::uint16_t> narrow(indices.begin(), indices.end());
+        view = add(narrow.data(), narrow.size() * sizeof(narrow[0]));
+    } else {
+        view = add(indices.data(), indices.size_bytes());
     }
-    const std::vector<Index> narrow(indices.begin(), indices.end());
-    return add_view(parts, narrow.data(), narrow.size() * sizeof(Index), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER,
-                    "indices");
+    return add_accessor(parts, view, index_type(vertices), TINYGLTF_TYPE_SCALAR,
+                        static_cast<long long>(indices.size()), "indices");
 }
 
 }  // namespace
@@ -216,7 +227,7 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
     const Bounds bounds = bounds_of(mesh.positions);
     set_bounds(parts.model.accessors.back(), bounds.low, bounds.high);
     if (!mesh.normals.empty()) add("NORMAL", mesh.normals, TINYGLTF_TYPE_VEC3, "normals");
-    int view, texcoords_view = -1;
+    int texcoords_view = -1;
     if (!mesh.texcoords.empty()) {
         std::vector<Vec2f> texcoords = mesh.texcoords;
         for (std::size_t i = 0; i < mesh.provenance.size(); ++i)
@@ -224,19 +235,8 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
         add("TEXCOORD_0", texcoords, TINYGLTF_TYPE_VEC2, "texcoords");
         texcoords_view = parts.model.accessors.back().bufferView;
     }
-    if (short_indices(vertices)) {
-        std::vector<std::uint16_t> indices;
-        indices.reserve(mesh.triangles.size() * 3);
-        for (const Triangle& t : mesh.triangles)
-            for (const std::uint32_t i : t) indices.push_back(static_cast<std::uint16_t>(i));
-        view = add_view(parts, indices.data(), indices.size() * sizeof(indices[0]),
-                        TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
-    } else {
-        view = add_view(parts, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle),
-                        TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
-    }
-    out.primitive.indices = add_accessor(parts, view, index_type(vertices), TINYGLTF_TYPE_SCALAR,
-                                         static_cast<long long>(mesh.triangles.size()) * 3, "indices");
+    const auto* const corners = reinterpret_cast<const std::uint32_t*>(mesh.triangles.data());
+    out.primitive.indices = add_indices(parts, {corners, 3 * mesh.triangles.size()}, vertices, false);
     if (!mesh.provenance.empty()) add_provenance(parts, mesh.provenance, texcoords_view, out.primitive);
     return out;
 }
@@ -296,13 +296,8 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
         add(kProvenance, mesh.provenance, "provenance");
         describe_provenance(parts.model.accessors.back(), textured.mesh.provenance);
     }
-    const std::size_t vertices = mesh.positions.count;
-    const bool narrow = short_indices(static_cast<long long>(vertices));
-    const int view = narrow ? add_index_view<std::uint16_t>(parts, mesh.indices, vertices, meshopt)
-                            : add_index_view<std::uint32_t>(parts, mesh.indices, vertices, meshopt);
     out.primitive.indices =
-        add_accessor(parts, view, index_type(static_cast<long long>(vertices)), TINYGLTF_TYPE_SCALAR,
-                     static_cast<long long>(mesh.indices.size()), "indices");
+        add_indices(parts, mesh.indices, static_cast<long long>(mesh.positions.count), meshopt);
     use_extension(parts, kQuantization, true);
     if (meshopt) use_extension(parts, kMeshopt, true);
     return out;

@@ -56,9 +56,7 @@ class SilhouetteFitter::ThreadLoops {
 
     template <typename Visit>
     void each(std::size_t count, const Visit& visit) {
-        pool_.run_chunks(count, thread, counters_[loop_++], [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) visit(i);
-        });
+        pool_.run_chunks(count, thread, counters_[loop_++], [&](std::size_t i) { visit(i); });
     }
 
   private:

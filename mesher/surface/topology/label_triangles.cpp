@@ -76,13 +76,11 @@ void TriangleLabeler::update(SplitLattice& lattice) {
             for (std::size_t t = first; t < end; ++t) v[t] = {};
         });
         pool_.barrier();
-        pool_.run_chunks(count, thread, chunk_counters, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) {
-                if (lattice.changed[i] == step::kSame) continue;
-                const std::uint32_t t = static_cast<std::uint32_t>(i);
-                if (rasterize(lattice, t, work)) label(lattice, t, work);
-                lattice.changed[t] = step::kSame;
-            }
+        pool_.run_chunks(count, thread, chunk_counters, [&](std::size_t i) {
+            if (lattice.changed[i] == step::kSame) return;
+            const std::uint32_t t = static_cast<std::uint32_t>(i);
+            if (rasterize(lattice, t, work)) label(lattice, t, work);
+            lattice.changed[t] = step::kSame;
         });
         pool_.barrier();  // all triangles have cleared the pixels that they had before
         std::size_t next = 0;
@@ -106,16 +104,13 @@ void TriangleLabeler::update(SplitLattice& lattice) {
 // result of the lower one holds.
 void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
-    pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
-        for (std::size_t t = first; t < last; ++t) {
-            const auto& n = lattice.neighbours[t];
-            const std::int32_t own = static_cast<std::int32_t>(t);
-            if (n[0] < own && n[1] < own && n[2] < own) continue;
-            const bool is_due = renewed_[t] || std::any_of(n.begin(), n.end(), [&](std::int32_t u) {
-                                    return u >= 0 && renewed_[u];
-                                });
-            if (is_due) vote(lattice, static_cast<std::uint32_t>(t));
-        }
+    pool_.parallel_for_chunks(count, [&](std::size_t t) {
+        const auto& n = lattice.neighbours[t];
+        const std::int32_t own = static_cast<std::int32_t>(t);
+        if (n[0] < own && n[1] < own && n[2] < own) return;
+        const bool is_due = renewed_[t] || std::any_of(n.begin(), n.end(),
+                                                       [&](std::int32_t u) { return u >= 0 && renewed_[u]; });
+        if (is_due) vote(lattice, static_cast<std::uint32_t>(t));
     });
     pool_.parallel_for(count, [&](std::size_t first, std::size_t last) {
         std::fill_n(renewed_.data() + first, last - first, std::uint8_t{0});

@@ -50,14 +50,11 @@ class VertexSnapper {
                  ++v)
                 crossings_[v] = {};
             pool_.barrier();
-            pool_.run_chunks(count, thread, found, [&](std::size_t first, std::size_t last) {
-                for (std::size_t v = first; v < last; ++v)
-                    find_first_crossings(static_cast<std::uint32_t>(v));
-            });
+            pool_.run_chunks(count, thread, found,
+                             [&](std::size_t v) { find_first_crossings(static_cast<std::uint32_t>(v)); });
             pool_.barrier();
-            pool_.run_chunks(count, thread, refreshed, [&](std::size_t first, std::size_t last) {
-                for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
-            });
+            pool_.run_chunks(count, thread, refreshed,
+                             [&](std::size_t v) { refresh(static_cast<std::uint32_t>(v)); });
             pool_.barrier();
             if (thread == 0) share_out();
             pool_.barrier();

@@ -9,6 +9,7 @@
 
 #include "pipeline/base/opencv_threads.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief::alignment {
 namespace {
@@ -108,8 +109,7 @@ Image remapped(const Image& image, const Positions& at) {
 
 RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibration, int threads) {
     if (std::max(pair.left.width, pair.left.height) > kLargestPairSide_px)
-        throw Error(ErrorKind::input, "the pictures are " + std::to_string(pair.left.width) + "x" +
-                                          std::to_string(pair.left.height) +
+        throw Error(ErrorKind::input, "the pictures are " + size_text(pair.left.width, pair.left.height) +
                                           "; to be rectified their sides may have up to " +
                                           std::to_string(kLargestPairSide_px) + " px: scale them down");
     const cv::Size size(pair.left.width, pair.left.height);

@@ -158,10 +158,9 @@ std::optional<Action> ArgumentParser::parse(int argc, char** argv) {
 }
 
 void add_config_options(Command& command, Options& options, const std::string& group) {
-    std::string names;
-    for (const config::Preset& preset : config::presets()) names += (names.empty() ? "" : ", ") + preset.name;
     command.add_option("--config", &options.config,
-                       "YAML file, see 'hexrelief config show', or a preset: " + names +
+                       "YAML file, see 'hexrelief config show', or a preset: " +
+                           joined(config::presets(), ", ", &config::Preset::name) +
                            "; may be given several times, later ones win",
                        {.group = group, .value = "F.yaml", .repeated = true});
     command.add_option("--set", [&options](const std::string& setting) { add_setting(options, setting); },

@@ -203,7 +203,7 @@ bool is_as_taken(const StereoPair& views, const StereoPair& rectified, int threa
 }  // namespace
 
 std::string size_text(ViewSize size) {
-    return std::to_string(size.width) + "x" + std::to_string(size.height);
+    return size_text(size.width, size.height);
 }
 
 bool same_aspect(ViewSize a, ViewSize b) {

@@ -9,6 +9,7 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief::job {
@@ -20,6 +21,7 @@ struct ViewSize {
 };
 
 // Returns "640x480".
+using hexrelief::size_text;
 std::string size_text(ViewSize size);
 
 // True if two sizes have the same aspect: the larger one, scaled to the smaller one's height or width,

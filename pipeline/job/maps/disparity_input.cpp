@@ -101,10 +101,6 @@ void take(Map& map, int left, int width, int height, RowOf row_of) {
     map.height = height;
 }
 
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
 template <typename Map>
 std::string fitted(Map& map, int width, int height) {
     const std::string before = "the map's " + size_text(map.width, map.height) + " px ";

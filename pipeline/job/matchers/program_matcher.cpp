@@ -14,6 +14,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/module.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/readers/depth/mask_reader.h"
@@ -33,10 +34,6 @@ int level_at(const Image& image, int x, int y) {
     int sum = 0;
     for (int c = 0; c < image.channels; ++c) sum += pixel[c];
     return sum / image.channels;
-}
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
 }
 
 // Returns the mean difference of a sample of pixels from those that they match, if all disparities are

@@ -65,21 +65,6 @@ void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float 
     draw_segment(picture, centre, centre, colour, 2 * radius_px, opacity);
 }
 
-Image shrink(const Image& picture, int factor) {
-    Image small{picture.width / factor, picture.height / factor, picture.channels, {}};
-    small.pixels.resize(static_cast<std::size_t>(small.width) * small.height * small.channels);
-    for (int y = 0; y < small.height; ++y)
-        for (int x = 0; x < small.width; ++x)
-            for (int c = 0; c < small.channels; ++c) {
-                int sum = 0;
-                for (int j = 0; j < factor; ++j)
-                    for (int i = 0; i < factor; ++i) sum += picture.at(x * factor + i, y * factor + j)[c];
-                small.at(x, y)[c] =
-                    static_cast<std::uint8_t>((sum + factor * factor / 2) / (factor * factor));
-            }
-    return small;
-}
-
 std::vector<double> weight_shares(const std::vector<double>& weights) {
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     if (!(sum > 0)) return {};

@@ -20,8 +20,6 @@ Image enlarge_to_rgb(const Image& image, int factor);
 void blend_pixel(Image& picture, int x, int y, Rgb colour, float opacity);
 void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, float opacity);
 void draw_disc(Image& picture, Vec2f centre, Rgb colour, float radius_px, float opacity);
-// Returns the means of factor x factor blocks; the sides must be multiples of factor.
-Image shrink(const Image& picture, int factor);
 
 // Returns the shares of the weights (>= 0) in bins of W_k / mean, each 0.05 wide: bin i is centred at 0.05 i,
 // the last one (2) holds all larger ones. Empty if there is no weight or all are 0.

@@ -8,6 +8,8 @@
 
 #include "exporters/images/image_writer.h"
 #include "mesher/mesher.h"
+#include "pipeline/data/number_text.h"
+#include "pipeline/data/shrink.h"
 #include "pipeline/job/pictures/drawing.h"
 
 namespace hexrelief::job {
@@ -185,7 +187,7 @@ Image render_relief(const SurfaceMesh& mesh, const Image* texture) {
         corner.y = (corner.y - top) * scale + margin;
     }
     for (const Triangle& t : mesh.triangles) canvas.draw(corners[t[0]], corners[t[1]], corners[t[2]]);
-    return shrink(canvas.picture, kSupersampling);
+    return shrunk(canvas.picture, kSupersampling);
 }
 
 Image disparity_picture(const DisparityMap& map) {
@@ -251,7 +253,7 @@ Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop) {
 }
 
 std::string mesh_obj(const HexMesh2D& mesh) {
-    std::string text = "# lattice " + std::to_string(mesh.columns) + " x " + std::to_string(mesh.rows) +
+    std::string text = "# lattice " + size_text(mesh.columns, mesh.rows, " x ") +
                        ", row-major, px of the left image, x right, y down\n";
     text.reserve(text.size() + mesh.positions.size() * 56);
     for (const Vec2f& p : mesh.positions) {

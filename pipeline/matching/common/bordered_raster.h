@@ -68,13 +68,8 @@ inline constexpr int kBlock = 256;
 // Runs body(y) for every row, on all threads.
 template <typename Body>
 void for_each_row(ThreadPool& pool, int height, const Body& body) {
-    ThreadPool::ChunkCounters counters(pool.size());
-    pool.run([&](int thread) {
-        pool.run_chunks<8>(static_cast<std::size_t>(height), thread, counters,
-                           [&](std::size_t first, std::size_t end) {
-                               for (std::size_t y = first; y < end; ++y) body(static_cast<int>(y));
-                           });
-    });
+    pool.parallel_for_chunks<8>(static_cast<std::size_t>(height),
+                                [&](std::size_t y) { body(static_cast<int>(y)); });
 }
 
 }  // namespace hexrelief::matching

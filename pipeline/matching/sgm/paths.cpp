@@ -206,9 +206,8 @@ void for_each_row_of(const MatchingVolume& volume, ThreadPool& pool, const Scrat
     ThreadPool::ChunkCounters counters(pool.size());
     pool.run([&](int thread) {
         auto scratch = scratch_of();
-        pool.run_chunks<1>(
-            static_cast<std::size_t>(volume.rows), thread, counters,
-            [&](std::size_t row, std::size_t) { body(scratch, volume.first_row + static_cast<int>(row)); });
+        pool.run_chunks<1>(static_cast<std::size_t>(volume.rows), thread, counters,
+                           [&](std::size_t row) { body(scratch, volume.first_row + static_cast<int>(row)); });
     });
 }
 
@@ -221,7 +220,7 @@ void for_each_strip(const MatchingVolume& volume, int count, ThreadPool& pool, c
     pool.run([&](int thread) {
         PathCosts paths(strip, count);
         pool.run_chunks<1>(static_cast<std::size_t>((volume.width + strip - 1) / strip), thread, counters,
-                           [&](std::size_t i, std::size_t) {
+                           [&](std::size_t i) {
                                const int x = static_cast<int>(i) * strip;
                                body(paths, x, std::min(volume.width, x + strip));
                            });

@@ -37,7 +37,7 @@ Entries entries_of(const CalibrationText& text) {
 }
 
 // Returns the entries of both files. If both have a key, the files are those of one camera each.
-Entries joined(Entries first, Entries second, const std::string& second_name) {
+Entries merged(Entries first, Entries second, const std::string& second_name) {
     const bool are_cameras = std::any_of(second.begin(), second.end(), [&](const Entry& entry) {
         return entry.side == Side::none && meaning_of(entry) && meaning_of(entry)->part < Part::width &&
                std::any_of(first.begin(), first.end(),
@@ -103,7 +103,7 @@ CameraFile::CameraFile(const CalibrationSource& source, bool wants_pair)
     };
     const auto take_with = [&](const fs::path& second) {
         const CalibrationText other_text = load_calibration_text(second);
-        Entries both = joined(entries, entries_of(other_text), second.filename().string());
+        Entries both = merged(entries, entries_of(other_text), second.filename().string());
         if (!take(both)) refuse_unknown(source.file, text);
         other = second;
     };
@@ -155,10 +155,6 @@ CalibrationFile read_calibration_file(const CalibrationSource& source) {
     check_possible(file.text, calibration);
     return {calibration, file.text.format, file.text.told, file.other,
             file.parts ? file.parts->depth_per_m() : 0};
-}
-
-Calibration read_calibration(const CalibrationSource& source) {
-    return read_calibration_file(source).calibration;
 }
 
 std::optional<StereoCalibrationFile> read_stereo_calibration(const CalibrationSource& source,

@@ -56,9 +56,6 @@ struct CalibrationFile {
 // or baseline <= 0, pixels not square, a vertical pair, a model with distortion).
 CalibrationFile read_calibration_file(const CalibrationSource& source);
 
-// Returns only the calibration of read_calibration_file().
-Calibration read_calibration(const CalibrationSource& source);
-
 // Whether a pair is rectified by the calibration of its cameras. automatic: yes, unless the file describes
 // rectified pictures as well (Q, or P1 and P2) and the rows of the pair are the same already.
 enum class Rectify { automatic, always, never };

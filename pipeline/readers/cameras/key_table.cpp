@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
@@ -210,9 +211,7 @@ const Family* family_of(const Entries& entries) {
 }
 
 std::string family_names() {
-    std::string names;
-    for (const Family& family : kFamilies) names += (names.empty() ? "" : ", ") + std::string(family.name);
-    return names;
+    return joined(kFamilies, ", ", &Family::name);
 }
 
 }  // namespace hexrelief::readers::codec

@@ -6,6 +6,7 @@
 #include <map>
 #include <tuple>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/camera_parts.h"
 #include "pipeline/readers/cameras/key_table.h"
 #include "pipeline/readers/parse_text.h"
@@ -23,18 +24,18 @@ struct Choice {
 const Choice& choose(const CalibrationText& source, const std::vector<Choice>& choices) {
     if (source.width == 0) return choices.front();
     const Choice* chosen = nullptr;
-    std::string sizes;
     for (const Choice& choice : choices) {
         if (choice.width == source.width && choice.height == source.height) return choice;
         const bool fits = 1LL * choice.width * source.height == 1LL * choice.height * source.width;
         if (fits && (!chosen || choice.width > chosen->width)) chosen = &choice;
-        sizes +=
-            (sizes.empty() ? "" : ", ") + std::to_string(choice.width) + "x" + std::to_string(choice.height);
     }
     if (!chosen)
         refuse_key(source, "the file",
-                   "has cameras of " + sizes + " px, but the picture has " + std::to_string(source.width) +
-                       "x" + std::to_string(source.height) + " px; give the picture as it was taken");
+                   "has cameras of " +
+                       joined(choices, ", ",
+                              [](const Choice& choice) { return size_text(choice.width, choice.height); }) +
+                       " px, but the picture has " + size_text(source.width, source.height) +
+                       " px; give the picture as it was taken");
     return *chosen;
 }
 

@@ -1,4 +1,5 @@
 // Reads OpenEXR: one channel of one part, or three of colours, in the display window.
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 
 #ifdef HEXRELIEF_HAS_OPENEXR
@@ -142,9 +143,7 @@ std::optional<Channel> alone_in_its_part(const std::vector<Channel>& channels) {
 std::vector<Channel> chosen_channels(const SourceFile& source, const std::vector<Channel>& channels) {
     std::vector<std::string> names(channels.size());
     std::ranges::transform(channels, names.begin(), &Channel::full_name);
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    text = printable(text, 400);
+    const std::string text = printable(joined(names, ", "), 400);
     if (!source.key.empty()) {
         auto found = std::ranges::find(channels, source.key, &Channel::full_name);
         if (found == channels.end()) found = std::ranges::find(channels, source.key, &Channel::name);

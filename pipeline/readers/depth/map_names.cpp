@@ -1,9 +1,10 @@
 #include "pipeline/readers/depth/map_names.h"
 
 #include <algorithm>
-#include <cctype>
 #include <span>
 #include <string_view>
+
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::readers::codec {
 namespace {
@@ -66,11 +67,6 @@ int score_of(const std::string& name, const std::vector<std::string>& names,
 }
 
 }  // namespace
-
-std::string lower_case(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
 
 std::optional<std::size_t> usual_name(const std::vector<std::string>& names, Wanted wanted) {
     std::vector<std::string> small(names.size());

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/npy_shape.h"
 #include "pipeline/readers/parse_text.h"
@@ -101,9 +102,7 @@ void take_type(const SourceFile& source, std::string_view type, NpyHeader& heade
 }
 
 std::string shape_text(const std::vector<unsigned long long>& shape) {
-    std::string text;
-    for (const unsigned long long side : shape) text += (text.empty() ? "" : ", ") + std::to_string(side);
-    return "(" + text + ")";
+    return "(" + joined(shape, ", ", [](unsigned long long side) { return std::to_string(side); }) + ")";
 }
 
 // Returns the number in brackets at the key's end: 2 for "depth[2]".

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/map_names.h"
 #include "pipeline/readers/depth/npy_shape.h"
@@ -57,9 +58,7 @@ bool is_map(const SourceFile& source, const ZipMember& array) {
 // of the one with the most usual name, or of the only one that can be a map.
 std::size_t index_of_array(const SourceFile& source, const std::vector<ZipMember>& arrays) {
     const std::vector<std::string> names = names_of(arrays);
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    text = printable(text, 400);
+    const std::string text = printable(joined(names, ", "), 400);
     const std::string wanted =
         source.key.substr(0, source.key.ends_with(']') ? source.key.rfind('[') : source.key.size());
     if (!wanted.empty()) {
@@ -104,12 +103,10 @@ std::vector<std::string> list_npz(const SourceFile& source) {
     for (const ZipMember& array : arrays_of(source)) {
         std::string line = array_name(array) + ":";
         if (const std::optional<NpyShape> found = shape_of(source, array)) {
-            const char* separator = " ";
-            for (const unsigned long long side : found->shape) {
-                line += separator + std::to_string(side);
-                separator = " x ";
-            }
-            line += " " + found->type;
+            if (!found->shape.empty()) line += " ";
+            line +=
+                joined(found->shape, " x ", [](unsigned long long side) { return std::to_string(side); }) +
+                " " + found->type;
         } else {
             line += " no numbers";
         }
@@ -251,13 +248,7 @@ std::vector<std::uint8_t> unpack(const SourceFile& archive, const ZipMember& mem
     const std::uint8_t* const packed = packed_bytes(archive, member);
     check_promise(archive, member, most_bytes);
     std::vector<std::uint8_t> bytes = first_bytes(archive, packed, member, member.bytes);
-    uLong checksum = crc32(0, nullptr, 0);
-    for (std::size_t done = 0; done < bytes.size();) {
-        const auto part = static_cast<uInt>(std::min<std::size_t>(bytes.size() - done, 1u << 30));
-        checksum = crc32(checksum, bytes.data() + done, part);
-        done += part;
-    }
-    if (checksum != member.checksum) refuse_damaged(archive);
+    if (crc32_z(0, bytes.data(), bytes.size()) != member.checksum) refuse_damaged(archive);
     return bytes;
 }
 

@@ -6,18 +6,16 @@
 
 #include "pipeline/data/crop.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_boxes.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/parse_text.h"
 #include "pipeline/readers/photographs/exif.h"
 #include "pipeline/readers/photographs/mpo.h"
 
 namespace hexrelief::readers {
 namespace {
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
 
 // Returns the picture at twice its width or height, interpolated linearly between the centres of its pixels.
 Image stretched(const Image& image, bool in_x) {
@@ -54,9 +52,7 @@ StereoPair halved(const std::filesystem::path& path, Image image, StereoLayout l
 
 // True if the name is that of a side-by-side picture for crossed eyes.
 bool is_cross_eyed_name(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+    const std::string extension = codec::lower_case(path.extension().string());
     return extension == ".jps" || extension == ".pns";
 }
 
@@ -98,11 +94,9 @@ std::optional<Halves> named_halves(const std::filesystem::path& path) {
         {"top-bottom", StereoLayout::top_bottom},
         {"tb", StereoLayout::top_bottom}};
     // As if all words were parted by hyphens, and one stood at both ends.
-    std::string name = "-" + path.stem().string() + "-";
+    std::string name = "-" + codec::lower_case(path.stem().string()) + "-";
     for (char& c : name)
-        c = c == '_' || c == ' ' || c == '.' ? '-'
-            : c >= 'A' && c <= 'Z'           ? static_cast<char>(c - 'A' + 'a')
-                                             : c;
+        if (c == '_' || c == ' ' || c == '.') c = '-';
     for (const auto& [words, layout] : kWords)
         if (name.find("-" + std::string(words) + "-") != std::string::npos)
             return Halves{layout, false, "left view first, by '" + std::string(words) + "' in the name",
@@ -201,7 +195,7 @@ using Lines = std::vector<std::string>;
 
 std::string line(int width, int height, const std::string& role) {
     if (width == 0 || height == 0) return role;
-    return std::to_string(width) + " x " + std::to_string(height) + " px, " + role;
+    return size_text(width, height, " x ") + " px, " + role;
 }
 
 // Returns a line for the JPEG file in these bytes; its size is left out if its header is malformed.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/windows/map_windows.h"
 
@@ -75,8 +76,7 @@ MapWriter::MapWriter(exporters::FileTransaction& files, const std::filesystem::p
     assert(tile_px >= 1 && tile_px <= 4096);
     if (std::min(width, height) < 1 || std::max(width, height) > kLargestMapSide_px)
         throw Error(ErrorKind::usage, "a map's sides are 1 to " + std::to_string(kLargestMapSide_px) +
-                                          " px, not " + std::to_string(width) + "x" + std::to_string(height) +
-                                          "; give another size");
+                                          " px, not " + size_text(width, height) + "; give another size");
     descriptor_ = files.open(path);
     const std::string header =
         is_tiff_ ? std::string(kTiffHeaderBytes, '\0')

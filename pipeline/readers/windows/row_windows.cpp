@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/netpbm_codec.h"
 #include "pipeline/readers/parse_text.h"
@@ -188,7 +189,7 @@ std::unique_ptr<WindowSource> raw_windows(std::shared_ptr<const MapFile> file, c
     const std::uint64_t all = row_bytes * static_cast<std::uint64_t>(layout.height);
     if (file->bytes() != all)
         codec::refuse(file->path(), "it has " + std::to_string(file->bytes()) + " bytes, " +
-                                        std::to_string(layout.width) + "x" + std::to_string(layout.height) +
+                                        size_text(layout.width, layout.height) +
                                         (is_wide ? " uint16" : " float32") + " samples have " +
                                         std::to_string(all) + "; correct the size or the type");
     auto source = row_windows(file, {.width = layout.width,

@@ -2,17 +2,11 @@
 
 #include <algorithm>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/limits.h"
 #include "pipeline/readers/source.h"
 
 namespace hexrelief::readers {
-namespace {
-
-std::string size_text(unsigned long long width, unsigned long long height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
-}  // namespace
 
 void check_map_size(const std::filesystem::path& path, unsigned long long width, unsigned long long height) {
     if (width == 0 || height == 0)
@@ -27,13 +21,11 @@ codec::Raster read_window(const WindowSource& source, const std::filesystem::pat
     const auto within = [](long long at, long long size, long long all) {
         return at >= 0 && size >= 1 && at + size <= all;
     };
-    const std::string wanted = std::to_string(window.width) + "x" + std::to_string(window.height);
+    const std::string wanted = size_text(window.width, window.height);
     if (!within(window.x, window.width, source.width) || !within(window.y, window.height, source.height))
-        codec::refuse(
-            path, "there is no window of " + wanted + " px at " + std::to_string(window.x) + "," +
-                      std::to_string(window.y) + " in its " +
-                      size_text(static_cast<unsigned>(source.width), static_cast<unsigned>(source.height)) +
-                      " px; ask for one inside");
+        codec::refuse(path, "there is no window of " + wanted + " px at " + std::to_string(window.x) + "," +
+                                std::to_string(window.y) + " in its " +
+                                size_text(source.width, source.height) + " px; ask for one inside");
     if (static_cast<long long>(window.width) * window.height > kMaxPixels)
         codec::refuse(path, "a window of " + wanted + " px is above the limit of " +
                                 std::to_string(kMaxPixels) + " pixels; ask for smaller ones");

@@ -130,13 +130,11 @@ void fit_planes(std::vector<PlaneAt>& planes, const NearestMeasurements& nearest
                 ThreadPool& pool) {
     // Only positions and disparities are read and only slopes are written, so the order of
     // measurements does not matter.
-    pool.parallel_for_chunks(planes.size(), [&](std::size_t first, std::size_t end) {
-        for (std::size_t m = first; m < end; ++m) {
-            const Slopes s = slopes_of(
-                neighbours_of(static_cast<std::uint32_t>(m), planes, nearest, stride_px), stride_px);
-            planes[m].slope_x = s.x;
-            planes[m].slope_y = s.y;
-        }
+    pool.parallel_for_chunks(planes.size(), [&](std::size_t m) {
+        const Slopes s =
+            slopes_of(neighbours_of(static_cast<std::uint32_t>(m), planes, nearest, stride_px), stride_px);
+        planes[m].slope_x = s.x;
+        planes[m].slope_y = s.y;
     });
 }
 

@@ -146,19 +146,18 @@ float chosen_of(const Votes& votes, int x, int y, const VoteInput& input) {
 Image smoothed(const Image& picture, ThreadPool& pool) {
     Image smooth = picture;
     const auto rows = static_cast<std::size_t>(picture.empty() ? 0 : picture.height);
-    pool.parallel_for_chunks(rows, [&](std::size_t first, std::size_t end) {
-        for (int y = static_cast<int>(first); y < static_cast<int>(end); ++y)
-            for (int x = 0; x < picture.width; ++x) {
-                const int xs[] = {std::max(x - 1, 0), x, std::min(x + 1, picture.width - 1)};
-                const int ys[] = {std::max(y - 1, 0), y, std::min(y + 1, picture.height - 1)};
-                for (int c = 0; c < picture.channels; ++c) {
-                    const auto row = [&](int v) {
-                        return picture.at(xs[0], v)[c] + 2 * picture.at(x, v)[c] + picture.at(xs[2], v)[c];
-                    };
-                    smooth.at(x, y)[c] =
-                        static_cast<std::uint8_t>((row(ys[0]) + 2 * row(y) + row(ys[2]) + 8) / 16);
-                }
+    pool.parallel_for_chunks(rows, [&](int y) {
+        for (int x = 0; x < picture.width; ++x) {
+            const int xs[] = {std::max(x - 1, 0), x, std::min(x + 1, picture.width - 1)};
+            const int ys[] = {std::max(y - 1, 0), y, std::min(y + 1, picture.height - 1)};
+            for (int c = 0; c < picture.channels; ++c) {
+                const auto row = [&](int v) {
+                    return picture.at(xs[0], v)[c] + 2 * picture.at(x, v)[c] + picture.at(xs[2], v)[c];
+                };
+                smooth.at(x, y)[c] =
+                    static_cast<std::uint8_t>((row(ys[0]) + 2 * row(y) + row(ys[2]) + 8) / 16);
             }
+        }
     });
     return smooth;
 }
@@ -187,21 +186,20 @@ DisparityMap take_votes(const VoteInput& input, int stride_px, ThreadPool& pool)
     DisparityMap dense = input.sparse;
     dense.origins.assign(dense.values.size(), PixelOrigin::unknown);
     const Window window(stride_px);
-    pool.parallel_for_chunks(static_cast<std::size_t>(dense.height), [&](std::size_t first, std::size_t end) {
-        for (int y = static_cast<int>(first); y < static_cast<int>(end); ++y)
-            for (int x = 0; x < dense.width; ++x) {
-                const std::size_t pixel = static_cast<std::size_t>(y) * dense.width + x;
-                if (DisparityMap::known(dense.values[pixel])) {
-                    dense.origins[pixel] = PixelOrigin::matched;
-                    continue;
-                }
-                if (!input.filled[pixel]) continue;
-                const Votes votes = window.votes_at(x, y, input);
-                if (votes.count == 0) continue;
-                const bool is_one = votes.most - votes.least <= kJoined_px;
-                dense.values[pixel] = is_one ? mean_of(votes) : chosen_of(votes, x, y, input);
-                dense.origins[pixel] = PixelOrigin::filled;
+    pool.parallel_for_chunks(static_cast<std::size_t>(dense.height), [&](int y) {
+        for (int x = 0; x < dense.width; ++x) {
+            const std::size_t pixel = static_cast<std::size_t>(y) * dense.width + x;
+            if (DisparityMap::known(dense.values[pixel])) {
+                dense.origins[pixel] = PixelOrigin::matched;
+                continue;
             }
+            if (!input.filled[pixel]) continue;
+            const Votes votes = window.votes_at(x, y, input);
+            if (votes.count == 0) continue;
+            const bool is_one = votes.most - votes.least <= kJoined_px;
+            dense.values[pixel] = is_one ? mean_of(votes) : chosen_of(votes, x, y, input);
+            dense.origins[pixel] = PixelOrigin::filled;
+        }
     });
     return dense;
 }

@@ -63,10 +63,9 @@ bool are_apart(const DisparityMap& map, std::size_t i, std::size_t other) {
 // Returns 1 for pixels beside a discontinuity.
 std::vector<std::uint8_t> find_ends(const DisparityMap& map, ThreadPool& pool) {
     std::vector<std::uint8_t> is_end(map.values.size());
-    pool.parallel_for(is_end.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            for_four_neighbours(i, map.width, map.height,
-                                [&](std::size_t other) { is_end[i] |= are_apart(map, i, other); });
+    pool.parallel_for_each(is_end.size(), [&](std::size_t i) {
+        for_four_neighbours(i, map.width, map.height,
+                            [&](std::size_t other) { is_end[i] |= are_apart(map, i, other); });
     });
     return is_end;
 }

@@ -141,5 +141,17 @@ TEST(ThreadPool, ChunksCoverTheRangeOnceHoweverLongTheyTake) {
         }
 }
 
+TEST(ThreadPool, ItemsAreVisitedOnceEach) {
+    for (const int size : {1, 3, 8})
+        for (const int count : {0, 1, 5, 100}) {
+            ThreadPool pool(size);
+            std::vector<std::atomic<int>> visits(static_cast<std::size_t>(count));
+            pool.parallel_for_each(count, [&](int i) { ++visits[static_cast<std::size_t>(i)]; });
+            pool.parallel_for_chunks<1>(visits.size(), [&](std::size_t i) { ++visits[i]; });
+            pool.parallel_for_chunks(visits.size(), [&](std::size_t i) { ++visits[i]; });
+            for (const auto& v : visits) EXPECT_EQ(v, 3);
+        }
+}
+
 }  // namespace
 }  // namespace hexrelief::testing_mesher

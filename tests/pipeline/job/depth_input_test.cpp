@@ -25,7 +25,7 @@ struct DepthScene {
 
 // The synthetic pair's.
 DepthScene depth_scene() {
-    DepthScene scene{readers::read_calibration(test::sample("calib.txt")),
+    DepthScene scene{readers::read_calibration_file(test::sample("calib.txt")).calibration,
                      readers::read_disparity_map(test::sample("disparity.pfm"), {}),
                      {}};
     for (const float d : scene.disparities.values)

@@ -119,7 +119,7 @@ TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
 TEST(Runner, TheCalibrationSaysTheRange) {
     const StereoPair pair{readers::read_image(test::sample("left.png")),
                           readers::read_image(test::sample("right.png"))};
-    Calibration calibration = readers::read_calibration(test::sample("calib.txt"));
+    Calibration calibration = readers::read_calibration_file(test::sample("calib.txt")).calibration;
     ASSERT_EQ(calibration.ndisp_px, 48);
     std::string said;
     const auto searched = [&](int min_px, int count_px) {

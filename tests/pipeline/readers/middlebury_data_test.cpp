@@ -23,7 +23,7 @@ class MiddleburyData : public testing::Test {
 TEST_F(MiddleburyData, PianoIsInPixels) {
     const auto piano = folder_ / "middlebury2014-quarter/Piano";
     const DisparityMap map = read_disparity_map(piano / "disp.pfm", {});
-    const Calibration calibration = read_calibration(piano / "calib.txt");
+    const Calibration calibration = read_calibration_file(piano / "calib.txt").calibration;
     ASSERT_EQ(map.width, 707);
     ASSERT_EQ(map.height, 481);
     EXPECT_EQ(calibration.width, map.width);

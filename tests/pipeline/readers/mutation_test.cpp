@@ -180,7 +180,7 @@ int readers_accepting(const Folder& folder, const Bytes& bytes, const std::strin
            accepted([&] { read_disparity_map(path, {.scale = 1}); }, what) +
            accepted([&] { read_depth_map(path, {.unit = "m"}); }, what) +
            accepted([&] { read_mask(path, {}); }, what) + accepted([&] { read_confidence(path, {}); }, what) +
-           accepted([&] { read_calibration(path); }, what) +
+           accepted([&] { read_calibration_file(path); }, what) +
            accepted([&] { require_stereo_calibration(path); }, what) +
            accepted([&] { describe_raster(path); }, what);
 }

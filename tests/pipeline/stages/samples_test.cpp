@@ -18,7 +18,7 @@ TEST(Samples, AreWhatTheGeneratorRenders) {
     EXPECT_EQ(readers::read_image(kFolder / "left.png").pixels, scene.pair.left.pixels);
     EXPECT_EQ(readers::read_image(kFolder / "right.png").pixels, scene.pair.right.pixels);
     EXPECT_EQ(readers::read_disparity_map(kFolder / "disparity.pfm", {}).values, scene.disparity.values);
-    const Calibration read = readers::read_calibration(kFolder / "calib.txt");
+    const Calibration read = readers::read_calibration_file(kFolder / "calib.txt").calibration;
     EXPECT_DOUBLE_EQ(read.focal_px, scene.calibration.focal_px);
     EXPECT_DOUBLE_EQ(read.cx, scene.calibration.cx);
     EXPECT_DOUBLE_EQ(read.cy, scene.calibration.cy);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/readers/source.h"
 
@@ -262,14 +263,11 @@ const std::vector<ModelKind>& model_kinds() {
 
 const ModelKind& kind_of_model(const std::filesystem::path& file, const std::string& name) {
     const std::vector<ModelKind>& kinds = model_kinds();
-    std::string names;
-    for (const ModelKind& kind : kinds) {
+    for (const ModelKind& kind : kinds)
         if (kind.name == name) return kind;
-        names += (names.empty() ? "" : ", ") + kind.name;
-    }
     if (!name.empty())
-        throw Error(ErrorKind::usage,
-                    "disparity.model_kind must be one of " + names + ", not '" + name + "'");
+        throw Error(ErrorKind::usage, "disparity.model_kind must be one of " +
+                                          joined(kinds, ", ", &ModelKind::name) + ", not '" + name + "'");
     const std::string sum = files::sha256_of_file(file), plain = plain_name(file.stem().string());
     const ModelKind* best = nullptr;
     for (const ModelKind& kind : kinds) {

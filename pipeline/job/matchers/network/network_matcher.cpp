@@ -1,13 +1,13 @@
 #include "pipeline/job/matchers/network/network_matcher.h"
 
 #include <algorithm>
-#include <cctype>
 #include <new>
 #include <regex>
 #include <utility>
 
 #include "exporters/images/resize.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::job {
@@ -17,27 +17,16 @@ constexpr int kCollar_px = 32;              // of a tile, that networks need to 
 constexpr long long kMostPixels = 1 << 26;  // of the pictures that a network is given
 constexpr int kFloat = 1, kUint8 = 2;       // ONNX's TensorProto.DataType
 
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
-std::string lower(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
-
 bool has(const std::string& name, const char* part) {
-    return lower(name).find(part) != std::string::npos;
+    return readers::codec::lower_case(name).find(part) != std::string::npos;
 }
 
 bool names_right(const std::string& name) {
-    return has(name, "right") || name.ends_with('2') || lower(name).ends_with("_r");
+    return has(name, "right") || name.ends_with('2') || readers::codec::lower_case(name).ends_with("_r");
 }
 
 std::string shape_text(const Tensor& tensor) {
-    std::string text;
-    for (const int dim : tensor.dims) text += (text.empty() ? "" : "x") + std::to_string(dim);
-    return text;
+    return joined(tensor.dims, "x", [](int dim) { return std::to_string(dim); });
 }
 
 // Returns the first plane of a tensor that holds a map, or a flow whose first plane is that along x.
@@ -134,8 +123,8 @@ void NetworkMatcher::find_pictures() {
             if (input.dims[i] != inputs[0].dims[i]) refuse("the network's two pictures differ in size");
     }
     if (inputs[0].dims[2] * inputs[0].dims[3] > kMostPixels)
-        refuse("the network takes pictures of " + std::to_string(inputs[0].dims[3]) + "x" +
-               std::to_string(inputs[0].dims[2]) + " px, which are too large to be run");
+        refuse("the network takes pictures of " + size_text(inputs[0].dims[3], inputs[0].dims[2]) +
+               " px, which are too large to be run");
     is_right_first_ = !is_joined_ && names_right(inputs[0].name) && !names_right(inputs[1].name);
 }
 

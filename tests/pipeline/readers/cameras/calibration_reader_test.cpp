@@ -9,11 +9,11 @@ namespace {
 
 Calibration read(std::string_view text) {
     const Folder folder;
-    return read_calibration(folder.write("calibration", text));
+    return read_calibration_file(folder.write("calibration", text)).calibration;
 }
 
 std::string error_for(std::string_view text) {
-    return error_of_file("bad.txt", text, [](const auto& path) { read_calibration(path); });
+    return error_of_file("bad.txt", text, [](const auto& path) { read_calibration_file(path); });
 }
 
 void expect_calibration(const Calibration& c, double focal, double cx, double cy, double baseline,
@@ -182,8 +182,8 @@ TEST(ReadCalibration, RefusesWhatIsNoCalibration) {
     EXPECT_CONTAINS(error_for(std::string(5000, '[')), "bad.txt");
     EXPECT_CONTAINS(error_for(std::string(2u << 20, 'x')), "bytes");
     const Folder folder;
-    EXPECT_CONTAINS(error_of([&] { read_calibration(folder.path() / "none"); }), "no such file");
-    EXPECT_CONTAINS(error_of([&] { read_calibration(folder.path()); }), "folder");
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file(folder.path() / "none"); }), "no such file");
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file(folder.path()); }), "folder");
 }
 
 }  // namespace

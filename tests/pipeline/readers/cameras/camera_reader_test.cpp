@@ -11,7 +11,7 @@ CalibrationFile read(std::string_view text) {
 }
 
 std::string error_for(std::string_view text) {
-    return error_of_file("bad.txt", text, [](const auto& path) { read_calibration(path); });
+    return error_of_file("bad.txt", text, [](const auto& path) { read_calibration_file(path); });
 }
 
 struct Expected {

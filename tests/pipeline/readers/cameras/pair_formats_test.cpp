@@ -144,11 +144,11 @@ TEST(ReadPairFormats, Npz) {
     expect_pair(read_stereo_calibration(path, Rectify::automatic), "OpenCV");
     Bytes cut = make_zip(arrays, false);
     cut.resize(cut.size() / 2);
-    EXPECT_CONTAINS(error_of([&] { read_calibration(folder.write("cut.npz", cut)); }), "cut.npz");
-    EXPECT_CONTAINS(error_of([&] { read_calibration(folder.write("no.npz", make_zip({}, false))); }),
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file(folder.write("cut.npz", cut)); }), "cut.npz");
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file(folder.write("no.npz", make_zip({}, false))); }),
                     "no.npz");
     const auto nan = make_zip({{"K.npy", npy_of("(3, 3)", Numbers(9, std::nan("")))}}, false);
-    EXPECT_CONTAINS(error_of([&] { read_calibration(folder.write("nan.npz", nan)); }), "K is 'nan'");
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file(folder.write("nan.npz", nan)); }), "K is 'nan'");
 }
 
 TEST(ReadPairFormats, KalibrAndEuroc) {
@@ -185,14 +185,15 @@ TEST(ReadPairFormats, KalibrAndEuroc) {
     const auto first = folder.write("cam0/sensor.yaml",
                                     sensor(rigid({1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}), kLeft, kLeftLens));
     EXPECT_FALSE(read_stereo_calibration(first, Rectify::automatic));
-    EXPECT_NEAR(read_calibration(first).focal_px, 500, 1e-9);
+    EXPECT_NEAR(read_calibration_file(first).calibration.focal_px, 500, 1e-9);
     const auto second = folder.write(
         "cam1/sensor.yaml", sensor(rigid(turned_back(kTurn), moved_back(kTurn, kMove)), kRight, kRightLens));
     const auto beside = read_stereo_calibration(first, Rectify::automatic);
     expect_pair(beside, "EuRoC", left, right);
     EXPECT_EQ(beside->other, second);
     expect_pair(read_stereo_calibration({first, second, 0, 0}, Rectify::automatic), "EuRoC", left, right);
-    EXPECT_NEAR(read_calibration(first).focal_px, 500, 1e-9);  // one view does not need the other
+    EXPECT_NEAR(read_calibration_file(first).calibration.focal_px, 500,
+                1e-9);  // one view does not need the other
 }
 
 TEST(ReadPairFormats, IntrinsicsAndExtrinsicsAreTwoFiles) {
@@ -208,7 +209,7 @@ TEST(ReadPairFormats, IntrinsicsAndExtrinsicsAreTwoFiles) {
     expect_pair(read_stereo_calibration(first, Rectify::automatic), "OpenCV");
     const auto kitti =
         folder.write("kitti.txt", "P0: 7 0 6 0 0 7 1 0 0 0 1 0\nP1: 7 0 6 -3 0 7 1 0 0 0 1 0\n");
-    EXPECT_CONTAINS(error_of([&] { read_calibration({kitti, named, 0, 0}); }), "does not go with");
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file({kitti, named, 0, 0}); }), "does not go with");
 }
 
 std::string ros(const Numbers& k, const Numbers& lens, const Numbers& turn, const Numbers& p) {
@@ -229,7 +230,7 @@ TEST(ReadPairFormats, RosFilesOfBothCameras) {
     const Folder folder;
     const auto left = folder.write("left.yaml", ros(kLeft, kLeftLens, kTurn, left_p));
     EXPECT_FALSE(read_stereo_calibration(left, Rectify::automatic));
-    EXPECT_EQ(read_calibration(left).baseline_m, 0);
+    EXPECT_EQ(read_calibration_file(left).calibration.baseline_m, 0);
     folder.write("right.yaml", ros(kRight, kRightLens, none, right_p));
     const auto pair = read_stereo_calibration(left, Rectify::automatic);
     ASSERT_TRUE(pair);
@@ -311,8 +312,8 @@ TEST(ReadPairFormats, RealSense) {
     EXPECT_NEAR(file.calibration.focal_px, 420, 1e-12);
     EXPECT_NEAR(file.calibration.baseline_m, 0.05, 1e-12);
     EXPECT_NEAR(file.calibration.cx, 424.5, 1e-12);
-    EXPECT_EQ(read_calibration(path).width, 1920);
-    EXPECT_CONTAINS(error_of([&] { read_calibration({path, {}, 640, 400}); }), "848x480 px");
+    EXPECT_EQ(read_calibration_file(path).calibration.width, 1920);
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file({path, {}, 640, 400}); }), "848x480 px");
 
     const auto param = [](const std::string& name, const Numbers& numbers) {
         std::string values;
@@ -363,7 +364,7 @@ TEST(ReadPairFormats, OrbSlam) {
     const Folder folder;
     const auto plain = folder.write("orb.yaml", "%YAML:1.0\n" + lengths);
     EXPECT_FALSE(read_stereo_calibration(plain, Rectify::automatic));
-    EXPECT_NEAR(read_calibration(plain).baseline_m, 0.12, 1e-12);
+    EXPECT_NEAR(read_calibration_file(plain).calibration.baseline_m, 0.12, 1e-12);
     EXPECT_EQ(read_calibration_file(plain).format, "ORB-SLAM");
 
     const auto side = [](const std::string& name, const Numbers& k, const Numbers& lens, const Numbers& turn,

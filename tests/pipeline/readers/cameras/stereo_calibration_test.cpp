@@ -65,8 +65,8 @@ TEST(ReadStereoCalibration, RectifiedPicturesGoBefore) {
     EXPECT_FALSE(read("cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\nbaseline=200\ndoffs=0\n"));
     EXPECT_CONTAINS(error_for("%YAML:1.0\n---\n" + kRectified, Rectify::always), "must be there to rectify");
     const Folder folder;
-    EXPECT_EQ(read_calibration(folder.write("both.yml", kPair + kRectified)).focal_px, 500);
-    EXPECT_CONTAINS(error_of([&] { read_calibration(folder.write("pair.yml", kPair)); }), "rectified");
+    EXPECT_EQ(read_calibration_file(folder.write("both.yml", kPair + kRectified)).calibration.focal_px, 500);
+    EXPECT_CONTAINS(error_of([&] { read_calibration_file(folder.write("pair.yml", kPair)); }), "rectified");
 }
 
 TEST(ReadStereoCalibration, FourNumbersAreAFisheyesUnlessTheModelIsSaid) {
