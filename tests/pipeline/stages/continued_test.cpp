@@ -158,6 +158,16 @@ TEST(Continued, LowStepsOfWhatNoCameraShowsBecomeRamps) {
     for (int x = 0; x < kWidth; ++x) EXPECT_EQ(map.at(x, 15), kUnknownDisparity);
 }
 
+TEST(Continued, RampsLeadUpFromAllSides) {
+    const std::vector<std::uint8_t> none_shown(kWidth * kHeight);
+    DisparityMap map = map_with_steps(), turned = map;
+    std::ranges::reverse(turned.values);
+    ramp_steps(map, none_shown, 6);
+    ramp_steps(turned, none_shown, 6);
+    std::ranges::reverse(turned.values);
+    EXPECT_EQ(turned.values, map.values);
+}
+
 TEST(Continued, HigherStepsStay) {
     DisparityMap map = map_with_steps();
     ramp_steps(map, std::vector<std::uint8_t>(map.values.size()), 5.9);
