@@ -17,6 +17,7 @@
 #include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/other_view.h"
+#include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::job {
 namespace {
@@ -29,6 +30,8 @@ constexpr int kReduced = 4, kReducedOfPhotographs = 2;
 constexpr double kCoarser = 3.5;       // spacing of the other views: what has no match has little detail
 constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera saw
 constexpr double kShownStep_px = 6;    // the same if the right camera, which has no view, sees some of it
+// So far sheets overlap with what is around them; more joins those of a pair's view on one surface.
+constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
 // Holes of the right view are filled at a third of its size, or at this length if that is less.
 constexpr int kFilled = 3, kFilled_px = 320;
 constexpr double kFarther = 63. / 64;     // share of the least disparity
@@ -223,6 +226,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const int threads = backend.threads();
     const int mixed_px =
         view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
+    const bool is_rectified = right && !view.is_by_points;
+    const int border_px = is_rectified ? kBorderOfPairs_px : kBorder_px;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     std::vector<stages::UsedPart> used;
@@ -250,12 +255,14 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         }
         stages::find_missing(missing, visible.seen[1], visible.seen[0], view.is_by_points, threads);
         missing.map = {};
+        const std::vector<std::uint8_t> is_shown = stages::known_pixels(missing.missing);
         std::tie(missing.color, missing.picture) = copying_right.get();
         if (behind > 0)
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
         if (view.is_by_points) stages::keep_in_frame(missing, frame);
-        stages::join_to_surface(missing, visible.seen[1], threads);
+        stages::join_to_surface(missing, visible.seen[1], border_px, threads);
+        if (is_rectified) stages::ramp_steps(missing.missing, is_shown, kHiddenStep_px);
         add(std::move(missing));
     }
     if (behind > 0) {
@@ -268,7 +275,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
                                 visible, threads);
         OtherView behind_all = backing.get();
         if (view.is_by_points) stages::take_colours(behind_all, left);
-        stages::join_to_surface(left, here, threads);
+        stages::join_to_surface(left, here, border_px, threads);
         add(std::move(left));
         if (view.is_by_points) add(std::move(behind_all));
     }

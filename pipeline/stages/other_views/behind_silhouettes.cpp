@@ -25,7 +25,6 @@ constexpr int kApart = 2;      // times its width: a baseline on, mixed pixels s
 constexpr int kRatherFar = 2;  // times less unlike the farther surface than the nearer one: not mixed of both
 // What looks this unlike a surface: levels, and times the mean deviation of its colours from their mean.
 constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
-constexpr int kBorder_px = 2;
 constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
@@ -252,8 +251,8 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
     return result;
 }
 
-// Adds the covered pixels within kBorder_px of the known ones that lie on the same surface.
-void grow(DisparityMap& map, const Disparities& covered, ThreadPool& pool) {
+// Adds the covered pixels within border_px of the known ones that lie on the same surface.
+void grow(DisparityMap& map, const Disparities& covered, int border_px, ThreadPool& pool) {
     const auto add_beside = [&](std::uint32_t from, std::vector<std::uint32_t>& beside) {
         for_neighbours(map, from, [&](std::uint32_t i) {
             if (covered[i] != kNotCovered && !DisparityMap::known(map.values[i]) &&
@@ -275,7 +274,7 @@ void grow(DisparityMap& map, const Disparities& covered, ThreadPool& pool) {
                     map.values[i] = static_cast<float>(covered[i]);
                     border.push_back(i);
                 }
-        if (px == kBorder_px) return;
+        if (px == border_px) return;
         found.assign(1, {});
         for (const std::uint32_t from : border) add_beside(from, found[0]);
     }
@@ -327,10 +326,10 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     paint(view.picture.empty() ? view.color : view.picture, place, continued, front, is_photograph, pool);
 }
 
-void join_to_surface(OtherView& view, const SeenSurface& here, int threads) {
+void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, int threads) {
     merge_specks(view.missing);
     ThreadPool pool(threads);
-    grow(view.missing, here.disparities, pool);
+    grow(view.missing, here.disparities, border_px, pool);
 }
 
 }  // namespace hexrelief::stages

@@ -27,8 +27,9 @@ struct Beyond {
 void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
                      const VisibleSurface& visible, int threads);
 
-// Adds to `missing` a border of the surface around it, so that the parts overlap with the surface and with
-// each other, and drops parts that nobody would miss. The same for any number of threads.
-void join_to_surface(OtherView& view, const SeenSurface& here, int threads);
+// Adds to `missing` a border of the surface around it, of border_px >= 1 px, so that the parts overlap with
+// the surface and with each other, and drops parts that nobody would miss. The same for any number of
+// threads.
+void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, int threads);
 
 }  // namespace hexrelief::stages

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
 constexpr std::size_t kLeastRegion = 3;    // pixels that somebody would miss
+constexpr float kRamp_px = 0.9F;           // a pixel: less than a step between two surfaces
 
 // Returns those of specks_of() that hold one of the seeds.
 template <class Seeds>
@@ -76,6 +77,31 @@ void merge_specks(DisparityMap& map) {
     const auto alone = std::views::transform(open, &Open::pixel);
     for (const std::uint32_t i : specks_at(map, kLeastRegion, kOneSurface_px, alone))
         map.values[i] = kUnknownDisparity;
+}
+
+std::vector<std::uint8_t> known_pixels(const DisparityMap& map) {
+    std::vector<std::uint8_t> known(map.values.size());
+    std::transform(map.values.begin(), map.values.end(), known.begin(), DisparityMap::known);
+    return known;
+}
+
+void ramp_steps(DisparityMap& map, const std::vector<std::uint8_t>& is_shown, double most_px) {
+    const auto width = static_cast<std::size_t>(map.width), count = map.values.size();
+    const auto most = static_cast<float>(most_px);
+    const auto fall_towards = [&](std::size_t pixel, std::size_t beside) {
+        float& d = map.values[pixel];
+        // Unknown pixels are infinitely far apart from all, or no number.
+        const float step = d - map.values[beside];
+        if (step > kRamp_px && step <= most && !is_shown[pixel]) d = map.values[beside] + kRamp_px;
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i >= width) fall_towards(i, i - width);
+        if (i % width > 0) fall_towards(i, i - 1);
+    }
+    for (std::size_t i = count; i-- > 0;) {
+        if (i + width < count) fall_towards(i, i + width);
+        if ((i + 1) % width > 0) fall_towards(i, i + 1);
+    }
 }
 
 std::vector<std::uint32_t> cracks_of(const DisparityMap& map, const Disparities& surface) {

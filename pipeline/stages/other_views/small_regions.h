@@ -28,6 +28,13 @@ std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least,
 // Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
 void merge_specks(DisparityMap& map);
 
+// Returns per pixel 1 where the map is known.
+std::vector<std::uint8_t> known_pixels(const DisparityMap& map);
+
+// Lets pixels fall towards what lies farther beside them by at most most_px, in ramps of 0.9 px a pixel, so
+// that such a step parts nothing. Those of is_shown, per pixel 0 or 1, stay.
+void ramp_steps(DisparityMap& map, const std::vector<std::uint8_t>& is_shown, double most_px);
+
 // Returns those pixels of small regions that themselves touch a surface: a neighbour is covered by one within
 // 1 px of disparity. surface: per pixel a disparity or kNotCovered.
 std::vector<std::uint32_t> cracks_of(const DisparityMap& map, const Disparities& surface);

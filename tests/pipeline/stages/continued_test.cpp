@@ -188,5 +188,54 @@ TEST(Continued, SmallRegionIsACrackOfTheSurfaceThatItGoesOnWith) {
     EXPECT_TRUE(std::ranges::all_of(cracks, [](std::uint32_t i) { return i % kWidth == 10; }));
 }
 
+// A map of 20 px left of column 15 and above row 5, of 14 px elsewhere; row 15 is unknown.
+DisparityMap map_with_steps() {
+    DisparityMap map{kWidth, kHeight, std::vector<float>(kWidth * kHeight, 14)};
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            if (y == 15)
+                map.at(x, y) = kUnknownDisparity;
+            else if (x < 15 || y < 5)
+                map.at(x, y) = 20;
+    return map;
+}
+
+TEST(Continued, LowStepsOfWhatNoCameraShowsBecomeRamps) {
+    DisparityMap map = map_with_steps();
+    std::vector<std::uint8_t> is_shown(map.values.size());
+    is_shown[at(14, 10)] = is_shown[at(20, 4)] = 1;
+    ramp_steps(map, is_shown, 6);
+    for (int k = 1; k <= 6; ++k) {
+        EXPECT_NEAR(map.at(15 - k, 12), 14 + 0.9 * k, 1e-5) << k;
+        if (k < 5) EXPECT_NEAR(map.at(25, 5 - k), 14 + 0.9 * k, 1e-5) << k;
+    }
+    for (int x = 0; x < 8; ++x) EXPECT_EQ(map.at(x, 12), 20) << "far from the step at " << x;
+    for (int x = 15; x < kWidth; ++x) EXPECT_EQ(map.at(x, 12), 14) << "what lies behind stays at " << x;
+    EXPECT_EQ(map.at(14, 10), 20) << "a camera shows it";
+    EXPECT_EQ(map.at(20, 4), 20) << "a camera shows it";
+    for (int x = 0; x < kWidth; ++x) EXPECT_EQ(map.at(x, 15), kUnknownDisparity);
+}
+
+TEST(Continued, RampsLeadUpFromAllSides) {
+    const std::vector<std::uint8_t> none_shown(kWidth * kHeight);
+    DisparityMap map = map_with_steps(), turned = map;
+    std::ranges::reverse(turned.values);
+    ramp_steps(map, none_shown, 6);
+    ramp_steps(turned, none_shown, 6);
+    std::ranges::reverse(turned.values);
+    EXPECT_EQ(turned.values, map.values);
+}
+
+TEST(Continued, HigherStepsStay) {
+    DisparityMap map = map_with_steps();
+    ramp_steps(map, std::vector<std::uint8_t>(map.values.size()), 5.9);
+    EXPECT_EQ(map.values, map_with_steps().values);
+}
+
+TEST(Continued, OnlyKnownPixelsCountAsShown) {
+    const std::vector<std::uint8_t> known = known_pixels(map_with_steps());
+    for (int y = 0; y < kHeight; ++y) EXPECT_EQ(known[at(7, y)], y == 15 ? 0 : 1) << y;
+}
+
 }  // namespace
 }  // namespace hexrelief::stages
