@@ -20,7 +20,7 @@ constexpr int kFinest = 480, kCoarsest = 128, kLeastCell_px = 2;
 constexpr int kRadius = 2;  // of the squares that are compared, cells
 constexpr int kReach = 14;  // of the search at the coarsest level, cells
 constexpr int kAround = 8;  // the same at the others, around the sources so far
-constexpr int kRounds = 4, kRoundsOfFinest = 1;
+constexpr int kRounds = 2, kRoundsOfFinest = 1;
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
 // neighbours that has another offset; of the distance to the source, for each cell.
 constexpr int kNoSource = 7500, kUnlikeNeighbour = 100, kApart = 12;
