@@ -271,10 +271,11 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             return view.is_by_points ? stages::backing_of(here, view.color, behind) : OtherView();
         });
         OtherView left = copy_of_left(view, threads);
-        stages::continue_behind(left, here, {behind, right ? 0 : 1 + behind, behind, behind, mixed_px},
-                                visible, threads);
         OtherView behind_all = backing.get();
-        if (view.is_by_points) stages::take_colours(behind_all, left);
+        stages::continue_behind(left, here,
+                                {behind, right ? 0 : 1 + behind, behind, behind, mixed_px,
+                                 view.is_by_points ? &behind_all : nullptr},
+                                visible, threads);
         stages::join_to_surface(left, here, border_px, threads);
         add(std::move(left));
         if (view.is_by_points) add(std::move(behind_all));

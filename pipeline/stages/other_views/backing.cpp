@@ -15,7 +15,6 @@ constexpr int kOverlap_px = 2;            // that the backing reaches beyond a s
 constexpr int kRim_px = 4;                // what is narrower at the border is not met
 constexpr double kBehindFarthest_px = 1;  // of the left view
 constexpr double kFarShare = 0.3;         // of the depth around, from the farthest on: its colours are taken
-constexpr double kOwnColour = 0.02;  // weight of the backing's colours against a whole square that continues
 constexpr double kOutside = 1e-4;  // weight of colours beyond half the radius: of use if there are no others
 
 struct Grid {
@@ -180,38 +179,6 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
                 std::lround(far_count[i] > 0 ? total[i] / far_count[i] : levels[i]));
     }
     return view;
-}
-
-void take_colours(OtherView& backing, const OtherView& continued) {
-    Image& color = backing.color;
-    if (color.empty() || continued.texture().empty()) return;
-    const Grid grid{color.width, color.height};
-    const Image& from = continued.texture();
-    const int width = continued.place.width, height = continued.place.height,
-              radius = std::max(grid.width, grid.height) / kReachShare / 4;
-    const std::size_t count = static_cast<std::size_t>(grid.width) * grid.height;
-    const auto around = [&](const Values& values) { return sums(sums(values, grid, radius), grid, radius); };
-    Values numbers(count);
-    std::vector<Values> levels(color.channels, Values(count));
-    for (int row = 0; row < grid.height; ++row)
-        for (int column = 0; column < grid.width; ++column) {
-            const int x = column * width / grid.width, y = row * height / grid.height;
-            const std::size_t i = grid.at(column, row);
-            if (!DisparityMap::known(continued.missing.at(x, y))) continue;
-            numbers[i] = 1;
-            for (int c = 0; c < color.channels; ++c)
-                levels[c][i] = from.at(x * from.width / width, y * from.height / height)[c];
-        }
-    numbers = around(numbers);
-    const double whole = std::pow(2 * radius + 1, 4);
-    for (int c = 0; c < color.channels; ++c) {
-        const Values total = around(levels[c]);
-        for (std::size_t i = 0; i < count; ++i) {
-            std::uint8_t& level = color.pixels[i * color.channels + c];
-            const double own = kOwnColour * whole;
-            level = static_cast<std::uint8_t>(std::lround((total[i] + own * level) / (numbers[i] + own)));
-        }
-    }
 }
 
 }  // namespace hexrelief::stages

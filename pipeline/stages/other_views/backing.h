@@ -13,8 +13,4 @@ namespace hexrelief::stages {
 // left view shows it. picture: the left one, of its size; empty = none.
 OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines);
 
-// Gives the backing, near what continues in the left view, the mean colours of that: it goes on behind where
-// that ends. continued: the left view as continue_behind() leaves it; without a picture nothing changes.
-void take_colours(OtherView& backing, const OtherView& continued);
-
 }  // namespace hexrelief::stages

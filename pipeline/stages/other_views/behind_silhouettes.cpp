@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/base/uninitialized_vector.h"
@@ -12,6 +13,7 @@
 #include "pipeline/data/four_neighbours.h"
 #include "pipeline/stages/other_views/continued.h"
 #include "pipeline/stages/other_views/small_regions.h"
+#include "pipeline/stages/other_views/texture_synthesis.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -28,9 +30,9 @@ constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
 constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
-// Pixels beside what is shown that have its colours as well, for the filter of a texture; in photographs for
-// triangles that reach as far.
-constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 16;
+// Pixels beside what is shown that have its colours as well, for the filter of a texture; in photographs, for
+// triangles that reach as far and for the backing, at least so many, and a share of a view's side.
+constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 16, kSpreadShareOfPhotographs = 32;
 
 // A row or a column of a view, from either end.
 struct Line {
@@ -248,6 +250,9 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
     });
     for (std::size_t i = 0; i < front.size(); ++i)
         if (result.disparities[i] != kNotCovered) result.pixels.push_back(static_cast<std::uint32_t>(i));
+    result.is_mixed.resize(colours.size());
+    std::ranges::transform(colours, result.is_mixed.begin(),
+                           [](Purity colour) { return colour != Purity::clean; });
     return result;
 }
 
@@ -278,6 +283,34 @@ void grow(DisparityMap& map, const Disparities& covered, int border_px, ThreadPo
         found.assign(1, {});
         for (const std::uint32_t from : border) add_beside(from, found[0]);
     }
+}
+
+// Adds pixels behind which there is nothing but the backing, without a colour.
+void add_backing(Continued& continued, const OtherView& backing, const Disparities& front,
+                 const ViewPlace& place) {
+    const int by = static_cast<int>(backing.place.scale);
+    for (int y = 0; y < backing.place.height * by; ++y)
+        for (int x = 0; x < backing.place.width * by; ++x) {
+            const double d = backing.missing.at(x / by, y / by) * backing.place.scale;
+            const std::size_t i = static_cast<std::size_t>(y) * place.width + x;
+            if (!(front[i] - d > kOneSurface_px) || continued.disparities[i] != kNotCovered) continue;
+            continued.offer(i, d, 1, Continued::kNoColour);
+            continued.pixels.push_back(static_cast<std::uint32_t>(i));
+        }
+}
+
+// Paints pixels without a colour in the backing's, and removes them.
+void paint_backing(Image& picture, const ViewPlace& place, const OtherView& backing, Continued& continued) {
+    std::erase_if(continued.pixels, [&](std::uint32_t pixel) {
+        if (continued.colours_of[pixel] != Continued::kNoColour) return false;
+        continued.disparities[pixel] = kNotCovered;
+        const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width),
+                  by = static_cast<int>(backing.place.scale);
+        if (!picture.empty())
+            std::copy_n(backing.color.at(x / by, y / by), picture.channels,
+                        picture.at(x * picture.width / place.width, y * picture.height / place.height));
+        return true;
+    });
 }
 
 }  // namespace
@@ -322,8 +355,20 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
     const bool is_photograph = beyond.mixed_px > kMixed;
-    spread_colours(continued, view.missing, front, is_photograph ? kSpreadOfPhotographs_px : kSpread_px);
-    paint(view.picture.empty() ? view.color : view.picture, place, continued, front, is_photograph, pool);
+    const int spread_px =
+        std::max(kSpreadOfPhotographs_px, std::max(place.width, place.height) / kSpreadShareOfPhotographs);
+    spread_colours(continued, view.missing, front, is_photograph ? spread_px : kSpread_px);
+    Image& texture = view.picture.empty() ? view.color : view.picture;
+    if (!is_photograph) {
+        paint(texture, texture, place, continued, pool);
+        return;
+    }
+    if (beyond.backing) add_backing(continued, *beyond.backing, front, place);
+    Image painted = with_texture(texture, place, continued, front, pool);
+    if (beyond.backing) paint_backing(painted, place, *beyond.backing, continued);
+    paint(painted, texture, place, continued, pool);
+    texture = std::move(painted);
+    if (beyond.backing) beyond.backing->picture = texture;
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, int threads) {

@@ -15,15 +15,18 @@ struct Beyond {
     double left = 0, right = 0, up = 0, down = 0;
     // Pixels beside a silhouette whose colours, from 4 on also disparities, may be mixed of both surfaces.
     int mixed_px = kMixed_px;
+    // The view's backing, or none: gets the view's picture, which then shows its texture, too.
+    OtherView* backing = nullptr;
 };
 
 // Adds to `missing` what the view's silhouettes hide from itself, and the cameras beyond see: the farther one
 // of the two surfaces at a silhouette continues behind the nearer one along its slope, as far as the
 // outermost of these cameras sees. It stays behind `visible`, and is no more than an eighth of the view long,
 // in photographs a sixteenth.
-// The view's texture shows what continues, in the farther surface's mirrored colours, in place of what hides
-// it. here: the surface as the view shows it. Nothing continues behind a border of the surface
-// that has nothing behind it. The same for any number of threads.
+// The view's texture shows what continues in place of what hides it: in the farther surface's mirrored
+// colours, in photographs with its texture where that is found.
+// here: the surface as the view shows it. Nothing continues behind a border of the surface that has nothing
+// behind it. The same for any number of threads.
 void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
                      const VisibleSurface& visible, int threads);
 

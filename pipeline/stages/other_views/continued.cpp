@@ -138,8 +138,8 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
     }
 }
 
-void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
-           bool has_detail, ThreadPool& pool) {
+void paint(Image& picture, const Image& seen, const ViewPlace& place, const Continued& continued,
+           ThreadPool& pool) {
     if (picture.empty()) return;
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
@@ -152,13 +152,7 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         return sums;
     };
     const auto colour_of = [&](std::size_t pixel) {
-        return packed(
-            picture.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width))));
-    };
-    const auto clean_colour_of = [&](std::size_t pixel) {
-        const bool is_cleaned =
-            continued.disparities[pixel] != kNotCovered && continued.distances[pixel] == 0;
-        return colour_of(is_cleaned ? continued.colours_of[pixel] : pixel);
+        return packed(seen.at(column(static_cast<int>(pixel % width)), row(static_cast<int>(pixel / width))));
     };
     using Levels = std::array<int, 3>;
     const auto levels_of = [&](std::uint64_t sums) {
@@ -172,8 +166,8 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         return kSoft_px + continued.distances[pixel] / kSofterEvery;
     };
     const auto stride_of = [&](std::uint32_t pixel) { return 1 + 2 * radius_of(pixel) / kTaps; };
-    const auto mean_around = [&](std::uint32_t pixel, int radius, int stride, const Disparities& surface,
-                                 const auto& colour_at) {
+    const auto mean_around = [&](std::uint32_t pixel, int radius, int stride,
+                                 const RawVector<std::uint64_t>& colours) {
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         std::uint64_t sums = 0;
         for (int v = y - radius / stride * stride; v <= y + radius; v += stride) {
@@ -181,40 +175,24 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
             for (int u = x - radius / stride * stride; u <= x + radius; u += stride) {
                 if (u < 0 || u >= place.width) continue;
                 const std::size_t other = static_cast<std::size_t>(v) * width + u;
-                if (std::abs(surface[other] - surface[pixel]) <= kNeighbours_px) sums += colour_at(other);
+                if (std::abs(continued.disparities[other] - continued.disparities[pixel]) <= kNeighbours_px)
+                    sums += colours[other];
             }
         }
         return levels_of(sums);
     };
-    const auto is_repeated = [&](std::uint32_t pixel) {
-        bool result = false;
-        for_four_neighbours(pixel, place.width, place.height, [&](std::size_t i) {
-            result |= continued.disparities[i] != kNotCovered &&
-                      continued.colours_of[i] == continued.colours_of[pixel];
-        });
-        return result;
-    };
     // The colours are taken before any pixel is painted.
     RawVector<std::uint64_t> colours(continued.disparities.size());
-    std::vector<Levels> details(has_detail ? continued.pixels.size() : 0);
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t pixel = continued.pixels[i], from = continued.colours_of[pixel];
-            colours[pixel] = colour_of(from);
-            if (!has_detail || is_repeated(pixel)) continue;
-            const Levels mean = mean_around(from, radius_of(pixel), stride_of(pixel), front, clean_colour_of);
-            details[i] = levels_of(colours[pixel]);
-            for (int c = 0; c < picture.channels; ++c) details[i][c] -= mean[c];
-        }
+        for (std::size_t i = begin; i < end; ++i)
+            colours[continued.pixels[i]] = colour_of(continued.colours_of[continued.pixels[i]]);
     });
     // Pixels a stride apart share what is added up, so what lies between is averaged again.
     RawVector<std::uint64_t> means(colours.size());
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const std::uint32_t pixel = continued.pixels[i];
-            means[pixel] =
-                packed(mean_around(pixel, radius_of(pixel), stride_of(pixel), continued.disparities,
-                                   [&](std::size_t other) { return colours[other]; }));
+            means[pixel] = packed(mean_around(pixel, radius_of(pixel), stride_of(pixel), colours));
         }
     });
     const auto paint_at = [&](std::size_t i) {
@@ -222,13 +200,9 @@ void paint(Image& picture, const ViewPlace& place, const Continued& continued, c
         const int x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
         if (column(x) == column(x + 1) || row(y) == row(y + 1))
             return;  // a smaller picture has no such pixel
-        const Levels mean =
-            mean_around(pixel, std::min(stride_of(pixel) / 2, kMostBetween_px), 1, continued.disparities,
-                        [&](std::size_t other) { return means[other]; });
+        const Levels mean = mean_around(pixel, std::min(stride_of(pixel) / 2, kMostBetween_px), 1, means);
         std::uint8_t colour[3] = {};
-        for (int c = 0; c < picture.channels; ++c)
-            colour[c] =
-                static_cast<std::uint8_t>(std::clamp(mean[c] + (has_detail ? details[i][c] : 0), 0, 255));
+        for (int c = 0; c < picture.channels; ++c) colour[c] = static_cast<std::uint8_t>(mean[c]);
         for (int v = row(y); v < row(y + 1); ++v)
             for (int u = column(x); u < column(x + 1); ++u)
                 std::copy_n(colour, picture.channels, picture.at(u, v));

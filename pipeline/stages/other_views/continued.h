@@ -22,6 +22,7 @@ struct Continued {
     RawVector<std::int32_t> distances;    // from the silhouette, px; 0 = in front, only colours are given
     RawVector<std::uint32_t> colours_of;  // the pixels whose colours it has
     std::vector<std::uint32_t> pixels;    // that have something
+    std::vector<char> is_mixed = {};      // of the view: 1 = its colours may be mixed; empty = none are
 
     explicit Continued(std::size_t count) : disparities(count), distances(count), colours_of(count) {}
 
@@ -60,9 +61,9 @@ void spread_colours(Continued& continued, const DisparityMap& missing, const Dis
 
 // Paints what continues into a picture of any size: colours averaged over the pixels of one surface around
 // each, as lines that continue beside each other have colours from different distances; the softer, the
-// farther from the silhouette. has_detail: with what the pixel of such a colour has beside an average as
-// wide. front: the disparities of the view. The same for any number of threads.
-void paint(Image& picture, const ViewPlace& place, const Continued& continued, const Disparities& front,
-           bool has_detail, ThreadPool& pool);
+// farther from the silhouette. seen: the colours, may be the picture itself. The same for any number of
+// threads.
+void paint(Image& picture, const Image& seen, const ViewPlace& place, const Continued& continued,
+           ThreadPool& pool);
 
 }  // namespace hexrelief::stages

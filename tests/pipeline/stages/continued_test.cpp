@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <vector>
 
 #include "pipeline/stages/other_views/behind_silhouettes.h"
@@ -90,26 +89,6 @@ TEST(Continued, WhatIsInFrontWithoutAColourGetsThatOfWhatIsInFrontBesideIt) {
     EXPECT_EQ(scene.continued.distances[at(25, 5)], 0);
 }
 
-TEST(Continued, DetailIsThatOfTheColoursOwnPixels) {
-    BehindThing scene(5, 35);
-    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight)};
-    for (std::size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] = 80 + i * 7919 % 41;
-    for (const std::uint32_t i : scene.continued.pixels) scene.continued.colours_of[i] = i - 5;
-    ThreadPool pool(2);
-    Image detailed = picture, soft = picture;
-    paint(detailed, scene.place, scene.continued, scene.front, true, pool);
-    paint(soft, scene.place, scene.continued, scene.front, false, pool);
-    int like_source = 0, all = 0, rough = 0, smooth = 0;
-    for (int y = 8; y < kHeight - 8; ++y)
-        for (int x = 12; x < 34; ++x, ++all) {
-            like_source += std::abs(*detailed.at(x, y) - *picture.at(x - 5, y)) < 10;
-            rough += std::abs(*detailed.at(x, y) - *detailed.at(x + 1, y));
-            smooth += std::abs(*soft.at(x, y) - *soft.at(x + 1, y));
-        }
-    EXPECT_GT(like_source, 8 * all / 10);
-    EXPECT_GT(rough, 4 * smooth);
-}
-
 // Far from a silhouette a colour is a mean of hundreds of pixels.
 TEST(Continued, MeansOfManyBrightPixelsAreBright) {
     BehindThing scene(0, kWidth);
@@ -118,11 +97,18 @@ TEST(Continued, MeansOfManyBrightPixelsAreBright) {
         scene.continued.colours_of[i] = i;
     }
     ThreadPool pool(2);
-    for (const bool has_detail : {false, true}) {
-        Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 250)};
-        paint(picture, scene.place, scene.continued, scene.front, has_detail, pool);
-        EXPECT_EQ(std::count(picture.pixels.begin(), picture.pixels.end(), 250), kWidth * kHeight);
-    }
+    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 250)};
+    paint(picture, picture, scene.place, scene.continued, pool);
+    EXPECT_EQ(std::count(picture.pixels.begin(), picture.pixels.end(), 250), kWidth * kHeight);
+}
+
+TEST(Continued, ColoursAreTakenFromAnotherPicture) {
+    BehindThing scene(5, 20);
+    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 10)};
+    const Image seen{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 70)};
+    ThreadPool pool(2);
+    paint(picture, seen, scene.place, scene.continued, pool);
+    EXPECT_EQ(std::count(picture.pixels.begin(), picture.pixels.end(), 70), 15 * kHeight);
 }
 
 TEST(Continued, ColoursSpreadAsFarAsAskedOverWhatHidesThem) {

@@ -233,21 +233,6 @@ TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) 
     }
 }
 
-TEST(OtherView, ABackingHasTheColourOfWhatContinuesNearIt) {
-    const SeenSurface here = see(left_surface(), place_at(0), kThreads);
-    OtherView backing =
-        backing_of(here, {kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)}, 1);
-    OtherView continued = left_view(here);
-    continued.picture = {};
-    std::fill(continued.color.pixels.begin(), continued.color.pixels.end(), std::uint8_t{150});
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = kBoxBegin; x < kBoxBegin + 9; ++x) continued.missing.at(x, y) = kWall;
-    take_colours(backing, continued);
-    EXPECT_GT(*backing.color.at(kBoxBegin + 4, 20), 140);
-    EXPECT_GT(*backing.color.at(kBoxBegin + 11, 20), 100) << "it goes on behind where this ends";
-    EXPECT_EQ(*backing.color.at(kBoxBegin + 20, 20), 50);
-}
-
 TEST(OtherView, ABackingMeetsTheSurfaceAtTheBorderOfTheView) {
     SurfaceMesh mesh;
     add_rectangle(mesh, 0, kWidth - 20, kWall);

@@ -1,0 +1,304 @@
+#include "pipeline/stages/other_views/texture_synthesis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pipeline/stages/other_views/texture_level.h"
+
+namespace hexrelief::stages {
+namespace {
+
+using Colour = TextureLevel::Colour;
+
+// Cells along the longer side: of the finest level about, of the coarsest at most.
+constexpr int kFinest = 480, kCoarsest = 128, kLeastCell_px = 2;
+constexpr int kRadius = 2;  // of the squares that are compared, cells
+constexpr int kReach = 14;  // of the search at the coarsest level, cells
+constexpr int kAround = 8;  // the same at the others, around the sources so far
+constexpr int kRounds = 2, kRoundsOfFinest = 1;
+// Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
+// neighbours that has another offset; of the distance to the source, for each cell.
+constexpr int kNoSource = 7500, kUnlikeNeighbour = 100, kApart = 12;
+constexpr int kGuideShare = 4;  // the squared difference from the guide counts this much less
+
+int difference(const Colour& a, const Colour& b) {
+    const int red = a[0] - b[0], green = a[1] - b[1], blue = a[2] - b[2];
+    return red * red + green * green + blue * blue;
+}
+
+// Calls take(x, y) for the cells of a square that a level has.
+template <class Take>
+void for_square(const TextureLevel& level, int x, int y, int radius, const Take& take) {
+    for (int v = std::max(0, y - radius); v <= std::min(level.height - 1, y + radius); ++v)
+        for (int u = std::max(0, x - radius); u <= std::min(level.width - 1, x + radius); ++u) take(u, v);
+}
+
+// Looks for the offset of a target whose source's square is like the target's, as far as that is known.
+class Search {
+  public:
+    Search(const TextureLevel& level, std::uint32_t target)
+        : level_(level),
+          target_(target),
+          x_(static_cast<int>(target) % level.width),
+          y_(static_cast<int>(target) / level.width) {
+        for_square(level, x_, y_, kRadius, [&](int u, int v) {
+            const int i = level.at(u, v);
+            const bool is_painted = !level.offsets[i].is_none() && level.are_one(target, i);
+            if (!is_painted && !level.is_source_of(target, i)) return;
+            is_beside_known_ |= std::abs(u - x_) <= 1 && std::abs(v - y_) <= 1;
+            known_[count_++] = {u - x_, v - y_, is_painted ? level.hidden[i] : level.seen[i]};
+        });
+        for_neighbours(1, [&](Offset offset) { beside_[neighbours_++] = offset; });
+    }
+    bool is_beside_known() const { return is_beside_known_; }
+    Offset best() const { return best_; }
+    // Takes the offset if it is better than the best one so far. extra: a cost for each cell.
+    void consider(Offset offset, int extra = 0) {
+        const int x = x_ + offset.x, y = y_ + offset.y;
+        if (offset.is_none() || offset == best_ || !level_.has(x, y)) return;
+        if (!level_.is_source_of(target_, level_.at(x, y))) return;
+        for (int k = 0; k < neighbours_; ++k)
+            if (!beside_[k].is_none() && beside_[k] != offset) extra += kUnlikeNeighbour;
+        int cost = extra * count_;
+        for (int k = 0; k < count_ && cost < cost_; ++k) {
+            const Known& known = known_[k];
+            const int u = x + known.dx, v = y + known.dy;
+            const bool is_source = level_.has(u, v) && level_.is_source[level_.at(u, v)];
+            cost += is_source ? difference(known.colour, level_.seen[level_.at(u, v)]) : kNoSource;
+        }
+        if (cost >= cost_) return;
+        cost_ = cost;
+        best_ = offset;
+    }
+    // Looks everywhere up to `reach` cells away. soft_seen, soft_guides: as the level's, softened.
+    void consider_all(int reach, const std::vector<Colour>& soft_seen, const Colour& soft_guide) {
+        for_square(level_, x_, y_, reach, [&](int u, int v) {
+            const int unlike = soft_guide[3]
+                                   ? difference(soft_guide, soft_seen[level_.at(u, v)]) / kGuideShare
+                                   : 0,
+                      apart = std::max(std::abs(u - x_), std::abs(v - y_));
+            consider({static_cast<std::int16_t>(u - x_), static_cast<std::int16_t>(v - y_)},
+                     unlike + kApart * apart);
+        });
+    }
+    void consider_neighbours(int step) {
+        for_neighbours(step, [&](Offset offset) { consider(offset); });
+    }
+
+  private:
+    struct Known {
+        int dx, dy;
+        Colour colour;
+    };
+
+    template <class Take>
+    void for_neighbours(int step, const Take& take) const {
+        for (const auto& [dx, dy] : {std::pair{-step, 0}, {step, 0}, {0, -step}, {0, step}})
+            if (level_.has(x_ + dx, y_ + dy)) take(level_.offsets[level_.at(x_ + dx, y_ + dy)]);
+    }
+
+    const TextureLevel& level_;
+    std::uint32_t target_;
+    int x_, y_, count_ = 0, neighbours_ = 0, cost_ = std::numeric_limits<int>::max();
+    bool is_beside_known_ = false;
+    std::array<Known, (2 * kRadius + 1) * (2 * kRadius + 1)> known_;
+    std::array<Offset, 4> beside_;
+    Offset best_;
+};
+
+// Returns for each of some targets what found(target) does, from the level as it is.
+template <class Found>
+auto found_for(const std::vector<std::uint32_t>& targets, ThreadPool& pool, const Found& found) {
+    std::vector<decltype(found(0u))> result(targets.size());
+    pool.parallel_for_chunks(targets.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) result[i] = found(targets[i]);
+    });
+    return result;
+}
+
+// Returns the means of colours over squares, of cells with the last value 1.
+std::vector<Colour> softened(const TextureLevel& level, const std::vector<Colour>& colours) {
+    std::vector<Colour> result(colours.size());
+    for (int y = 0; y < level.height; ++y)
+        for (int x = 0; x < level.width; ++x) {
+            std::array<int, 4> sums = {};
+            for_square(level, x, y, kRadius, [&](int u, int v) {
+                const Colour& colour = colours[level.at(u, v)];
+                for (int c = 0; c < 4; ++c) sums[c] += colour[3] * colour[c];
+            });
+            for (int c = 0; c < 4 && sums[3] > 0; ++c)
+                result[level.at(x, y)][c] = static_cast<std::uint8_t>((sums[c] + sums[3] / 2) / sums[3]);
+        }
+    return result;
+}
+
+// Fills a level from its sources inwards.
+void fill(TextureLevel& level, ThreadPool& pool) {
+    const std::vector<Colour> seen = softened(level, level.seen), guides = softened(level, level.guides);
+    std::vector<std::uint32_t> open = level.targets;
+    for (std::size_t before = open.size() + 1; open.size() < before;) {
+        before = open.size();
+        const std::vector<Offset> offsets = found_for(open, pool, [&](std::uint32_t target) {
+            Search search(level, target);
+            if (search.is_beside_known()) search.consider_all(kReach, seen, guides[target]);
+            return search.best();
+        });
+        std::vector<std::uint32_t> still;
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            const Offset offset = offsets[i];
+            level.offsets[open[i]] = offset;
+            if (offset.is_none())
+                still.push_back(open[i]);
+            else
+                level.hidden[open[i]] = level.seen[open[i] + offset.y * level.width + offset.x];
+        }
+        open = std::move(still);
+    }
+}
+
+// Gives each target the mean of the colours that the squares over it have there.
+void vote(TextureLevel& level, ThreadPool& pool) {
+    const std::vector<Colour> voted = found_for(level.targets, pool, [&](std::uint32_t target) {
+        const int x = static_cast<int>(target) % level.width, y = static_cast<int>(target) / level.width;
+        std::array<int, 3> sums = {};
+        int weights = 0;
+        for_square(level, x, y, kRadius, [&](int u, int v) {
+            const Offset offset = level.offsets[level.at(u, v)];
+            if (offset.is_none() || !level.are_one(target, level.at(u, v)) ||
+                !level.has(x + offset.x, y + offset.y))
+                return;
+            const int from = level.at(x + offset.x, y + offset.y);
+            if (!level.is_source_of(target, from)) return;
+            const int weight = (kRadius + 1 - std::abs(u - x)) * (kRadius + 1 - std::abs(v - y));
+            for (int c = 0; c < 3; ++c) sums[c] += weight * level.seen[from][c];
+            weights += weight;
+        });
+        Colour mean = level.hidden[target];
+        for (int c = 0; c < 3 && weights > 0; ++c)
+            mean[c] = static_cast<std::uint8_t>((sums[c] + weights / 2) / weights);
+        return mean;
+    });
+    for (std::size_t i = 0; i < voted.size(); ++i) level.hidden[level.targets[i]] = voted[i];
+}
+
+std::uint32_t hashed(std::uint32_t value) {
+    value = (value ^ value >> 16) * 0x7feb352du;
+    value = (value ^ value >> 15) * 0x846ca68bu;
+    return value ^ value >> 16;
+}
+
+// Each target looks at the offsets of its neighbours, and at some around its own.
+void improve(TextureLevel& level, std::uint32_t round, int around, ThreadPool& pool) {
+    const std::vector<Offset> found = found_for(level.targets, pool, [&](std::uint32_t target) {
+        Search search(level, target);
+        search.consider(level.offsets[target]);
+        for (const int step : {1, 3}) search.consider_neighbours(step);
+        std::uint32_t number = hashed(31 * target + round);
+        for (int reach = around; reach > 0 && !search.best().is_none(); reach /= 2) {
+            number = hashed(number);
+            const std::uint32_t side = 2 * reach + 1;
+            const auto moved = [&](int from, std::uint32_t by) {
+                return static_cast<std::int16_t>(from + static_cast<int>(by % side) - reach);
+            };
+            const Offset best = search.best();
+            search.consider({moved(best.x, number), moved(best.y, number >> 16)});
+        }
+        return search.best();
+    });
+    for (std::size_t i = 0; i < found.size(); ++i) level.offsets[level.targets[i]] = found[i];
+}
+
+void take_offsets(TextureLevel& fine, const TextureLevel& coarse) {
+    for (const std::uint32_t target : fine.targets) {
+        const int x = static_cast<int>(target) % fine.width, y = static_cast<int>(target) / fine.width;
+        const Offset from = coarse.offsets[coarse.at(x / 2, y / 2)];
+        fine.offsets[target] = {static_cast<std::int16_t>(2 * from.x), static_cast<std::int16_t>(2 * from.y)};
+    }
+}
+
+TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, const Continued& continued,
+                                const Disparities& front, ThreadPool& pool) {
+    const int cell_px = std::max(kLeastCell_px, std::max(place.width, place.height) / kFinest);
+    std::vector<TextureLevel> levels = {finest_level(picture, place, continued, front, cell_px, pool)};
+    while (std::max(levels.back().width, levels.back().height) > kCoarsest)
+        levels.push_back(coarser_level(levels.back(), pool));
+    for (std::size_t k = levels.size(); k-- > 0;) {
+        TextureLevel& level = levels[k];
+        for (std::size_t i = 0; i < level.tolerances.size(); ++i)
+            if (level.is_target(i)) level.targets.push_back(static_cast<std::uint32_t>(i));
+        if (k + 1 == levels.size()) {
+            fill(level, pool);
+        } else {
+            take_offsets(level, levels[k + 1]);
+            vote(level, pool);
+        }
+        for (int round = 0; round < (k == 0 ? kRoundsOfFinest : kRounds); ++round) {
+            for (const int half : {0, 1}) improve(level, 2 * round + half, k == 0 ? 1 : kAround, pool);
+            vote(level, pool);
+        }
+    }
+    return std::move(levels.front());
+}
+
+}  // namespace
+
+Image with_texture(const Image& seen, const ViewPlace& place, Continued& continued, const Disparities& front,
+                   ThreadPool& pool) {
+    Image picture = seen;
+    if (picture.empty() || continued.pixels.empty()) return picture;
+    const TextureLevel level = level_with_offsets(seen, place, continued, front, pool);
+    const auto column = [&](int x) { return x * picture.width / place.width; };
+    const auto row = [&](int y) { return y * picture.height / place.height; };
+    const auto is_source = [&](int u, int v) {
+        if (u < 0 || u >= picture.width || v < 0 || v >= picture.height) return false;
+        const int x = (2 * u + 1) * place.width / (2 * picture.width) / level.cell_px,
+                  y = (2 * v + 1) * place.height / (2 * picture.height) / level.cell_px;
+        return level.is_source[level.at(x, y)] != 0;
+    };
+    // Between cells of different offsets the colours change smoothly.
+    const auto paint_at = [&](int u, int v, int x, int y) {
+        const int own = level.at(x, y);
+        std::array<int, 3> sums = {};
+        int weights = 0;
+        for_square(level, x, y, 1, [&](int a, int b) {
+            const Offset offset = level.offsets[level.at(a, b)];
+            if (offset.is_none() || !level.are_one(own, level.at(a, b))) return;
+            const int from_u = u + offset.x * level.cell_px * picture.width / place.width,
+                      from_v = v + offset.y * level.cell_px * picture.height / place.height;
+            if (!is_source(from_u, from_v)) return;
+            const int weight = (2 - std::abs(a - x)) * (2 - std::abs(b - y));
+            for (int c = 0; c < picture.channels; ++c) sums[c] += weight * seen.at(from_u, from_v)[c];
+            weights += weight;
+        });
+        for (int c = 0; c < picture.channels && weights > 0; ++c)
+            picture.at(u, v)[c] = static_cast<std::uint8_t>((sums[c] + weights / 2) / weights);
+        return weights > 0;
+    };
+    std::vector<char> is_painted(continued.pixels.size(), 1);
+    pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const int x = static_cast<int>(continued.pixels[i] % place.width),
+                      y = static_cast<int>(continued.pixels[i] / place.width);
+            for (int v = row(y); v < row(y + 1); ++v)
+                for (int u = column(x); u < column(x + 1); ++u)
+                    is_painted[i] &= paint_at(u, v, x / level.cell_px, y / level.cell_px);
+        }
+    });
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < is_painted.size(); ++i) {
+        const std::uint32_t pixel = continued.pixels[i];
+        if (is_painted[i])
+            continued.disparities[pixel] = kNotCovered;
+        else
+            continued.pixels[left++] = pixel;
+    }
+    continued.pixels.resize(left);
+    return picture;
+}
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,140 @@
+#include "pipeline/stages/other_views/texture_synthesis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "pipeline/stages/other_views/backing.h"
+#include "pipeline/stages/other_views/behind_silhouettes.h"
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120, kThingBegin = 70, kThingEnd = 130, kPeriod = 16;
+constexpr double kNear = 60, kWall = 20;
+constexpr int kThing = 250;
+
+std::size_t at(int x, int y) {
+    return static_cast<std::size_t>(y) * kWidth + x;
+}
+
+// Slanted stripes, which rise slowly and fall at once, so that they look otherwise in a mirror.
+int stripes(int x, int y) {
+    return 40 + 8 * ((x + y / 2) % kPeriod);
+}
+
+// A striped wall, of which a near thing of one colour hides a part that continues for `long_px` from the
+// left.
+struct StripedWall {
+    ViewPlace place;
+    Disparities front;
+    Continued continued{static_cast<std::size_t>(kWidth) * kHeight};
+    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(static_cast<std::size_t>(kWidth) * kHeight)};
+
+    explicit StripedWall(int long_px, double wall = kWall)
+        : front(static_cast<std::size_t>(kWidth) * kHeight) {
+        place.width = kWidth;
+        place.height = kHeight;
+        std::fill(continued.disparities.begin(), continued.disparities.end(), kNotCovered);
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x) {
+                const bool is_near = x >= kThingBegin && x < kThingEnd;
+                front[at(x, y)] = is_near ? kNear : kWall;
+                *picture.at(x, y) = static_cast<std::uint8_t>(is_near ? kThing : stripes(x, y));
+                if (!is_near || x >= kThingBegin + long_px) continue;
+                continued.offer(at(x, y), wall, x - kThingBegin + 1, at(2 * kThingBegin - x - 1, y));
+                continued.pixels.push_back(static_cast<std::uint32_t>(at(x, y)));
+            }
+    }
+    Image painted(int threads) {
+        ThreadPool pool(threads);
+        return with_texture(picture, place, continued, front, pool);
+    }
+};
+
+TEST(TextureSynthesis, StripesGoOnBehindTheNearThing) {
+    StripedWall scene(24);
+    const Image painted = scene.painted(2);
+    int like_wall = 0, like_mirror = 0, all = 0;
+    for (int y = 10; y < kHeight - 10; ++y)
+        for (int x = kThingBegin; x < kThingBegin + 24; ++x, ++all) {
+            like_wall += std::abs(*painted.at(x, y) - stripes(x, y)) < 20;
+            like_mirror += std::abs(*painted.at(x, y) - stripes(2 * kThingBegin - x - 1, y)) < 20;
+        }
+    EXPECT_GT(like_wall, 9 * all / 10);
+    EXPECT_LT(like_mirror, all / 2) << "the stripes cannot tell the two";
+    EXPECT_TRUE(scene.continued.pixels.empty()) << "all is painted";
+}
+
+TEST(TextureSynthesis, PaintsInAPictureOfAnySize) {
+    for (const int twice : {1, 4}) {  // half as large, twice as large
+        StripedWall scene(24);
+        Image picture{kWidth * twice / 2, kHeight * twice / 2, 1, {}};
+        for (int v = 0; v < picture.height; ++v)
+            for (int u = 0; u < picture.width; ++u)
+                picture.pixels.push_back(*scene.picture.at(2 * u / twice, 2 * v / twice));
+        scene.picture = picture;
+        const Image painted = scene.painted(2);
+        int like_wall = 0, all = 0;
+        for (int v = 10; v < painted.height - 10; ++v)
+            for (int u = kThingBegin * twice / 2; u < (kThingBegin + 24) * twice / 2; ++u, ++all)
+                like_wall += std::abs(*painted.at(u, v) - stripes(2 * u / twice, 2 * v / twice)) < 30;
+        EXPECT_GT(like_wall, 8 * all / 10) << twice;
+    }
+}
+
+TEST(TextureSynthesis, NothingHasTheColoursOfTheNearThingOrOfMixedPixels) {
+    StripedWall scene(20);
+    scene.continued.is_mixed.resize(scene.front.size());
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = kThingBegin - 6; x < kThingBegin; ++x) {
+            scene.continued.is_mixed[at(x, y)] = 1;
+            *scene.picture.at(x, y) = kThing;
+        }
+    const Image painted = scene.painted(2);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = kThingBegin; x < kThingBegin + 20; ++x)
+            EXPECT_LE(*painted.at(x, y), 40 + 8 * kPeriod) << x << ' ' << y;
+    EXPECT_EQ(*painted.at(kThingBegin - 3, 60), kThing) << "what the view shows stays";
+    EXPECT_EQ(*painted.at(kThingBegin + 30, 60), kThing) << "nothing continues there";
+}
+
+TEST(TextureSynthesis, AnotherSurfaceIsNotLikeIt) {
+    StripedWall scene(24, kWall - 19);
+    const std::vector<std::uint32_t> pixels = scene.continued.pixels;
+    EXPECT_EQ(scene.painted(2).pixels, scene.picture.pixels);
+    EXPECT_EQ(scene.continued.pixels, pixels);
+}
+
+TEST(TextureSynthesis, IsTheSameForAnyNumberOfThreads) {
+    const std::vector<std::uint8_t> one = StripedWall(40).painted(1).pixels;
+    EXPECT_NE(one, StripedWall(40).picture.pixels);
+    for (const int threads : {2, 3, 5}) EXPECT_EQ(StripedWall(40).painted(threads).pixels, one);
+}
+
+TEST(TextureSynthesis, ABackingGetsThePictureOfItsViewAndGoesOnBehindWhatContinues) {
+    const StripedWall scene(0);
+    const SeenSurface here{scene.place, scene.front};
+    OtherView view{scene.place, {}, {}, scene.picture};
+    view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
+    OtherView backing = backing_of(here, scene.picture, 1);
+    const VisibleSurface visible{{here}, kWall - 10};
+    continue_behind(view, here, {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px, .backing = &backing},
+                    visible, 2);
+    EXPECT_EQ(backing.texture().pixels, view.color.pixels);
+    const int end = kThingBegin + kWidth / 10;
+    ASSERT_FALSE(DisparityMap::known(view.missing.at(end - 1, 60))) << "it ends before the backing does";
+    ASSERT_TRUE(DisparityMap::known(backing.missing.at(end - 1, 60)));
+    for (int x = kThingBegin; x < end; ++x) EXPECT_LE(*view.color.at(x, 60), 40 + 8 * kPeriod) << x;
+    int rough = 0;
+    for (int x = kThingBegin; x + 1 < end; ++x)
+        rough += std::abs(*view.color.at(x, 60) - *view.color.at(x + 1, 60));
+    EXPECT_GT(rough, 4 * (end - kThingBegin)) << "the stripes are there";
+}
+
+}  // namespace
+}  // namespace hexrelief::stages
