@@ -105,7 +105,14 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     stages::keep_behind(cut, other.place, visible, backend.threads());
     if (cut.triangles.empty()) return {};
     try {
-        return stages::in_left_space(surface_of(cut, view, config.surface), other.place, left.calibration);
+        SurfaceMesh sheet =
+            stages::in_left_space(surface_of(cut, view, config.surface), other.place, left.calibration);
+        // The backing's view leaves out what is left over of the left view's columns and rows; its picture
+        // does not.
+        const auto across = static_cast<float>(width * other.place.scale / left.disparity.width),
+                   down = static_cast<float>(height * other.place.scale / left.disparity.height);
+        for (Vec2f& at : sheet.texcoords) at = {across * at.x, down * at.y};
+        return sheet;
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::input) throw;
         return {};  // all components are too small

@@ -26,6 +26,7 @@ constexpr float kRangeShare = 2;
 constexpr float kNearer_px = 1;
 constexpr int kAnyColour = 3 * 255 * kSquare;
 constexpr int kMarginShare = 20;  // of the longer side: beside the right picture's end less is matched
+constexpr int kLedShare = 10;     // the same: farther than this colours lead to other things
 
 // Sums of a value of pixels over rectangles.
 class Sums {
@@ -184,19 +185,41 @@ DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         for (int x = map.width - 1; x >= 0 && !sure[row + x]; --x) is_rim[row + x] = 1;
     });
-    const std::vector<std::uint32_t> source = flood(
-        map, sure, left, kAnyColour, [&](std::size_t i) { return is_rim[i] != 0; }, pool);
     const int margin = std::max(map.width, map.height) / kMarginShare;
+    std::vector<int> ends;  // of the rows of the right picture, less the margin
+    for (int y = 0; y < map.height; ++y) {
+        int last = map.width - 1;
+        while (!is_seen.empty() && last >= 0 && !is_seen[static_cast<std::size_t>(y) * map.width + last])
+            --last;
+        ends.push_back(last - margin);
+    }
+    const auto is_beyond = [&](std::size_t i, float d) {
+        return static_cast<float>(i % map.width) - d > static_cast<float>(ends[i / map.width]);
+    };
+    const auto flood_rim = [&] {
+        return flood(
+            map, sure, left, kAnyColour, [&](std::size_t i) { return is_rim[i] != 0; }, pool);
+    };
+    const std::vector<std::uint32_t> from_sure = flood_rim();
+    for (std::size_t i = 0; i < sure.size(); ++i)
+        sure[i] |= is_rim[i] && map.origins[i] == PixelOrigin::filled && !is_beyond(i, map.values[i]);
+    const std::vector<std::uint32_t> from_all = flood_rim();
+    const std::vector<float> before = map.values;
+    const int far = std::max(map.width, map.height) / kLedShare;
+    const auto disparity_of = [&](std::size_t i) {
+        const int place = static_cast<int>(i), source = static_cast<int>(from_sure[i]);
+        const int columns = place % map.width - source % map.width,
+                  rows = place / map.width - source / map.width;
+        const float led = before[from_sure[i]];
+        return columns * columns + rows * rows > far * far ? std::min(led, before[from_all[i]]) : led;
+    };
     pool.parallel_for_each(map.height, [&](int y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
-        int last = map.width - 1;
-        while (!is_seen.empty() && last >= 0 && !is_seen[row + last]) --last;
-        for (int x = 0; x < map.width; ++x) {
-            const std::size_t i = row + x;
+        for (std::size_t i = row; i < row + map.width; ++i) {
             const bool stays = map.origins[i] == PixelOrigin::matched && is_near_sure[i] != 0;
-            if (!is_rim[i] || stays || source[i] == kNoSource) continue;
-            const float d = map.values[source[i]];
-            if (static_cast<float>(x) - d > static_cast<float>(last - margin)) map.values[i] = d;
+            if (!is_rim[i] || stays || from_sure[i] == kNoSource) continue;
+            const float d = disparity_of(i);
+            if (is_beyond(i, d)) map.values[i] = d;
         }
     });
     return map;

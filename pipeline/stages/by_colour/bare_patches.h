@@ -22,9 +22,10 @@ DisparityMap with_bare_patches_behind(DisparityMap map, const Image& left, int t
 // What would lie beyond its end matches nothing, or what is nearer and still inside, and is filled from
 // nearer things. Here what lies right of its row's last surely matched pixel is flooded from such pixels
 // along the smallest differences of colour, and takes the disparity that it is led from where that lies
-// beyond the right picture, or within a 20th of the longer side of its end. left: as above. is_seen: of the
-// right picture, the map's size, 1 = shows something; empty = all. Maps without origins, unknown pixels,
-// and matched ones beside sure ones stay.
+// beyond the right picture, or within a 20th of the longer side of its end. What such a pixel more than a
+// 10th away leads to is no nearer than what pixels that were filled inside lead to. left: as above. is_seen:
+// of the right picture, the map's size, 1 = shows something; empty = all. Maps without origins, unknown
+// pixels, and matched ones beside sure ones stay.
 DisparityMap continued_at_right_end(DisparityMap map, const Image& left,
                                     const std::vector<std::uint8_t>& is_seen, int threads);
 

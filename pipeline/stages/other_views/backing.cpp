@@ -108,7 +108,8 @@ void meet_ends(Values& surface, const Values& ends, const Grid& grid, int reach,
 
 OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines) {
     const int longer = std::max(here.place.width, here.place.height);
-    const int by = (longer + kSide_px - 1) / kSide_px, radius = longer / by / kReachShare;
+    const int by = std::min({(longer + kSide_px - 1) / kSide_px, here.place.width, here.place.height}),
+              radius = longer / by / kReachShare;
     const Reduced small = reduced(here, by);
     const Grid& grid = small.grid;
     const std::size_t count = small.nearest.size();

@@ -32,9 +32,10 @@ struct Continued {
             constexpr auto kLast = std::numeric_limits<std::int32_t>::max();
             return its_distance > 0 ? its_distance : its_colour == kNoColour ? kLast : kLast - 1;
         };
-        const int rank = rank_of(distance, colour_of), old = rank_of(distances[pixel], colours_of[pixel]);
-        if (disparities[pixel] != kNotCovered && (rank > old || (rank == old && d >= disparities[pixel])))
-            return;
+        if (disparities[pixel] != kNotCovered) {
+            const int rank = rank_of(distance, colour_of), old = rank_of(distances[pixel], colours_of[pixel]);
+            if (rank > old || (rank == old && d >= disparities[pixel])) return;
+        }
         disparities[pixel] = d;
         distances[pixel] = distance;
         colours_of[pixel] = static_cast<std::uint32_t>(colour_of);

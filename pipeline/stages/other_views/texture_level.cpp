@@ -15,8 +15,9 @@ struct Sum {
     std::array<int, 4> levels = {};
     int count = 0;
 
+    // Grey counts as three equal channels.
     void add(const std::uint8_t* colour, int channels) {
-        for (int c = 0; c < channels; ++c) levels[c] += colour[c];
+        for (int c = 0; c < 3; ++c) levels[c] += colour[channels == 1 ? 0 : c];
         ++count;
     }
     TextureLevel::Colour mean() const {

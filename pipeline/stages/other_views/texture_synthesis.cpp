@@ -217,7 +217,10 @@ void take_offsets(TextureLevel& fine, const TextureLevel& coarse) {
     for (const std::uint32_t target : fine.targets) {
         const int x = static_cast<int>(target) % fine.width, y = static_cast<int>(target) / fine.width;
         const Offset from = coarse.offsets[coarse.at(x / 2, y / 2)];
-        fine.offsets[target] = {static_cast<std::int16_t>(2 * from.x), static_cast<std::int16_t>(2 * from.y)};
+        const int source_x = x + 2 * from.x, source_y = y + 2 * from.y;
+        if (fine.has(source_x, source_y) && fine.is_source_of(target, fine.at(source_x, source_y)))
+            fine.offsets[target] = {static_cast<std::int16_t>(2 * from.x),
+                                    static_cast<std::int16_t>(2 * from.y)};
     }
 }
 
@@ -260,6 +263,10 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
                   y = (2 * v + 1) * place.height / (2 * picture.height) / level.cell_px;
         return level.is_source[level.at(x, y)] != 0;
     };
+    // The picture's pixels in so many of the view, to the nearest.
+    const auto scaled = [](int view_px, int picture_side, int view_side) {
+        return static_cast<int>(std::lround(1.0 * view_px * picture_side / view_side));
+    };
     // Between cells of different offsets the colours change smoothly.
     const auto paint_at = [&](int u, int v, int x, int y) {
         const int own = level.at(x, y);
@@ -268,8 +275,8 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
         for_square(level, x, y, 1, [&](int a, int b) {
             const Offset offset = level.offsets[level.at(a, b)];
             if (offset.is_none() || !level.are_one(own, level.at(a, b))) return;
-            const int from_u = u + offset.x * level.cell_px * picture.width / place.width,
-                      from_v = v + offset.y * level.cell_px * picture.height / place.height;
+            const int from_u = u + scaled(offset.x * level.cell_px, picture.width, place.width),
+                      from_v = v + scaled(offset.y * level.cell_px, picture.height, place.height);
             if (!is_source(from_u, from_v)) return;
             const int weight = (2 - std::abs(a - x)) * (2 - std::abs(b - y));
             for (int c = 0; c < picture.channels; ++c) sums[c] += weight * seen.at(from_u, from_v)[c];

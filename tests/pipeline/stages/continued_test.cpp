@@ -129,8 +129,9 @@ TEST(Continued, ColoursSpreadOverWhatIsOpen) {
     EXPECT_EQ(scene.continued.colours_of[at(21, 9)], at(5, 9));
 }
 
-// A near thing before a wall, over whose edge its colours reach by 4 px, and by one that is mixed. In some rows
-// the wall is but a crack of the thing, in some the marks of another silhouette leave it no clean colour.
+// A near thing before a wall, over whose edge its colours reach by 4 px, and by one that is mixed. In some
+// rows the wall is but a crack of the thing, in some the marks of another silhouette leave it no clean
+// colour.
 TEST(Continued, MixedPixelsBesideAThingAreCleanInEachRow) {
     constexpr int kEdge = 40, kSide = 100, kRows = 60;
     const auto is_crack = [](int y) { return y >= 10 && y < 14; };

@@ -94,6 +94,16 @@ TEST(RightStrip, ChanceMatchesAreNoSurfaces) {
     EXPECT_EQ(sky.continued().at(100, 12), kSky);
 }
 
+TEST(RightStrip, ColoursThatLeadFarDoNotBringWhatIsNearerThanTheFilledPixelsInside) {
+    Sky sky;
+    constexpr float kHill = 4;
+    for (std::size_t i = 0; i < sky.is_seen.size(); ++i) {
+        sky.is_seen[i] = i % kStripColumns < 110;
+        if (sky.map.values[i] == kHedge) sky.map.values[i] = kHill;
+    }
+    EXPECT_EQ(sky.continued().at(117, 0), kHill) << "the sky matched 34 px away";
+}
+
 TEST(RightStrip, NothingGoesOnOverUnknownPixels) {
     Sky sky;
     for (int y = 0; y < kStripRows; ++y) sky.map.at(95, y) = kUnknownDisparity;
