@@ -325,8 +325,8 @@ void finish_disparities(Relief& relief, config::Config& config, RunLog& log) {
                 pair->views.left, threads);
         if (is_smoothed) refine_noisy(disparity, *pair, threads, log);
         if (is_smoothed && is_of_points)
-            disparity.map =
-                stages::with_wider_near(stages::with_frame_pieces_joined(std::move(disparity.map)), threads);
+            disparity.map = stages::with_wider_near(
+                stages::with_frame_pieces_joined(std::move(disparity.map), threads), threads);
         flatten_relief(disparity, *pair, camera, log);
     }
     if (pair)

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/data/four_neighbours.h"
 #include "pipeline/stages/by_colour/line_of_map.h"
 
@@ -23,7 +24,8 @@ enum Piece : std::uint8_t { kNoPiece, kNearer, kFarther };
 
 class FramePieces {
   public:
-    explicit FramePieces(DisparityMap& map) : map_(map), at_left_end_(map.values.size()) {
+    FramePieces(DisparityMap& map, ThreadPool& pool)
+        : map_(map), pool_(pool), at_left_end_(map.values.size()) {
         const auto longer = static_cast<float>(std::max(map.width, map.height));
         most_px_ = std::max(2, static_cast<int>(longer) / kPieceShare);
         nearer_px_ = std::max(kLeastPieceStep_px, longer / kNearerShare);
@@ -51,13 +53,15 @@ class FramePieces {
 
   private:
     LineOfMap row_at(int y) const { return {std::ptrdiff_t{y} * map_.width, 1, map_.width}; }
+    // Calls take(line) for each column from above, then from below; columns go on threads.
     template <class Take>
     void for_columns(const Take& take) const {
         const std::ptrdiff_t width = map_.width, last_row = width * (map_.height - 1);
-        for (std::ptrdiff_t x = 0; x < width; ++x) {
+        pool_.parallel_for_chunks(static_cast<std::size_t>(width), [&](std::size_t column) {
+            const auto x = static_cast<std::ptrdiff_t>(column);
             take(LineOfMap{x, width, map_.height});
             take(LineOfMap{last_row + x, -width, map_.height});
-        }
+        });
     }
     float at(std::size_t i) const { return map_.values[i]; }
     bool is_known(std::size_t i) const { return DisparityMap::known(at(i)); }
@@ -177,6 +181,7 @@ class FramePieces {
     }
 
     DisparityMap& map_;
+    ThreadPool& pool_;
     int most_px_;
     float nearer_px_, farther_px_;
     std::vector<std::uint8_t> at_left_end_, piece_;
@@ -184,9 +189,10 @@ class FramePieces {
 
 }  // namespace
 
-DisparityMap with_frame_pieces_joined(DisparityMap map) {
+DisparityMap with_frame_pieces_joined(DisparityMap map, int threads) {
     if (map.origins.empty()) return map;
-    FramePieces pieces(map);
+    ThreadPool pool(threads);
+    FramePieces pieces(map, pool);
     for (int round = 0; round < kPieceRounds; ++round) pieces.join();
     return map;
 }

@@ -92,13 +92,16 @@ void ramp_steps(DisparityMap& map, const std::vector<std::uint8_t>& is_shown, do
         float& d = map.values[pixel];
         // Unknown pixels are infinitely far apart from all, or no number.
         const float step = d - map.values[beside];
-        if (step > kRamp_px && step <= most && !is_shown[pixel]) d = map.values[beside] + kRamp_px;
+        if (step > kRamp_px && step <= most) d = map.values[beside] + kRamp_px;
     };
-    for (std::size_t i = 0; i < count; ++i) {
+    std::vector<std::size_t> hidden;  // all that may fall
+    for (std::size_t i = 0; i < count; ++i)
+        if (!is_shown[i] && DisparityMap::known(map.values[i])) hidden.push_back(i);
+    for (const std::size_t i : hidden) {
         if (i >= width) fall_towards(i, i - width);
         if (i % width > 0) fall_towards(i, i - 1);
     }
-    for (std::size_t i = count; i-- > 0;) {
+    for (const std::size_t i : std::views::reverse(hidden)) {
         if (i + width < count) fall_towards(i, i + width);
         if ((i + 1) % width > 0) fall_towards(i, i + 1);
     }

@@ -45,7 +45,7 @@ TEST(FramePieces, JoinWhatIsBesideThem) {
              with_piece({0, 90, 100, 20}, 5, 30),   // behind, mostly matched
              with_piece({0, 95, 6, 6}, 5, 0),       // behind, small, all matched
          })
-        EXPECT_EQ(with_frame_pieces_joined(map).values, inside().values);
+        EXPECT_EQ(with_frame_pieces_joined(map, 2).values, inside().values);
 }
 
 TEST(FramePieces, OthersStay) {
@@ -62,14 +62,14 @@ TEST(FramePieces, OthersStay) {
              with_piece({0, 90, 10, 20}, kInside_px + 2.6f, 10),
              with_piece({0, 90, 10, 20}, kInside_px - 1.9f, 10),
          })
-        EXPECT_EQ(with_frame_pieces_joined(map).values, map.values);
+        EXPECT_EQ(with_frame_pieces_joined(map, 2).values, map.values);
 }
 
 TEST(FramePieces, TheFrameIsWhereTheMapBecomesKnown) {
     DisparityMap map = inside(), joined = inside();
     put(map, {50, 90, 10, 20}, 40, 10);
     for (DisparityMap* const each : {&map, &joined}) put(*each, {0, 0, 50, kMapRows}, kUnknownDisparity, 0);
-    EXPECT_EQ(with_frame_pieces_joined(map).values, joined.values);
+    EXPECT_EQ(with_frame_pieces_joined(map, 2).values, joined.values);
 }
 
 TEST(FramePieces, WhatGoesOnBelowFallsTowardsAPieceThatJoined) {
@@ -77,7 +77,7 @@ TEST(FramePieces, WhatGoesOnBelowFallsTowardsAPieceThatJoined) {
     DisparityMap map = inside();
     put(map, {0, 0, 20, kMapRows}, 30, 20);
     put(map, {20, 100, 40, 100}, 30, 0);
-    DisparityMap result = with_frame_pieces_joined(map);
+    DisparityMap result = with_frame_pieces_joined(map, 2);
     EXPECT_EQ(result.at(10, 99), kInside_px);
     EXPECT_FLOAT_EQ(result.at(10, 100), kInside_px + 10.0f / 24);
     EXPECT_FLOAT_EQ(result.at(10, 111), kInside_px + 5);
@@ -86,13 +86,13 @@ TEST(FramePieces, WhatGoesOnBelowFallsTowardsAPieceThatJoined) {
     // So it does where a slanted frame begins only below the piece.
     DisparityMap slanted = map;
     for (int y = 0; y < 114; ++y) put(slanted, {0, y, y < 94 ? 10 : (114 - y) / 2, 1}, kUnknownDisparity, 0);
-    result = with_frame_pieces_joined(slanted);
+    result = with_frame_pieces_joined(slanted, 2);
     EXPECT_EQ(result.at(2, 108), kUnknownDisparity);
     for (int x = 3; x < 19; ++x) EXPECT_NEAR(result.at(x, 108), kInside_px + 4, 1) << x;
     // A higher step stays one.
     put(map, {0, 0, 20, kMapRows}, 33, 20);
     put(map, {20, 100, 40, 100}, 33, 0);
-    result = with_frame_pieces_joined(map);
+    result = with_frame_pieces_joined(map, 2);
     EXPECT_EQ(result.at(10, 99), kInside_px);
     EXPECT_EQ(result.at(10, 100), 33);
 }
