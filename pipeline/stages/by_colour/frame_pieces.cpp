@@ -8,6 +8,7 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/by_colour/grow_into.h"
 #include "pipeline/stages/by_colour/line_of_map.h"
 
 namespace hexrelief::stages {
@@ -129,36 +130,14 @@ class FramePieces {
 
     // The surfaces behind nearer pieces, and those around pits, grow into them by a pixel a round.
     void grow() {
-        struct Open {
-            std::size_t pixel;
-            float value;
-        };
-        std::vector<Open> open, still, now;
+        std::vector<std::size_t> pieces;
         for (std::size_t i = 0; i < piece_.size(); ++i)
-            if (piece_[i] != kNoPiece) open.push_back({i, at(i)});
-        do {
-            still.clear();
-            now.clear();
-            for (const Open& o : open) {
-                float sum = 0;
-                int count = 0;
-                for_four_neighbours(o.pixel, map_.width, map_.height, [&](std::size_t i) {
-                    const float step = piece_[o.pixel] == kNearer ? o.value - at(i) : at(i) - o.value;
-                    if (piece_[i] != kNoPiece || !is_known(i) || !(step > farther_px_ / 2)) return;
-                    sum += at(i);
-                    ++count;
-                });
-                if (count > 0)
-                    now.push_back({o.pixel, sum / static_cast<float>(count)});
-                else
-                    still.push_back(o);
-            }
-            for (const Open& o : now) {
-                map_.values[o.pixel] = o.value;
-                piece_[o.pixel] = kNoPiece;
-            }
-            open.swap(still);
-        } while (!now.empty());
+            if (piece_[i] != kNoPiece) pieces.push_back(i);
+        const auto is_around = [&](std::size_t pixel, float d, std::size_t i) {
+            const float step = piece_[pixel] == kNearer ? d - at(i) : at(i) - d;
+            return piece_[i] == kNoPiece && step > farther_px_ / 2;
+        };
+        grow_into(map_, pieces, is_around, [&](std::size_t i) { piece_[i] = kNoPiece; });
     }
 
     // Lets what follows on a nearer piece that has joined, nearer itself and without matches, fall towards

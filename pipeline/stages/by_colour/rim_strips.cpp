@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/stages/by_colour/grow_into.h"
 #include "pipeline/stages/by_colour/line_of_map.h"
 
 namespace hexrelief::stages {
@@ -69,36 +70,13 @@ void join_rim_strips(DisparityMap& map) {
         find_rim_strips(map, {last_row + x, -width, map.height}, rises);
     }
     drop_low_strips(map, rises);
-    struct Open {
-        std::size_t pixel;
-        float value;
-    };
-    std::vector<Open> open, still, now;
+    std::vector<std::size_t> strips;
     for (std::size_t i = 0; i < rises.size(); ++i)
-        if (rises[i] > 0) open.push_back({i, map.values[i]});
-    // The thing grows by a pixel a round.
-    do {
-        still.clear();
-        now.clear();
-        for (const Open& o : open) {
-            float sum = 0;
-            int count = 0;
-            for_four_neighbours(o.pixel, map.width, map.height, [&](std::size_t i) {
-                if (rises[i] > 0 || !(map.values[i] > o.value) || !DisparityMap::known(map.values[i])) return;
-                sum += map.values[i];
-                ++count;
-            });
-            if (count > 0)
-                now.push_back({o.pixel, sum / static_cast<float>(count)});
-            else
-                still.push_back(o);
-        }
-        for (const Open& o : now) {
-            map.values[o.pixel] = o.value;
-            rises[o.pixel] = 0;
-        }
-        open.swap(still);
-    } while (!now.empty());
+        if (rises[i] > 0) strips.push_back(i);
+    const auto is_nearer = [&](std::size_t, float d, std::size_t i) {
+        return !(rises[i] > 0) && map.values[i] > d;
+    };
+    grow_into(map, strips, is_nearer, [&](std::size_t i) { rises[i] = 0; });
 }
 
 }  // namespace
