@@ -8,8 +8,8 @@
 
 #include "pipeline/base/thread_pool.h"
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/data/line_of_map.h"
 #include "pipeline/stages/by_colour/grow_into.h"
-#include "pipeline/stages/by_colour/line_of_map.h"
 
 namespace hexrelief::stages {
 namespace {

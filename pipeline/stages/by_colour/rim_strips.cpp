@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/data/line_of_map.h"
 #include "pipeline/stages/by_colour/grow_into.h"
-#include "pipeline/stages/by_colour/line_of_map.h"
 
 namespace hexrelief::stages {
 namespace {

@@ -11,6 +11,7 @@
 #include "pipeline/base/uninitialized_vector.h"
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
+#include "pipeline/data/line_of_map.h"
 #include "pipeline/stages/other_views/continued.h"
 #include "pipeline/stages/other_views/small_regions.h"
 #include "pipeline/stages/other_views/texture_synthesis.h"
@@ -34,13 +35,6 @@ constexpr double kAnyStep_px = 1e9;
 // triangles that reach as far and for the backing, at least so many, and a share of a view's side.
 constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 16, kSpreadShareOfPhotographs = 32;
 
-// A row or a column of a view, from either end.
-struct Line {
-    std::ptrdiff_t first, step;
-    int count;
-    std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
-};
-
 // What the colours of a pixel are of. An outline is a narrow line unlike the surface that it seems to end.
 enum class Purity : std::uint8_t { clean, mixed, of_nearer, outline };
 
@@ -53,21 +47,21 @@ struct Side {
 
 // Looks at more pixels of the surface that ends at line(end), of which `reach` are known. Returns their
 // number, at most `most`.
-int reach_of(const Disparities& front, const Line& line, int end, int reach, int most) {
+int reach_of(const Disparities& front, const LineOfMap& line, int end, int reach, int most) {
     while (reach < most && end - reach >= 0 &&
            std::abs(front[line(end - reach)] - front[line(end - reach + 1)]) <= kOneSurface_px)
         ++reach;
     return reach;
 }
 
-double slope_at(const Disparities& front, const Line& line, int end, int span) {
+double slope_at(const Disparities& front, const LineOfMap& line, int end, int span) {
     if (span < 2) return 0;
     return std::clamp((front[line(end)] - front[line(end - span)]) / span, -kMostSlope, kMostSlope);
 }
 
 // Returns the number of pixels at the end of a surface, at most `most` and one, that are mixed of it and the
 // nearer surface, at line(near). reach: the number of this one's pixels.
-int mixed_at(const Image& picture, const Line& line, int end, int near, int reach, int most) {
+int mixed_at(const Image& picture, const LineOfMap& line, int end, int near, int reach, int most) {
     if (picture.empty() || near >= line.count) return kMixed;
     const auto difference = [&](int i, int j) { return color_difference(picture, line(i), line(j)); };
     const int far = end - std::min(reach - 1, most + kMixed);
@@ -77,7 +71,7 @@ int mixed_at(const Image& picture, const Line& line, int end, int near, int reac
 }
 
 // Returns where the nearer surface in front of line(end) begins: behind pixels that are mixed.
-int nearest_after(const Disparities& front, const Line& line, int end, int mixed_px) {
+int nearest_after(const Disparities& front, const LineOfMap& line, int end, int mixed_px) {
     int nearest = end + 1;
     const int last = std::min(line.count - 1, end + 1 + (mixed_px > kMixed ? mixed_px : 1));
     for (int i = end + 2; i <= last; ++i)
@@ -98,7 +92,7 @@ struct MeanColour {
     std::array<double, 3> levels = {};
     double deviation = 0;
 
-    MeanColour(const Image& picture, const Line& line, int first, int count) {
+    MeanColour(const Image& picture, const LineOfMap& line, int first, int count) {
         for (int i = first; i < first + count; ++i)
             for (int c = 0; c < picture.channels; ++c)
                 levels[c] += picture.pixels[line(i) * picture.channels + c] / static_cast<double>(count);
@@ -115,7 +109,7 @@ struct MeanColour {
 
 // Marks the narrow line at the end of the surface at line(end), if there is one, whose colours are unlike the
 // surface's behind it. A wider strip may be the surface's own.
-void mark_outline(const Disparities& front, const Image& picture, const Line& line, int end, int most,
+void mark_outline(const Disparities& front, const Image& picture, const LineOfMap& line, int end, int most,
                   std::vector<Purity>& colours) {
     const int narrow = most / 2, looked_at = narrow + kMixed, reach = reach_of(front, line, end, 1, 2 * most);
     if (picture.empty() || reach < looked_at + kMixed) return;
@@ -128,7 +122,7 @@ void mark_outline(const Disparities& front, const Image& picture, const Line& li
 }
 
 // Marks the pixels at the end of the surface at line(end) whose colours are mixed.
-void mark_mixed(const Disparities& front, const Image& picture, const Line& line, int end, int most,
+void mark_mixed(const Disparities& front, const Image& picture, const LineOfMap& line, int end, int most,
                 std::vector<Purity>& colours) {
     const int near = nearest_after(front, line, end, most) + kMixed,
               reach = reach_of(front, line, end, 1, most + kMixed + 1),
@@ -147,7 +141,7 @@ void mark_mixed(const Disparities& front, const Image& picture, const Line& line
 // Continues the surface that ends at line(end) before a nearer one.
 // missing: what is known there stays, and nothing continues behind it.
 void continue_from(const Disparities& front, const std::vector<Purity>& colours, const DisparityMap& missing,
-                   const Line& line, int end, Side side, Continued& result) {
+                   const LineOfMap& line, int end, Side side, Continued& result) {
     const bool is_photograph = side.is_photograph();
     const int longest = line.count / (is_photograph ? kLongestShareOfPhotographs : kLongestShare);
     const int mirrored = is_photograph ? line.count / kMirroredShareOfPhotographs : longest;
@@ -197,11 +191,12 @@ void continue_from(const Disparities& front, const std::vector<Purity>& colours,
 // Calls take(line, end) for each surface that ends at line(end) before a nearer one, in some lines beside
 // each other. They are walked together, because a column's pixels are far apart in memory.
 template <class Take>
-void for_silhouettes(const Disparities& front, const Line& first, std::ptrdiff_t beside, std::size_t lines,
-                     const Take& take) {
+void for_silhouettes(const Disparities& front, const LineOfMap& first, std::ptrdiff_t beside,
+                     std::size_t lines, const Take& take) {
     for (int end = 0; end + 1 < first.count; ++end)
         for (std::size_t k = 0; k < lines; ++k) {
-            const Line line{first.first + static_cast<std::ptrdiff_t>(k) * beside, first.step, first.count};
+            const LineOfMap line{first.first + static_cast<std::ptrdiff_t>(k) * beside, first.step,
+                                 first.count};
             const double far = front[line(end)];
             if (far != kNotCovered && front[line(end + 1)] - far > kOneSurface_px) take(line, end);
         }
@@ -211,10 +206,11 @@ void for_silhouettes(const Disparities& front, const Line& first, std::ptrdiff_t
 template <class Take>
 void for_silhouettes(const Disparities& front, int width, int height, const Beyond& beyond, ThreadPool& pool,
                      const Take& take) {
-    const auto walk = [&](double baselines, const Line& first, std::ptrdiff_t beside, std::size_t lines) {
+    const auto walk = [&](double baselines, const LineOfMap& first, std::ptrdiff_t beside,
+                          std::size_t lines) {
         if (baselines > 0)
             for_silhouettes(front, first, beside, lines,
-                            [&](const Line& line, int end) { take(line, end, baselines); });
+                            [&](const LineOfMap& line, int end) { take(line, end, baselines); });
     };
     pool.parallel_for_chunks(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
@@ -237,17 +233,19 @@ Continued continued_in(const Disparities& front, const OtherView& view, const Be
     const bool is_photograph = Side{0, beyond.mixed_px}.is_photograph();
     std::vector<Purity> colours(is_photograph ? front.size() : 0, Purity::clean);
     if (is_photograph)
-        for_silhouettes(front, width, height, {1, 1, 1, 1}, pool, [&](const Line& line, int end, double) {
-            mark_mixed(front, view.color, line, end, beyond.mixed_px, colours);
-        });
+        for_silhouettes(front, width, height, {1, 1, 1, 1}, pool,
+                        [&](const LineOfMap& line, int end, double) {
+                            mark_mixed(front, view.color, line, end, beyond.mixed_px, colours);
+                        });
     Continued result(front.size());
     pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
         std::fill(result.disparities.begin() + static_cast<std::ptrdiff_t>(begin),
                   result.disparities.begin() + static_cast<std::ptrdiff_t>(end), kNotCovered);
     });
-    for_silhouettes(front, width, height, beyond, pool, [&](const Line& line, int end, double baselines) {
-        continue_from(front, colours, view.missing, line, end, {baselines, beyond.mixed_px}, result);
-    });
+    for_silhouettes(
+        front, width, height, beyond, pool, [&](const LineOfMap& line, int end, double baselines) {
+            continue_from(front, colours, view.missing, line, end, {baselines, beyond.mixed_px}, result);
+        });
     for (std::size_t i = 0; i < front.size(); ++i)
         if (result.disparities[i] != kNotCovered) result.pixels.push_back(static_cast<std::uint32_t>(i));
     result.is_mixed.resize(colours.size());

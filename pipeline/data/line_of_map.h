@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace hexrelief::stages {
+namespace hexrelief {
 
 // The pixels of a row or a column, from either end.
 struct LineOfMap {
@@ -12,4 +12,4 @@ struct LineOfMap {
     std::size_t operator()(int i) const { return static_cast<std::size_t>(first + i * step); }
 };
 
-}  // namespace hexrelief::stages
+}  // namespace hexrelief
