@@ -25,8 +25,8 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-// What continues behind the left view's silhouettes is smooth; in photographs it has detail.
-constexpr int kReduced = 4, kReducedOfPhotographs = 2;
+// What continues behind the left view's silhouettes is smooth; in photographs it has texture.
+constexpr int kReduced = 4, kReducedOfPhotographs = 1;
 constexpr double kCoarser = 3.5;       // spacing of the other views: what has no match has little detail
 constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera saw
 constexpr double kShownStep_px = 6;    // the same if the right camera, which has no view, sees some of it

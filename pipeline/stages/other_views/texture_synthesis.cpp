@@ -23,8 +23,8 @@ constexpr int kAround = 8;  // the same at the others, around the sources so far
 constexpr int kRounds = 2, kRoundsOfFinest = 1;
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
 // neighbours that has another offset; of the distance to the source, for each cell.
-constexpr int kNoSource = 7500, kUnlikeNeighbour = 100, kApart = 12;
-constexpr int kGuideShare = 4;  // the squared difference from the guide counts this much less
+constexpr int kNoSource = 7500, kUnlikeNeighbour = 300, kApart = 12;
+constexpr int kGuideShare = 12;  // the squared difference from the guide counts this much less
 
 int difference(const Colour& a, const Colour& b) {
     const int red = a[0] - b[0], green = a[1] - b[1], blue = a[2] - b[2];
@@ -137,12 +137,13 @@ std::vector<Colour> softened(const TextureLevel& level, const std::vector<Colour
     return result;
 }
 
-// Fills a level from its sources inwards.
+// Fills a level from its sources inwards. Targets that find no source look a second time, with twice the
+// tolerance.
 void fill(TextureLevel& level, ThreadPool& pool) {
     const std::vector<Colour> seen = softened(level, level.seen), guides = softened(level, level.guides);
     std::vector<std::uint32_t> open = level.targets;
-    for (std::size_t before = open.size() + 1; open.size() < before;) {
-        before = open.size();
+    bool is_second = false;
+    while (!open.empty()) {
         const std::vector<Offset> offsets = found_for(open, pool, [&](std::uint32_t target) {
             Search search(level, target);
             if (search.is_beside_known()) search.consider_all(kReach, seen, guides[target]);
@@ -156,6 +157,10 @@ void fill(TextureLevel& level, ThreadPool& pool) {
                 still.push_back(open[i]);
             else
                 level.hidden[open[i]] = level.seen[open[i] + offset.y * level.width + offset.x];
+        }
+        if (still.size() == open.size()) {
+            if (std::exchange(is_second, true)) return;
+            for (const std::uint32_t target : open) level.tolerances[target] *= 2;
         }
         open = std::move(still);
     }
@@ -216,7 +221,9 @@ void improve(TextureLevel& level, std::uint32_t round, int around, ThreadPool& p
 void take_offsets(TextureLevel& fine, const TextureLevel& coarse) {
     for (const std::uint32_t target : fine.targets) {
         const int x = static_cast<int>(target) % fine.width, y = static_cast<int>(target) / fine.width;
-        const Offset from = coarse.offsets[coarse.at(x / 2, y / 2)];
+        const int coarse_target = coarse.at(x / 2, y / 2);
+        fine.tolerances[target] = std::max(fine.tolerances[target], coarse.tolerances[coarse_target]);
+        const Offset from = coarse.offsets[coarse_target];
         const int source_x = x + 2 * from.x, source_y = y + 2 * from.y;
         if (fine.has(source_x, source_y) && fine.is_source_of(target, fine.at(source_x, source_y)))
             fine.offsets[target] = {static_cast<std::int16_t>(2 * from.x),
