@@ -10,7 +10,6 @@
 #include <optional>
 #include <system_error>
 
-#include "pipeline/batch/worker.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"

@@ -1,7 +1,6 @@
 #include "pipeline/batch/file_pattern.h"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 
 #include "pipeline/data/error.h"
@@ -20,7 +19,8 @@ const std::vector<std::string>& image_endings() {
         for (const readers::codec::Codec& codec : readers::codec::codecs()) {
             if ((codec.gives & readers::codec::kPicture) == 0 || codec.format == readers::codec::Format::exr)
                 continue;
-            std::ranges::copy(readers::codec::words(codec.endings), std::back_inserter(found));
+            const auto endings = readers::codec::words(codec.endings);
+            found.insert(found.end(), endings.begin(), endings.end());
         }
         return found;
     }();
