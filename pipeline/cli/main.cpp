@@ -1,19 +1,13 @@
-#include <unistd.h>
-
-#include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <exception>
 #include <iostream>
-#include <new>
 #include <string>
 
-#include "exporters/core/file_transaction.h"
 #include "hexrelief_build_info.h"  // made by pipeline/cli/build_info.cmake
 #include "pipeline/batch/worker.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
+#include "pipeline/cli/uncaught.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
@@ -30,25 +24,6 @@ std::string version_text(bool verbose) {
     if (!verbose) return version;
     return version + "\ncommit     " HEXRELIEF_COMMIT "\nbuild      " HEXRELIEF_BUILD
                      "\nCUDA       " HEXRELIEF_CUDA_BUILD "\nlibraries  " HEXRELIEF_LIBRARIES;
-}
-
-// Ends the program in one line when an exception leaves a destructor or a handler. If memory has ended, which
-// some of the libraries' destructors need, it exits as for any lack of memory, and temporary files are
-// removed; else it aborts. Allocates nothing.
-[[noreturn]] void end_by_exception() {
-    static std::atomic_flag is_ending = ATOMIC_FLAG_INIT;
-    while (is_ending.test_and_set()) ::pause();  // another thread does it
-    try {
-        if (std::current_exception()) std::rethrow_exception(std::current_exception());
-    } catch (const std::bad_alloc&) {
-        exporters::remove_pending_files();
-        for (const char* part : {"hexrelief: ", batch::kOutOfMemory, "\n"})
-            if (::write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
-        ::_exit(batch::kMemoryExitCode);
-    } catch (...) {
-        std::fputs("hexrelief: internal error: an exception where none may be\n", stderr);
-    }
-    std::abort();
 }
 
 int complain(const std::string& message, int code) {
@@ -108,7 +83,7 @@ int main(int argc, char** argv) {
     // during which no other thread can map or clear pages.
     mallopt(M_TOP_PAD, 2 << 20);
 #endif
-    std::set_terminate(hexrelief::cli::end_by_exception);
+    hexrelief::cli::tell_of_uncaught_exceptions();
     const int exit_code = hexrelief::cli::run_command_line(argc, argv);
 #if !defined(NDEBUG) && !defined(__SANITIZE_THREAD__)
     // Runs the sanitizer's search for leaks, and writes what coverage has counted.
