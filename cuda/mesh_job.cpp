@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "cuda/balance/balance.h"
 #include "cuda/common/check.h"
-#include "cuda/som/level.h"
-#include "cuda/som/untangle.h"
 #include "mesher/som/untangle_step.h"
 
 namespace hexrelief::cuda {

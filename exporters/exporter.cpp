@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "exporters/core/mesh_format.h"
 #include "exporters/formats/solid_body.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"

@@ -1,7 +1,6 @@
 #include "cuda/balance/balance.h"
 #include "cuda/balance/iteration.cuh"
 #include "cuda/common/check.h"
-#include "cuda/som/level.h"
 
 #include <type_traits>
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "cuda/matching/common/workspace.h"
 #include "cuda/matching/refine/refine.h"
 #include "cuda/matching/refine/voters.h"
 #include "cuda/matching/sgm/match_views.h"

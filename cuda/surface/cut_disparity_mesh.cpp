@@ -2,13 +2,10 @@
 
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "cuda/surface/fit/fit_silhouettes.h"
 #include "cuda/surface/stopwatch.h"
-#include "cuda/surface/topology/label_triangles.h"
 
 namespace hexrelief::cuda {
 namespace {

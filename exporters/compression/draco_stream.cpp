@@ -15,7 +15,6 @@
 #include <string>
 #include <utility>
 
-#include "exporters/compression/draco_codec.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 

@@ -9,7 +9,6 @@
 #include <csetjmp>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <string>
 

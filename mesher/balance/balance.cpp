@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdint>
 
 #include "mesher/balance/cell_equations_step.h"
 #include "mesher/balance/convergence_step.h"

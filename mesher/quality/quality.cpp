@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "mesher/common/lattice_step.h"
 #include "pipeline/base/thread_pool.h"

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "pipeline/alignment/fit.h"
-
 namespace hexrelief::alignment {
 namespace {
 

@@ -1,6 +1,5 @@
 #include "pipeline/alignment/fit.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

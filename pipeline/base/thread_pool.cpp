@@ -1,6 +1,5 @@
 #include "pipeline/base/thread_pool.h"
 
-#include <exception>
 #include <utility>
 
 #if defined(__x86_64__) || defined(__i386__)

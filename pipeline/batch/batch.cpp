@@ -10,7 +10,6 @@
 #include <optional>
 #include <system_error>
 
-#include "pipeline/batch/worker.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
@@ -216,7 +215,7 @@ namespace fs = std::filesystem;
 
 struct FileUser {
     std::size_t unit;
-    bool is_read = false, is_written = false;
+    bool is_written;
 };
 
 // Returns a path's plain name. Links are not followed, because a batch has some ten paths per row.
@@ -231,9 +230,9 @@ class Collisions {
     // Returns why the unit must not run beside those before it; empty if it may.
     std::string add(std::size_t unit, const job::RunRequest& request) {
         for (const job::WrittenFile& file : job::written_files(request))
-            if (std::string why = use(file.path, {unit, false, true}); !why.empty()) return why;
+            if (std::string why = use(file.path, {unit, true}); !why.empty()) return why;
         for (const fs::path& file : job::read_files(request))
-            if (std::string why = use(file, {unit, true, false}); !why.empty()) return why;
+            if (std::string why = use(file, {unit, false}); !why.empty()) return why;
         return {};
     }
 

@@ -19,25 +19,20 @@ const std::vector<std::string>& image_endings() {
         for (const readers::codec::Codec& codec : readers::codec::codecs()) {
             if ((codec.gives & readers::codec::kPicture) == 0 || codec.format == readers::codec::Format::exr)
                 continue;
-            for (const std::string_view ending : readers::codec::words(codec.endings))
-                found.emplace_back(ending);
+            const auto endings = readers::codec::words(codec.endings);
+            found.insert(found.end(), endings.begin(), endings.end());
         }
         return found;
     }();
     return endings;
 }
 
-char lower(char c) {
-    return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-}
-
 bool equal_but_for_case(std::string_view a, std::string_view b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](char x, char y) { return lower(x) == lower(y); });
+    return readers::codec::lower_case(std::string(a)) == readers::codec::lower_case(std::string(b));
 }
 
 bool is_letter(char c) {
-    return (lower(c) >= 'a' && lower(c) <= 'z') || static_cast<unsigned char>(c) >= 0x80;
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
 }
 
 // Returns the rank of a file's ending among those of images; their number if it is no image.

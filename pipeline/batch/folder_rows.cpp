@@ -8,6 +8,7 @@
 #include "pipeline/batch/manifest_rows.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
+#include "pipeline/readers/parse_text.h"
 
 namespace hexrelief::batch {
 namespace {
@@ -60,7 +61,6 @@ fs::path calibration_of(const std::string& pattern, const Sides& sides, const st
     return fs::is_regular_file(file, none) ? file : fs::path();
 }
 
-namespace fs = std::filesystem;
 using Files = std::map<std::string, fs::path>;  // by {name}
 
 constexpr int kDeepest = 3;  // folders below the one given
@@ -110,10 +110,9 @@ fs::path calibration_of(const PairRule& rule, const fs::path& folder, const std:
 bool names_map(const std::string& name) {
     static constexpr std::array<std::string_view, 4> kMaps = {"disp", "disparity", "depth", "mask"};
     std::string word;
-    for (const char c : name + "_") {
-        const bool is_capital = c >= 'A' && c <= 'Z';
-        if (is_capital || (c >= 'a' && c <= 'z')) {
-            word += static_cast<char>(is_capital ? c - 'A' + 'a' : c);
+    for (const char c : readers::codec::lower_case(name) + "_") {
+        if (c >= 'a' && c <= 'z') {
+            word += c;
             continue;
         }
         if (std::find(kMaps.begin(), kMaps.end(), word) != kMaps.end()) return true;

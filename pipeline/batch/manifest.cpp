@@ -128,9 +128,8 @@ struct RowReader {
     }
 
     static std::vector<std::string> format_list(const std::string& text) {
-        std::vector<std::string> formats;
-        for (const std::string_view format : readers::codec::words(text)) formats.emplace_back(format);
-        return formats;
+        const std::vector<std::string_view> formats = readers::codec::words(text);
+        return {formats.begin(), formats.end()};
     }
 };
 

@@ -30,10 +30,8 @@ Json report_of(const TableRow& row) {
 }
 
 bool is_list_of_texts(const Json& json) {
-    if (!json.is_array()) return false;
-    for (const Json& part : json)
-        if (!part.is_string()) return false;
-    return true;
+    return json.is_array() &&
+           std::all_of(json.begin(), json.end(), [](const Json& part) { return part.is_string(); });
 }
 
 void flatten(const Json& json, const std::string& key, Values& values) {
@@ -91,11 +89,10 @@ std::string csv_line(const std::vector<std::string>& cells) {
     return line + "\n";
 }
 
-using Json = nlohmann::ordered_json;
 constexpr std::size_t kBarWidth = 20;
 
 std::string event_text(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json) + "\n";
 }
 
 std::string clock_text(double seconds) {
@@ -199,8 +196,7 @@ std::string batch_summary(const BatchCounts& counts, double seconds) {
 }
 
 std::string start_event(const BatchCounts& counts) {
-    Json json = {{"event", "start"}, {"version", HEXRELIEF_VERSION}, {"units", counts.units}};
-    return event_text(json);
+    return event_text({{"event", "start"}, {"version", HEXRELIEF_VERSION}, {"units", counts.units}});
 }
 
 std::string unit_event(const BatchUnit& unit, const UnitResult& result, const BatchCounts& counts) {

@@ -17,7 +17,6 @@
 #include <limits>
 #include <new>
 #include <sstream>
-#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>

@@ -6,7 +6,6 @@
 
 #include "pipeline/checks/edge_fit.h"
 #include "pipeline/checks/pair_statistics.h"
-#include "pipeline/checks/thresholds.h"
 
 namespace hexrelief::checks {
 namespace {
@@ -207,8 +206,6 @@ std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
             figure(*here < kLeastFit ? *here : fit.columns.here) +
             " standard deviations); check that --color is the left picture"};
 }
-
-using Findings = std::vector<Finding>;
 
 bool is_sure(const RowFit& fit) {
     return fit.points >= kLeastPoints && fit.agreeing_share >= kLeastAgreeingPoints;

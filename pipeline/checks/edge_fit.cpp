@@ -20,10 +20,7 @@ constexpr int kMostLarger_px = 6, kMostSmaller_px = 2;
 constexpr int kElsewhere = 32;  // places that the picture is moved to, for comparison
 
 double least_step(const DisparityMap& map) {
-    std::vector<float> known;
-    const std::size_t stride = std::max<std::size_t>(1, map.values.size() / 40000);
-    for (std::size_t i = 0; i < map.values.size(); i += stride)
-        if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
+    std::vector<float> known = known_values(map, std::max<std::size_t>(1, map.values.size() / 40000));
     if (known.empty()) return 0;
     std::sort(known.begin(), known.end());
     return kLeastStep * (known[known.size() * 19 / 20] - known[known.size() / 20]);

@@ -86,10 +86,8 @@ bool is_textured(const GreyImage& grey, int left, int top) {
     for (int y = 0; y < kBlock_px; ++y)
         for (int x = 0; x < kBlock_px; ++x)
             block[static_cast<std::size_t>(y * kBlock_px + x)] = grey.at(left + x, top + y);
-    const auto low = block.begin() + block.size() / 10, high = block.begin() + block.size() * 9 / 10;
-    std::nth_element(block.begin(), high, block.end());
-    std::nth_element(block.begin(), low, high);
-    return *high - *low >= kLeastSpread;
+    return value_at_rank(block, block.size() * 9 / 10) - value_at_rank(block, block.size() / 10) >=
+           kLeastSpread;
 }
 
 // Returns 1 for each block of the picture that shows more than noise, 0 for the others, row by row.

@@ -175,9 +175,8 @@ RowFit fit_rows(const std::vector<PointMatch>& matches, int width, int height) {
     if (matches.empty()) return {};
     std::vector<double> rows;
     for (const PointMatch& match : matches) rows.push_back(match.row_px);
-    const auto middle = rows.begin() + static_cast<std::ptrdiff_t>(rows.size() / 2);
-    std::nth_element(rows.begin(), middle, rows.end());
-    RowFit fit{.center_px = *middle, .center_x = 0.5 * width, .center_y = 0.5 * height};
+    RowFit fit{
+        .center_px = value_at_rank(rows, rows.size() / 2), .center_x = 0.5 * width, .center_y = 0.5 * height};
     for (const double limit : {16.0, 8.0, 4.0, 2.0, 1.0, 1.0})
         fit = refit(matches, fit, width, height, limit * kAgree_px);
     fit.agreeing_share = fit.points / static_cast<double>(matches.size());

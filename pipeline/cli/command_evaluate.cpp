@@ -47,13 +47,6 @@ void add_map_options(Command& command, MapOptions& options, const std::string& p
                        {.value = "V"});
 }
 
-void print_json(const evaluation::DisparityEvaluation& result) {
-    nlohmann::ordered_json json;
-    json["schema"] = 1;
-    json.update(evaluation::evaluation_json(result));
-    std::printf("%s\n", json.dump(2).c_str());
-}
-
 void print_text(const evaluation::DisparityEvaluation& result) {
     for (int i = 0; i < 4; ++i)
         std::printf("bad-%-3g          %7.3f %%\n", evaluation::kBadThresholds_px[i], result.bad_percent[i]);
@@ -81,8 +74,10 @@ int evaluate(const EvaluateOptions& options) {
         config.right_truth = &right_truth;
     }
     const evaluation::DisparityEvaluation result = evaluation::evaluate_disparity(map, truth, config);
+    nlohmann::ordered_json json = {{"schema", 1}};
+    json.update(evaluation::evaluation_json(result));
     if (options.json)
-        print_json(result);
+        std::printf("%s\n", json.dump(2).c_str());
     else
         print_text(result);
     return 0;

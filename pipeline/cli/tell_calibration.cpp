@@ -6,7 +6,6 @@
 
 #include "pipeline/cli/printable.h"
 #include "pipeline/data/error.h"
-#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief::cli::info {

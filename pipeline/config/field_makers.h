@@ -57,50 +57,33 @@ Field number(const std::string& path, Access access, const std::string& unit, co
     return plain({path, unit, help, type, range, {}, option, {}, {}}, access);
 }
 
-template <typename Access>
-Field flag(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
-    return plain({path, "", help, FieldType::boolean, {}, {}, option, {}, {}}, access);
-}
+// Return the rows of true or false, of a text and of a file's name.
+template <FieldType kType>
+constexpr auto row_of_type =
+    [](const std::string& path, auto access, const std::string& help, const FieldOption& option = {}) {
+        return plain({path, "", help, kType, {}, {}, option, {}, {}}, access);
+    };
+inline constexpr auto flag = row_of_type<FieldType::boolean>;
+inline constexpr auto text = row_of_type<FieldType::text>;
+inline constexpr auto file = row_of_type<FieldType::file>;
 
-template <typename Access>
-Field text(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
-    return plain({path, "", help, FieldType::text, {}, {}, option, {}, {}}, access);
-}
-
-template <typename Access>
-Field file(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
-    return plain({path, "", help, FieldType::file, {}, {}, option, {}, {}}, access);
-}
-
-// Returns a field for a double whose NaN means "not given" and is null in YAML.
+// Returns a field whose NaN, or 0 of an int, means "not given" and is null in YAML.
 template <typename Access>
 Field optional(const std::string& path, Access access, const std::string& unit, const ValueRange& range,
                const std::string& help, const FieldOption& option = {}) {
+    using Value = Member<Access>;
+    constexpr Value kNone = std::is_floating_point_v<Value> ? static_cast<Value>(kNotGiven) : 0;
     Field field = number(path, access, unit, range, help, option);
     field.is_optional = true;
-    field.get = [access](const Config& config) -> FieldValue {
-        const double value = access(const_cast<Config&>(config));
-        return std::isnan(value) ? FieldValue{} : FieldValue{value};
+    field.get = [access, get = field.get](const Config& config) -> FieldValue {
+        const Value value = access(const_cast<Config&>(config));
+        return value == kNone || std::isnan(static_cast<double>(value)) ? FieldValue{} : get(config);
     };
-    field.set = [access](Config& config, const FieldValue& value) {
-        access(config) = std::holds_alternative<std::monostate>(value) ? kNotGiven : std::get<double>(value);
-    };
-    return field;
-}
-
-// Returns a field for an int whose 0 means "not given" and is null in YAML.
-template <typename Access>
-Field optional_integer(const std::string& path, Access access, const std::string& unit,
-                       const ValueRange& range, const std::string& help, const FieldOption& option = {}) {
-    Field field = number(path, access, unit, range, help, option);
-    field.is_optional = true;
-    field.get = [access](const Config& config) -> FieldValue {
-        const int value = access(const_cast<Config&>(config));
-        return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};
-    };
-    field.set = [access](Config& config, const FieldValue& value) {
-        const auto* given = std::get_if<long long>(&value);
-        access(config) = given ? static_cast<int>(*given) : 0;
+    field.set = [access, set = field.set](Config& config, const FieldValue& value) {
+        if (std::holds_alternative<std::monostate>(value))
+            access(config) = kNone;
+        else
+            set(config, value);
     };
     return field;
 }

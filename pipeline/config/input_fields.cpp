@@ -172,12 +172,12 @@ std::vector<Field> export_fields() {
         choice(EXPORT(lod_storage), {"files", "inside"},
                "coarser levels: files = NAME.lod1.glb and so on; inside = in one .glb or .gltf by MSFT_lod, "
                "which Blender and others do not know: they show all levels on top of each other"),
-        optional_integer(EXPORT(draco.position_bits), "bit", {1, exporters::DracoConfig::kMostBits},
-                         "quantisation of positions; null = by tolerance_px"),
-        optional_integer(EXPORT(draco.normal_bits), "bit", {2, exporters::DracoConfig::kMostBits},
-                         "quantisation of normals; null = by tolerance_deg"),
-        optional_integer(EXPORT(draco.texcoord_bits), "bit", {1, exporters::DracoConfig::kMostBits},
-                         "quantisation of texture coordinates; null = by tolerance_px"),
+        optional(EXPORT(draco.position_bits), "bit", {1, exporters::DracoConfig::kMostBits},
+                 "quantisation of positions; null = by tolerance_px"),
+        optional(EXPORT(draco.normal_bits), "bit", {2, exporters::DracoConfig::kMostBits},
+                 "quantisation of normals; null = by tolerance_deg"),
+        optional(EXPORT(draco.texcoord_bits), "bit", {1, exporters::DracoConfig::kMostBits},
+                 "quantisation of texture coordinates; null = by tolerance_px"),
         number(EXPORT(draco.level), "", {0, 10}, "0 = fast, 10 = small"),
     };
 }

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "pipeline/config/reader.h"
-#include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/readers/parse_text.h"
 

@@ -49,6 +49,22 @@ inline KnownRange known_range(const DisparityMap& map) {
     return range;
 }
 
+// Returns the known disparities among every so many pixels.
+inline std::vector<float> known_values(const DisparityMap& map, std::size_t every = 1) {
+    std::vector<float> known;
+    for (std::size_t i = 0; i < map.values.size(); i += every)
+        if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
+    return known;
+}
+
+// Returns the value that so many of the values come before in their order; reorders them.
+template <typename Values>
+auto value_at_rank(Values& values, std::size_t rank) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
 // The largest width or height of a pair that can be rectified and matched: OpenCV counts the pixels of a
 // side with 15 bits.
 inline constexpr int kLargestPairSide_px = 32766;

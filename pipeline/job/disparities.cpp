@@ -10,7 +10,6 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/cameras/resolve_calibration.h"
-#include "pipeline/job/input.h"
 #include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/matchers/given_maps.h"
 #include "pipeline/job/pairs/align_pair.h"
@@ -299,13 +298,9 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
 double baselines_of_turn(const DisparityMap& map, const Calibration& camera, bool of_photographs) {
     const double tangent = of_photographs ? 0.577 : 0.364, most = 8;  // as many as surface.behind takes
     constexpr std::size_t kEvery = 13;                                // pixels; a sample tells the median
-    std::vector<float> known;
-    for (std::size_t i = 0; i < map.values.size(); i += kEvery)
-        if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
+    std::vector<float> known = known_values(map, kEvery);
     if (known.empty()) return 1;
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::nth_element(known.begin(), middle, known.end());
-    const double from_infinity_px = std::max(*middle + camera.doffs_px, 1e-3);
+    const double from_infinity_px = std::max(value_at_rank(known, known.size() / 2) + camera.doffs_px, 1e-3);
     return std::clamp(std::round(10 * tangent * camera.focal_px / from_infinity_px) / 10, 1.0, most);
 }
 

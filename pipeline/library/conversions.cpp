@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"

@@ -5,11 +5,9 @@
 #include <cstddef>
 #include <cstdlib>
 #include <utility>
-#include <vector>
 
 #include "pipeline/base/simd.h"
 #include "pipeline/base/thread_pool.h"
-#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/refine/refine.h"
@@ -221,9 +219,7 @@ double find_noise(const Image& image) {
         for (int x = 1; x + kBlock_px < image.width; x += kBlock_px)
             if (const double rough = roughness(image, x, y); rough >= 0) blocks.push_back(rough);
     if (blocks.empty()) return 0;
-    const auto tenth = blocks.begin() + static_cast<std::ptrdiff_t>(blocks.size() / 10);
-    std::nth_element(blocks.begin(), tenth, blocks.end());
-    return kOfNormal * *tenth;
+    return kOfNormal * value_at_rank(blocks, blocks.size() / 10);
 }
 
 void denoise(Image& image, double noise, int threads) {

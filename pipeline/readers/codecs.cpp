@@ -8,57 +8,37 @@
 namespace hexrelief::readers::codec {
 namespace {
 
+using Head = std::span<const std::uint8_t>;
 constexpr std::size_t kHeadBytes = 16;
 
-bool begins(std::span<const std::uint8_t> head, std::string_view magic, std::size_t at = 0) {
+bool begins(Head head, std::string_view magic, std::size_t at = 0) {
     return head.size() >= at + magic.size() &&
            std::equal(magic.begin(), magic.end(), head.begin() + at,
                       [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
 // The letters "P5" might begin any text, so a white space or a comment must follow.
-bool netpbm_kind(std::span<const std::uint8_t> head, std::string_view kinds) {
+bool netpbm_kind(Head head, std::string_view kinds) {
     return head.size() >= 3 && head[0] == 'P' &&
            kinds.find(static_cast<char>(head[1])) != std::string_view::npos &&
            (is_space(head[2]) || head[2] == '#');
 }
 
-bool is_png(std::span<const std::uint8_t> head) {
-    return begins(head, "\x89PNG\r\n\x1a\n");
-}
-bool is_jpeg(std::span<const std::uint8_t> head) {
-    return begins(head, "\xff\xd8\xff");
-}
-bool is_webp(std::span<const std::uint8_t> head) {
-    return begins(head, "RIFF") && begins(head, "WEBP", 8);
-}
 // The letters "BM" might begin any text, so the length of the second header must be a known one.
-bool is_bmp(std::span<const std::uint8_t> head) {
+bool is_bmp(Head head) {
     constexpr std::string_view lengths = "\x0c\x28\x34\x38\x40\x6c\x7c";
     return begins(head, "BM") && head.size() >= 16 && head[15] == 0 &&
            lengths.find(static_cast<char>(head[14])) != std::string_view::npos;
 }
-bool is_pnm(std::span<const std::uint8_t> head) {
-    return netpbm_kind(head, "56");
-}
-bool is_pfm(std::span<const std::uint8_t> head) {
-    return netpbm_kind(head, "fF");
-}
-bool is_npy(std::span<const std::uint8_t> head) {
-    return begins(head, "\x93NUMPY");
-}
-bool is_zip(std::span<const std::uint8_t> head) {
+bool is_zip(Head head) {
     using namespace std::string_view_literals;
     return begins(head, "PK\3\4"sv) || begins(head, "PK\5\6"sv);
 }
-bool is_exr(std::span<const std::uint8_t> head) {
-    return begins(head, "\x76\x2f\x31\x01");
-}
-bool is_heic(std::span<const std::uint8_t> head) {
+bool is_heic(Head head) {
     return begins(head, "ftyp", 4) && (begins(head, "hei", 8) || begins(head, "hev", 8) ||
                                        begins(head, "mif1", 8) || begins(head, "msf1", 8));
 }
-bool is_tiff(std::span<const std::uint8_t> head) {
+bool is_tiff(Head head) {
     using namespace std::string_view_literals;
     return begins(head, "II*\0"sv) || begins(head, "MM\0*"sv) || begins(head, "II+\0"sv) ||
            begins(head, "MM\0+"sv);
@@ -67,24 +47,30 @@ bool is_tiff(std::span<const std::uint8_t> head) {
 constexpr unsigned kEither = kPicture | kMap | kConfidence, kMaps = kMap | kConfidence;
 // In the order in which a folder's files of one name are preferred.
 constexpr std::array<Codec, 12> kCodecs{{
-    {Format::png, "PNG", ".png", kEither | kBothViews | kCamera, is_png, describe_png, decode_png},
-    {Format::jpeg, "JPEG", ".jpg .jpeg", kPicture | kBothViews | kCamera, is_jpeg, describe_jpeg,
-     decode_jpeg},
-    {Format::pnm, "PGM/PPM", ".ppm .pgm .pnm", kEither, is_pnm, describe_pnm, decode_pnm},
+    {Format::png, "PNG", ".png", kEither | kBothViews | kCamera,
+     [](Head head) { return begins(head, "\x89PNG\r\n\x1a\n"); }, describe_png, decode_png},
+    {Format::jpeg, "JPEG", ".jpg .jpeg", kPicture | kBothViews | kCamera,
+     [](Head head) { return begins(head, "\xff\xd8\xff"); }, describe_jpeg, decode_jpeg},
+    {Format::pnm, "PGM/PPM", ".ppm .pgm .pnm", kEither, [](Head head) { return netpbm_kind(head, "56"); },
+     describe_pnm, decode_pnm},
     {Format::tiff, "TIFF", ".tif .tiff", kEither, is_tiff, describe_tiff, decode_tiff},
-    {Format::webp, "WebP", ".webp", kPicture | kCamera, is_webp, describe_webp, decode_webp},
+    {Format::webp, "WebP", ".webp", kPicture | kCamera,
+     [](Head head) { return begins(head, "RIFF") && begins(head, "WEBP", 8); }, describe_webp, decode_webp},
     {Format::heic, "HEIC", ".heic .heif", kPicture | kBothViews | kMap | kCamera, is_heic, describe_heic,
      decode_heic},
     {Format::bmp, "BMP", ".bmp", kEither, is_bmp, describe_bmp, decode_bmp},
-    {Format::exr, "EXR", ".exr", kEither, is_exr, describe_exr, decode_exr, list_exr},
-    {Format::pfm, "PFM", ".pfm", kMaps, is_pfm, describe_pfm, decode_pfm},
-    {Format::npy, "NPY", ".npy", kMaps | kCamera, is_npy, describe_npy, decode_npy},
+    {Format::exr, "EXR", ".exr", kEither, [](Head head) { return begins(head, "\x76\x2f\x31\x01"); },
+     describe_exr, decode_exr, list_exr},
+    {Format::pfm, "PFM", ".pfm", kMaps, [](Head head) { return netpbm_kind(head, "fF"); }, describe_pfm,
+     decode_pfm},
+    {Format::npy, "NPY", ".npy", kMaps | kCamera, [](Head head) { return begins(head, "\x93NUMPY"); },
+     describe_npy, decode_npy},
     {Format::npz, "NPZ", ".npz", kMaps | kCamera, is_zip, describe_npz, decode_npz, list_npz},
     {Format::float_map, "COLMAP's, OpenMVS's or Sintel's", ".bin .dmap .dpt .flo", kMap, is_float_map,
      describe_float_map, decode_float_map},
 }};
 
-const Codec* match(std::span<const std::uint8_t> head) {
+const Codec* match(Head head) {
     for (const Codec& codec : kCodecs)
         if (codec.recognises(head)) return &codec;
     return nullptr;
@@ -113,7 +99,7 @@ constexpr Unread kUnread[] = {
     {"\x80\5", "it is a Python pickle, which is not read; save the array by numpy.save"},
 };
 
-std::string looks_like(std::span<const std::uint8_t> head) {
+std::string looks_like(Head head) {
     for (const Unread& unread : kUnread)
         if (begins(head, unread.magic, unread.at)) return unread.told;
     if (head.empty()) return "the file is empty";

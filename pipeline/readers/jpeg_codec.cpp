@@ -64,8 +64,6 @@ void on_message(j_common_ptr jpeg, int level) {
     }
 }
 
-void on_output(j_common_ptr) {}
-
 void on_progress(j_common_ptr jpeg) {
     if (owner(jpeg).jpeg.input_scan_number > kMaxScans) ERREXIT(jpeg, JERR_BAD_PROGRESSION);
 }
@@ -95,10 +93,6 @@ void rows_step(JpegReader& reader) {
     }
 }
 
-void finish_step(JpegReader& reader) {
-    jpeg_finish_decompress(&reader.jpeg);
-}
-
 void run(JpegReader& reader, void (*step)(JpegReader&)) {
     if (setjmp(reader.escape) == 0) {
         step(reader);
@@ -113,7 +107,7 @@ void open(JpegReader& reader) {
     reader.jpeg.client_data = &reader;  // jpeg_create_decompress keeps both
     reader.errors.error_exit = on_error;
     reader.errors.emit_message = on_message;
-    reader.errors.output_message = on_output;
+    reader.errors.output_message = [](j_common_ptr) {};
     reader.progress.progress_monitor = on_progress;
     run(reader, header_step);
     check_size(reader.source, reader.jpeg.image_width, reader.jpeg.image_height);
@@ -163,14 +157,10 @@ Raster decode_jpeg(const SourceFile& source) {
         reader.samples = samples.data();
         run(reader, rows_step);
     }
-    run(reader, finish_step);
+    run(reader, [](JpegReader& read) { jpeg_finish_decompress(&read.jpeg); });
     if (inks) cmyk_to_rgb(samples, jpeg.saw_Adobe_marker);
-    Raster raster{static_cast<int>(jpeg.image_width),
-                  static_cast<int>(jpeg.image_height),
-                  grey ? 1 : 3,
-                  255,
-                  kNoData,
-                  std::move(samples)};
+    const int width = static_cast<int>(jpeg.image_width), height = static_cast<int>(jpeg.image_height);
+    Raster raster{width, height, grey ? 1 : 3, 255, kNoData, std::move(samples)};
     if (reader.profile != nullptr)
         raster.profile.assign(reader.profile, reader.profile + reader.profile_bytes);
     return raster;

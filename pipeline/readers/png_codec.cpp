@@ -79,16 +79,11 @@ std::vector<std::uint8_t> profile_of(const PngReader& reader) {
     return {bytes, bytes + count};
 }
 
-void image_step(PngReader& reader) {
-    png_read_image(reader.png, reader.rows);
-}
-
-void band_step(PngReader& reader) {
-    png_read_rows(reader.png, reader.rows, nullptr, reader.row_count);
-}
-
-void end_step(PngReader& reader) {
-    png_read_end(reader.png, nullptr);
+void rows_step(PngReader& reader) {
+    if (reader.is_interlaced)
+        png_read_image(reader.png, reader.rows);
+    else
+        png_read_rows(reader.png, reader.rows, nullptr, reader.row_count);
 }
 
 void run(PngReader& reader, void (*step)(PngReader&)) {
@@ -125,9 +120,9 @@ std::vector<Sample> read_rows(PngReader& reader, std::size_t row_samples, std::s
             rows[i] = reinterpret_cast<png_bytep>(samples.data() + (y + i) * row_samples);
         reader.rows = rows.data();
         reader.row_count = static_cast<unsigned>(rows.size());
-        run(reader, reader.is_interlaced ? image_step : band_step);
+        run(reader, rows_step);
     }
-    run(reader, end_step);
+    run(reader, [](PngReader& read) { png_read_end(read.png, nullptr); });
     return samples;
 }
 

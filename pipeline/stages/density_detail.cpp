@@ -80,9 +80,8 @@ std::vector<double> left_overs(const std::vector<Moments>& blocks, const Cells& 
         if (blocks[i].n > 0) known.push_back(squares[i]);
     }
     if (known.empty()) return squares;
-    const auto nth = known.begin() + static_cast<std::ptrdiff_t>(kNoise * double(known.size() - 1));
-    std::nth_element(known.begin(), nth, known.end());
-    for (double& square : squares) square = std::max(0.0, square - *nth - kUnseen_px * kUnseen_px);
+    const double noise = value_at_rank(known, static_cast<std::size_t>(kNoise * double(known.size() - 1)));
+    for (double& square : squares) square = std::max(0.0, square - noise - kUnseen_px * kUnseen_px);
     return squares;
 }
 

@@ -17,9 +17,7 @@ double nearest_distance(const DepthMap& map) {
     known.reserve(map.values.size());
     std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(known), DepthMap::known);
     if (known.empty()) return 0;
-    const auto rank = static_cast<std::ptrdiff_t>(kNearestShare * static_cast<double>(known.size()));
-    std::nth_element(known.begin(), known.begin() + rank, known.end());
-    return known[rank];
+    return value_at_rank(known, static_cast<std::size_t>(kNearestShare * static_cast<double>(known.size())));
 }
 
 }  // namespace

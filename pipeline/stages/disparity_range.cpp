@@ -65,9 +65,8 @@ std::optional<Extremes> extremes_of(const SmallMatch& match) {
         std::max(kLeastPixels, static_cast<std::size_t>(kLeastShare * static_cast<double>(known.size())));
     if (known.size() <= few) return std::nullopt;
     const auto nth_px = [&](std::size_t n) {
-        const auto nth = known.begin() + static_cast<std::ptrdiff_t>(n);
-        std::nth_element(known.begin(), nth, known.end());
-        return match.small.scale * (match.min_px + *nth / static_cast<double>(matching::kOnePixel));
+        const double nth = value_at_rank(known, n);
+        return match.small.scale * (match.min_px + nth / static_cast<double>(matching::kOnePixel));
     };
     return Extremes{nth_px(few), nth_px(known.size() - few - 1)};
 }
@@ -99,9 +98,7 @@ std::vector<float> sure_matches(const DisparityMap& map, double least_px) {
 }
 
 double quantile(std::vector<float>& values, double share) {
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-    std::nth_element(values.begin(), nth, values.end());
-    return *nth;
+    return value_at_rank(values, static_cast<std::size_t>(share * static_cast<double>(values.size())));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/surface_topology.h"
 
@@ -193,9 +194,7 @@ double noise_of(const SurfaceMesh& mesh, const std::vector<Side>& sides,
                             (gradients[a].y + gradients[b].y) * (double(q.y) - p.y)) /
                                2);
     }
-    const auto middle = left.begin() + static_cast<std::ptrdiff_t>(left.size() / 2);
-    std::nth_element(left.begin(), middle, left.end());
-    return *middle;
+    return value_at_rank(left, left.size() / 2);
 }
 
 // Returns the means of all gradients and those at the other ends of sides that are alike.

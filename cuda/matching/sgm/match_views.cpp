@@ -1,7 +1,6 @@
 #include "cuda/matching/sgm/match_views.h"
 
 #include "cuda/matching/sgm/paths.h"
-#include "cuda/matching/sgm/volume.h"
 
 namespace hexrelief::cuda {
 

@@ -6,8 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
-#include <string>
-#include <string_view>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/formats/gltf/gltf_parts.h"

@@ -1,7 +1,6 @@
 #include "mesher/surface/fit/fit_silhouettes.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <span>

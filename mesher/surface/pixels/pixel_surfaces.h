@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "mesher/common/surface_config.h"
 #include "mesher/surface/pixels/crack_edges_step.h"

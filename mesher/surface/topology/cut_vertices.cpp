@@ -1,8 +1,6 @@
 #include "mesher/surface/topology/cut_vertices.h"
 
-#include "mesher/surface/topology/cut_vertices_step.h"
 #include "mesher/surface/topology/join_cuts_step.h"
-#include "mesher/surface/topology/label_triangles.h"
 #include "pipeline/base/thread_team.h"
 
 namespace hexrelief::surface {

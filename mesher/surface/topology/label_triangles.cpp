@@ -1,15 +1,12 @@
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <numeric>
 
 #include "mesher/surface/pixels/crack_query.h"
 #include "mesher/surface/pixels/eight_flags.h"
 #include "mesher/surface/topology/label_triangles.h"
-#include "mesher/surface/topology/label_triangles_step.h"
 #include "mesher/surface/topology/rasterize.h"
 #include "mesher/surface/topology/split_triangles_step.h"
-#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::surface {
 namespace {

@@ -1,8 +1,6 @@
 // Finds the pixels in a triangle: those whose centres lie in it, one run per row.
 #pragma once
 
-#include <cmath>
-
 #include "pipeline/base/host_device.h"
 #include "pipeline/data/geometry.h"
 

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 
 #include "mesher/surface/pixels/crack_query.h"
 #include "mesher/surface/pixels/edge_crossings_step.h"
-#include "mesher/surface/topology/snap_vertices_step.h"
 
 namespace hexrelief::surface {
 namespace {

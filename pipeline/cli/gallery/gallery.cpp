@@ -172,8 +172,6 @@ std::optional<FoundResult> read_known(const Read& read, const fs::path& file) {
     }
 }
 
-namespace fs = std::filesystem;
-
 const std::vector<exporters::GalleryColumn> kColumns = {{"Vertices", 0}, {"Triangles", 0}, {"Bytes", 0},
                                                         {"%cost", 2},    {"Error, px", 3}, {"Seconds", 2}};
 

@@ -9,7 +9,6 @@
 #include "pipeline/alignment/rectify/rectify.h"
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
-#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 #include "pipeline/stages/disparity_range.h"
 

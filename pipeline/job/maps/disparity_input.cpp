@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <type_traits>
 #include <utility>
 
@@ -27,12 +26,8 @@ constexpr const char* kAdvice =
 
 // Returns the disparity that one in a hundred exceeds.
 double usual_largest(const DisparityMap& map) {
-    std::vector<float> known;
-    std::ranges::copy_if(map.values, std::back_inserter(known), DisparityMap::known);
-    if (known.empty()) return 0;
-    const auto rank = static_cast<std::ptrdiff_t>(known.size() * 99 / 100);
-    std::nth_element(known.begin(), known.begin() + rank, known.end());
-    return known[static_cast<std::size_t>(rank)];
+    std::vector<float> known = known_values(map);
+    return known.empty() ? 0 : value_at_rank(known, known.size() * 99 / 100);
 }
 
 // Returns the warning of an assumed scale, if the disparities are small and StereoSGBM's scale would be

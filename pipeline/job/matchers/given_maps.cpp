@@ -207,9 +207,8 @@ std::pair<Flags, double> find_unlike(const StereoPair& pair, const DisparityMap&
     if (seen.empty()) return {unlike, 0};
     std::vector<int> sorted;
     for (const auto& [pixel, mean] : seen) sorted.push_back(mean);
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    const int most = std::min(kUnlikeTimes * *middle + kLevelParts * kUnlike, kLevelParts * kSurelyUnlike);
+    const int median = value_at_rank(sorted, sorted.size() / 2);
+    const int most = std::min(kUnlikeTimes * median + kLevelParts * kUnlike, kLevelParts * kSurelyUnlike);
     std::size_t count = 0;
     for (const auto& [pixel, mean] : seen)
         if (mean > most) unlike[pixel] = 1, ++count;

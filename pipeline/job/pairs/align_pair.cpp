@@ -1,7 +1,6 @@
 #include "pipeline/job/pairs/align_pair.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -270,15 +269,11 @@ Calibration flattened(Calibration camera, const Alignment& found, const ReliefMa
     constexpr double kFar = 0.005, kNear = 0.995;  // quantiles, as for the matches
     constexpr double kLeastNoises = 400;           // in the width of the far end
     const DisparityMap& map = relief.map;
-    std::vector<float> known;
-    for (const float d : map.values)
-        if (DisparityMap::known(d)) known.push_back(d);
+    std::vector<float> known = known_values(map);
     if (!found.is_relief() || known.empty()) return camera;
     const auto quantile = [&](double share) {
-        const auto nth =
-            known.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(known.size() - 1));
-        std::nth_element(known.begin(), nth, known.end());
-        return static_cast<double>(*nth);
+        const double rank = share * static_cast<double>(known.size() - 1);
+        return static_cast<double>(value_at_rank(known, static_cast<std::size_t>(rank)));
     };
     const DisparityBounds& matches = found.disparities;
     const double least = quantile(kFar), most = quantile(kNear),

@@ -2,10 +2,6 @@
 
 #include <algorithm>
 
-#include "pipeline/base/simd.h"
-#include "pipeline/matching/common/bordered_raster.h"
-#include "pipeline/matching/common/color_step.h"
-
 namespace hexrelief::matching {
 namespace {
 

@@ -5,7 +5,6 @@
 
 #include "pipeline/base/simd.h"
 #include "pipeline/base/uninitialized_vector.h"
-#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/median_step.h"
 

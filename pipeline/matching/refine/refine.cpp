@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "pipeline/matching/common/bordered_raster.h"
-#include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 #include "pipeline/matching/refine/side_step.h"
 #include "pipeline/matching/refine/slope_step.h"

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "pipeline/base/simd.h"
-#include "pipeline/matching/common/bordered_raster.h"
-#include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/slope_step.h"
 #include "pipeline/matching/refine/smooth_step.h"
 

@@ -6,7 +6,6 @@
 
 #include "pipeline/base/simd.h"
 #include "pipeline/matching/common/bordered_raster.h"
-#include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/match_colors.h"
 #include "pipeline/matching/refine/side_step.h"
 #include "pipeline/matching/refine/vote_step.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include "pipeline/base/simd.h"
 #include "pipeline/matching/common/color_step.h"

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "pipeline/base/simd.h"
-#include "pipeline/matching/common/bordered_raster.h"
 #include "pipeline/matching/common/color_step.h"
-#include "pipeline/matching/sgm/paths.h"
-#include "pipeline/matching/sgm/volume.h"
 #include "pipeline/matching/sgm/window_step.h"
 
 namespace hexrelief::matching {

@@ -140,10 +140,6 @@ struct Affix {
 constexpr Affix kAffixes[] = {{"left", Side::left}, {"right", Side::right}, {"1", Side::left},
                               {"2", Side::right},   {"l", Side::left},      {"r", Side::right}};
 
-bool is_of_camera(Part part) {
-    return part < Part::rotation;
-}
-
 }  // namespace
 
 std::optional<Meaning> meaning_of(const Entry& entry) {
@@ -162,7 +158,7 @@ std::optional<Meaning> meaning_of(const Entry& entry) {
                 found = find_key(before + std::string(name.substr(affix.size())), count, side);
             if (found) break;
         }
-        if (found && found->part != Part::rotation && !is_of_camera(found->part)) return std::nullopt;
+        if (found && found->part > Part::rotation) return std::nullopt;
     }
     // R of one camera is its rectification, R of both the rotation between them.
     if (found && found->part == Part::rotation && found->side != Side::none && count == 9)

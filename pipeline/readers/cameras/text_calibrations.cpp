@@ -44,16 +44,23 @@ Lines assignments(const CalibrationText& source) {
     return entries;
 }
 
+// Returns the words of the text without comments and brackets.
+std::vector<std::string> numbers_of(std::string_view text) {
+    std::string plain;
+    for (const std::string_view line : lines(text)) plain.append(before_hash(line)).append(" ");
+    std::ranges::replace_if(
+        plain, [](char c) { return std::string_view("[];()").find(c) != std::string_view::npos; }, ' ');
+    const std::vector<std::string_view> found = words(plain);
+    return {found.begin(), found.end()};
+}
+
 struct Camera {
     double focal, cx, cy;
 };
 
 // Parses "[f 0 cx; 0 f cy; 0 0 1]".
 Camera read_camera(CalibrationText& source, const std::string& key, std::string_view text) {
-    std::string plain(text);
-    for (char& c : plain)
-        if (c == '[' || c == ']' || c == ';') c = ' ';
-    const auto parts = words(plain);
+    const std::vector<std::string> parts = numbers_of(text);
     if (parts.size() != 9)
         refuse_key(source, key,
                    "has " + std::to_string(parts.size()) + " numbers; [f 0 cx; 0 f cy; 0 0 1] is expected");
@@ -63,8 +70,6 @@ Camera read_camera(CalibrationText& source, const std::string& key, std::string_
         refuse_key(source, key, "is no camera matrix; [f 0 cx; 0 f cy; 0 0 1] is expected");
     return {require_square(source, key, m[0], m[4]), m[2], m[5]};
 }
-
-using Lines = std::map<std::string, std::string, std::less<>>;
 
 // Returns the camera's number in a key "P2", "P_rect_02" or, as DrivingStereo has it, "P_rect_101"; -1 for
 // any other key.
@@ -144,29 +149,23 @@ Calibration of_one(CalibrationText& source, const Lines& entries) {
     return calibration;
 }
 
-// Returns the words of the text without comments and brackets.
-std::vector<std::string> numbers_of(std::string_view text) {
-    std::string plain;
-    for (const std::string_view line : lines(text))
-        plain += std::string(line.substr(0, line.find('#'))) + " ";
-    for (char& c : plain)
-        if (c == '[' || c == ']' || c == ';' || c == '(' || c == ')') c = ' ';
-    std::vector<std::string> found;
-    for (const std::string_view word : words(plain)) found.emplace_back(word);
-    return found;
-}
-
 }  // namespace
 
 std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     if (!is_middlebury(source.text)) return std::nullopt;
     source.format = "Middlebury";
     const Lines entries = assignments(source);
-    const auto require = [&](const char* key) -> const std::string& {
+    const auto find = [&](const char* key) {
         const auto found = entries.find(key);
-        if (found == entries.end())
-            refuse_key(source, key, "is missing; Middlebury's calib.txt must have it");
-        return found->second;
+        return found == entries.end() ? nullptr : &found->second;
+    };
+    const auto require = [&](const char* key) {
+        if (const std::string* const text = find(key)) return *text;
+        refuse_key(source, key, "is missing; Middlebury's calib.txt must have it");
+    };
+    const auto take_side = [&](const char* key, int& side) {
+        if (const std::string* const text = find(key))
+            side = require_side(source, key, require_number(source, key, *text));
     };
     const Camera left = read_camera(source, "cam0", require("cam0"));
 
@@ -174,22 +173,16 @@ std::optional<Calibration> parse_middlebury(CalibrationText& source) {
                             .cx = left.cx + kPixelCentre,
                             .cy = left.cy + kPixelCentre,
                             .baseline_m = require_number(source, "baseline", require("baseline")) / 1000};
-    if (const auto doffs = entries.find("doffs"); doffs != entries.end()) {
-        calibration.doffs_px = require_number(source, "doffs", doffs->second);
-    } else if (const auto right = entries.find("cam1"); right != entries.end()) {
-        calibration.doffs_px = read_camera(source, "cam1", right->second).cx - left.cx;
-    } else {
+    if (const std::string* const doffs = find("doffs"))
+        calibration.doffs_px = require_number(source, "doffs", *doffs);
+    else if (const std::string* const right = find("cam1"))
+        calibration.doffs_px = read_camera(source, "cam1", *right).cx - left.cx;
+    else
         refuse_key(source, "doffs",
                    "is missing, and so is cam1; one of them must be there (doffs=0 where cx is shared)");
-    }
-    for (const auto& [key, side] :
-         {std::pair{"width", &calibration.width}, {"height", &calibration.height}}) {
-        const auto found = entries.find(key);
-        if (found != entries.end())
-            *side = require_side(source, key, require_number(source, key, found->second));
-    }
-    if (const auto ndisp = entries.find("ndisp"); ndisp != entries.end())
-        calibration.ndisp_px = require_side(source, "ndisp", require_number(source, "ndisp", ndisp->second));
+    take_side("width", calibration.width);
+    take_side("height", calibration.height);
+    take_side("ndisp", calibration.ndisp_px);
     return calibration;
 }
 
@@ -200,7 +193,7 @@ Calibration own_calibration(CalibrationText& source, const Entries& entries) {
                                                     {"cx", &calibration.cx},
                                                     {"cy", &calibration.cy},
                                                     {"doffs_px", &calibration.doffs_px}};
-    int width = 0, height = 0;
+    int &width = calibration.width, &height = calibration.height;
     std::set<std::string> seen;
     for (const Entry& entry : entries) {
         const std::string& key = entry.name;
@@ -228,8 +221,6 @@ Calibration own_calibration(CalibrationText& source, const Entries& entries) {
         calibration.cx = width > 0 ? width / 2.0 : std::nan("");
         calibration.cy = height > 0 ? height / 2.0 : std::nan("");
     }
-    calibration.width = width;
-    calibration.height = height;
     return calibration;
 }
 

@@ -132,58 +132,37 @@ float usable(double depth) {
     return depth > 0 && depth < kSky_m ? static_cast<float>(depth) : kUnknownDepth;  // NaN is not above 0
 }
 
-template <typename Formula>
-std::vector<float> depths(std::vector<float> samples, Formula formula) {
-    for (float& sample : samples) sample = usable(formula(static_cast<double>(sample)));
-    return samples;
-}
-
-DepthFile from_depths(Samples samples, const Unit& unit) {
-    return {.map = {.values =
-                        depths(std::move(samples.values), [&](double sample) { return sample / unit.per_m; }),
-                    .step = samples.step / unit.per_m},
-            .believed = unit.name};
-}
-
-DepthFile from_inverse_depths(Samples samples, const Unit& unit) {
-    // Samples in 1 / mm are thousandths of those in 1 / m; a given number divides the samples.
-    const double scale = unit.name == "mm" ? unit.per_m : 1 / unit.per_m;
-    return {.map = {.values = depths(std::move(samples.values),
-                                     [&](double sample) { return 1 / (sample * scale); }),
-                    .step = samples.step * scale,
-                    .is_inverse = true},
-            .believed = "inverse depth, 1/(" + unit.name + ")"};
-}
-
-// Ends the description of an affine map: by its unit, or by what is near and the kind with the other sense.
-std::string affine_sense(const Affine& affine, const Unit& unit, const char* near, const char* other) {
-    if (affine.is_given) return ", " + unit.name;
-    return std::string(", relative, the ") + near + " samples nearest (if farthest: --depth-kind " + other +
+// Describes the assumed meaning of samples: "mm", "depth = 0.5 + 2 * sample, m".
+std::string believed(const Affine& affine, const Unit& unit, DepthKind kind) {
+    if (kind == DepthKind::depth) return unit.name;
+    if (kind == DepthKind::inverse_depth) return "inverse depth, 1/(" + unit.name + ")";
+    const bool is_inverse = kind == DepthKind::affine_inverse;
+    const std::string value =
+        number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) + " * sample";
+    const std::string depth = "depth = " + (is_inverse ? "1 / (" + value + ")" : value) + ", ";
+    if (affine.is_given) return depth + unit.name;
+    return depth + "relative, the " + (is_inverse ? "largest" : "smallest") +
+           " samples nearest (if farthest: --depth-kind " + (is_inverse ? "affine_depth" : "affine_inverse") +
            ")";
 }
 
-// Of the kinds affine_depth and affine_inverse.
-DepthFile from_affine(Samples samples, const Unit& unit, const DepthFileConfig& config) {
-    const Affine affine = affine_of(samples.values, config);
-    const double per_m = affine.is_given ? unit.per_m : 1, step = samples.step * std::abs(affine.scale);
-    const auto value = [&](double sample) { return affine.shift + affine.scale * sample; };
-    const std::string text =
-        number_text(affine.shift, 6) + " + " + number_text(affine.scale, 6) + " * sample";
-    if (config.kind == DepthKind::affine_depth)
-        return {.map = {.values = depths(std::move(samples.values),
-                                         [&](double sample) { return value(sample) / per_m; }),
-                        .metric = affine.is_given,
-                        .step = step / per_m},
-                .believed = "depth = " + text + affine_sense(affine, unit, "smallest", "affine_inverse")};
-    const auto depth = [&](double sample) {
-        const double inverse = value(sample);
-        return inverse > 0 ? 1 / (inverse * per_m) : kNone;
-    };
-    return {.map = {.values = depths(std::move(samples.values), depth),
+DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& config) {
+    const bool is_inverse =
+        config.kind == DepthKind::inverse_depth || config.kind == DepthKind::affine_inverse;
+    const Affine affine = is_affine(config.kind) ? affine_of(samples.values, config) : Affine{0, 1};
+    // Samples in 1 / mm are thousandths of those in 1 / m; a given number divides the samples.
+    const bool divides = config.kind == DepthKind::inverse_depth && unit.name != "mm";
+    const double per_m = !affine.is_given ? 1 : divides ? 1 / unit.per_m : unit.per_m;
+    for (float& sample : samples.values) {
+        const double value = affine.shift + affine.scale * sample;
+        sample = usable(is_inverse ? 1 / (value * per_m) : value / per_m);
+    }
+    const double step = samples.step * std::abs(affine.scale);
+    return {.map = {.values = std::move(samples.values),
                     .metric = affine.is_given,
-                    .step = step * per_m,
-                    .is_inverse = true},
-            .believed = "depth = 1 / (" + text + ")" + affine_sense(affine, unit, "largest", "affine_depth")};
+                    .step = is_inverse ? step * per_m : step / per_m,
+                    .is_inverse = is_inverse},
+            .believed = believed(affine, unit, config.kind)};
 }
 
 // Returns a warning if floats that are taken for metres are whole numbers as large as millimetres.
@@ -216,19 +195,6 @@ std::string doubt_of_bits(const codec::Raster& raster, const DepthFileConfig& co
     if (bits % 16 != 8 || std::count(is_there.begin(), is_there.end(), true) < kLeastDifferent) return {};
     return "all depths are multiples of 8, as those of SUN RGB-D, which has millimetres with their bits "
            "turned by three; if they are its, --depth-unit 8000 reads them (input.depth.unit)";
-}
-
-DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& config) {
-    switch (config.kind) {
-        case DepthKind::depth:
-            return from_depths(std::move(samples), unit);
-        case DepthKind::inverse_depth:
-            return from_inverse_depths(std::move(samples), unit);
-        case DepthKind::affine_inverse:
-        case DepthKind::affine_depth:
-            return from_affine(std::move(samples), unit, config);
-    }
-    return {};
 }
 
 // Replaces the default kind by the kind that the file states.

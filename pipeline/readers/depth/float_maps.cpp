@@ -15,9 +15,9 @@ struct Header {
     const char* format = "";
     unsigned long long width = 0, height = 0;
     std::size_t samples_at = 0;
+    StatedDepth stated = {};
     std::size_t per_pixel = 1;   // floats, the first of which is read
     bool may_have_more = false;  // further maps may follow
-    StatedDepth stated = {};
 };
 
 [[noreturn]] void refuse_cut(const SourceFile& source) {
@@ -47,13 +47,7 @@ Header colmap_header(const SourceFile& source) {
         at = end + 1;
     }
     if (numbers[2] != 1) refuse(source.path, "it is COLMAP's map of normals; give the one in depth_maps");
-    return {"colmap",
-            numbers[0],
-            numbers[1],
-            at,
-            1,
-            false,
-            {StatedDepth::Kind::relative_depth, 0, "COLMAP's depths"}};
+    return {"colmap", numbers[0], numbers[1], at, {StatedDepth::Kind::relative_depth, 0, "COLMAP's depths"}};
 }
 
 // OpenMVS: "DR", kinds of maps, sizes of picture and map, range, names, cameras, and the rows.
@@ -62,27 +56,15 @@ Header openmvs_header(const SourceFile& source) {
     const std::size_t names = fixed + 2 + number_at(source, fixed, 2);
     const std::size_t at = names + 4 + std::size_t{4} * number_at(source, names) + cameras;
     if (at > source.size()) refuse_cut(source);
-    return {"openmvs",
-            number_at(source, 12),
-            number_at(source, 16),
-            at,
-            1,
-            true,
-            {StatedDepth::Kind::relative_depth, 0, "OpenMVS's depths"}};
+    const StatedDepth stated{StatedDepth::Kind::relative_depth, 0, "OpenMVS's depths"};
+    return {"openmvs", number_at(source, 12), number_at(source, 16), at, stated, 1, true};
 }
 
 // Sintel's depths (.dpt) and Middlebury's flow (.flo) begin alike, and differ in their length.
 Header sintel_header(const SourceFile& source) {
-    Header header{"sintel",
-                  number_at(source, 4),
-                  number_at(source, 8),
-                  12,
-                  1,
-                  false,
-                  {StatedDepth::Kind::depth, 0, "Sintel's depths"}};
-    if (source.size() - header.samples_at == header.width * header.height * 2 * sizeof(float))
-        header = {"flo", header.width, header.height, 12, 2};
-    return header;
+    const unsigned long long width = number_at(source, 4), height = number_at(source, 8);
+    if (source.size() - 12 == width * height * 2 * sizeof(float)) return {"flo", width, height, 12, {}, 2};
+    return {"sintel", width, height, 12, {StatedDepth::Kind::depth, 0, "Sintel's depths"}};
 }
 
 Header read_header(const SourceFile& source) {

@@ -1,11 +1,8 @@
 #include "pipeline/readers/depth/heic_boxes.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
-#include <string>
-#include <string_view>
 #include <utility>
 
 namespace hexrelief::readers::codec {

@@ -14,7 +14,4 @@ namespace hexrelief::readers::codec {
 // counts more, and the z of a vector ("N.Z" beside "N.X") not at all.
 std::optional<std::size_t> usual_name(const std::vector<std::string>& names, Wanted wanted);
 
-// Returns the text in lower case (ASCII).
-std::string lower_case(std::string text);
-
 }  // namespace hexrelief::readers::codec

@@ -241,53 +241,51 @@ void each_sample(const SourceFile& source, const NpyHeader& header, Put put) {
         }
 }
 
-template <typename Stored, typename Sample = float>
-std::vector<Sample> floats(const SourceFile& source, const NpyHeader& header) {
+struct Half {
+    std::uint16_t bits;
+    explicit operator float() const { return float_of_half(bits); }
+    explicit operator double() const { return float_of_half(bits); }
+};
+
+template <typename Stored, typename Sample>
+std::vector<Sample> numbers(const SourceFile& source, const NpyHeader& header) {
     std::vector<Sample> samples(header.width * header.height);
-    each_sample<Stored>(source, header, [&](std::size_t i, Stored value) {
-        if constexpr (std::is_same_v<Stored, std::uint16_t>)
-            samples[i] = float_of_half(value);
-        else
-            samples[i] = static_cast<Sample>(value);
-    });
+    each_sample<Stored>(source, header,
+                        [&](std::size_t i, Stored value) { samples[i] = static_cast<Sample>(value); });
     return samples;
 }
 
-template <typename Stored>
-void read_integers(const SourceFile& source, const NpyHeader& header, Raster& raster) {
-    std::vector<float> values(header.width * header.height);
-    each_sample<Stored>(source, header,
-                        [&](std::size_t i, Stored value) { values[i] = static_cast<float>(value); });
-    hold_integers(raster, std::move(values), 8 * sizeof(Stored), std::is_signed_v<Stored>);
+// Returns the result of use() for a value of the type in which the numbers are stored.
+template <typename Use>
+auto with_stored_type(const NpyHeader& header, const Use& use) {
+    const bool is_float = header.kind == 'f', is_signed = header.kind == 'i';
+    switch (header.item_bytes) {
+        case 1:
+            return is_signed ? use(std::int8_t{}) : use(std::uint8_t{});
+        case 2:
+            return is_float ? use(Half{}) : is_signed ? use(std::int16_t{}) : use(std::uint16_t{});
+        case 4:
+            return is_float ? use(float{}) : is_signed ? use(std::int32_t{}) : use(std::uint32_t{});
+        default:
+            return is_float ? use(double{}) : is_signed ? use(std::int64_t{}) : use(std::uint64_t{});
+    }
 }
 
 Raster read_samples(const SourceFile& source, const NpyHeader& header) {
     Raster raster{.width = static_cast<int>(header.width),
                   .height = static_cast<int>(header.height),
-                  .max_value = header.kind == 'b'       ? 1
-                               : header.item_bytes == 1 ? 255
-                                                        : 65535};
-    const bool is_signed = header.kind == 'i';
-    if (header.kind == 'f') {
-        raster.samples = header.item_bytes == 2   ? floats<std::uint16_t>(source, header)
-                         : header.item_bytes == 4 ? floats<float>(source, header)
-                                                  : floats<double>(source, header);
-    } else if (header.item_bytes == 1 && !is_signed) {
-        std::vector<std::uint8_t> samples(header.width * header.height);
-        each_sample<std::uint8_t>(source, header, [&](std::size_t i, std::uint8_t v) { samples[i] = v; });
-        raster.samples = std::move(samples);
-    } else if (header.item_bytes == 1) {
-        read_integers<std::int8_t>(source, header, raster);
-    } else if (header.item_bytes == 2) {
-        is_signed ? read_integers<std::int16_t>(source, header, raster)
-                  : read_integers<std::uint16_t>(source, header, raster);
-    } else if (header.item_bytes == 4) {
-        is_signed ? read_integers<std::int32_t>(source, header, raster)
-                  : read_integers<std::uint32_t>(source, header, raster);
-    } else {
-        is_signed ? read_integers<std::int64_t>(source, header, raster)
-                  : read_integers<std::uint64_t>(source, header, raster);
-    }
+                  .max_value = header.kind == 'b'       ? 1u
+                               : header.item_bytes == 1 ? 255u
+                                                        : 65535u};
+    with_stored_type(header, [&]<typename Stored>(Stored) {
+        if constexpr (std::is_same_v<Stored, std::uint8_t>)
+            raster.samples = numbers<Stored, std::uint8_t>(source, header);
+        else if constexpr (std::is_integral_v<Stored>)
+            hold_integers(raster, numbers<Stored, float>(source, header), 8 * sizeof(Stored),
+                          std::is_signed_v<Stored>);
+        else
+            raster.samples = numbers<Stored, float>(source, header);
+    });
     return raster;
 }
 
@@ -321,16 +319,10 @@ std::vector<double> read_npy_numbers(const SourceFile& source) {
     header.height = 1;
     for (std::size_t i = 0; i + 1 < sides.size(); ++i) header.height *= sides[i];
     check_samples(source, header);
-    if (header.kind == 'f')
-        return header.item_bytes == 8   ? floats<double, double>(source, header)
-               : header.item_bytes == 4 ? floats<float, double>(source, header)
-                                        : floats<std::uint16_t, double>(source, header);
-    if (header.kind == 'i')
-        return header.item_bytes == 8   ? floats<std::int64_t, double>(source, header)
-               : header.item_bytes == 4 ? floats<std::int32_t, double>(source, header)
-               : header.item_bytes == 2 ? floats<std::int16_t, double>(source, header)
-                                        : floats<std::int8_t, double>(source, header);
-    refuse(source.path, "its numbers must be floats or signed integers");
+    if (header.kind != 'f' && header.kind != 'i')
+        refuse(source.path, "its numbers must be floats or signed integers");
+    return with_stored_type(header,
+                            [&]<typename Stored>(Stored) { return numbers<Stored, double>(source, header); });
 }
 
 NpyShape read_npy_shape(const SourceFile& source) {

@@ -198,25 +198,6 @@ void check_promise(const SourceFile& archive, const ZipMember& member, std::uint
                                  std::to_string(most_bytes) + " that any map needs");
 }
 
-}  // namespace
-
-std::vector<ZipMember> list_members(const SourceFile& archive) {
-    const std::uint64_t end = find_end(archive);
-    const std::uint32_t count = archive_number(archive, end + 10, 2);
-    if (count > kMostMembers)
-        refuse(archive.path, "it has " + std::to_string(count) + " members; save the map's array alone");
-    std::uint64_t at = archive_number(archive, end + 16, 4);
-    std::vector<ZipMember> members;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        members.push_back(member_at(archive, at));
-        at += kDirectoryBytes + member_at(archive, at).name.size() + archive_number(archive, at + 30, 2) +
-              archive_number(archive, at + 32, 2);
-    }
-    return members;
-}
-
-namespace {
-
 // Returns where the member's packed bytes begin.
 const std::uint8_t* packed_bytes(const SourceFile& archive, const ZipMember& member) {
     if (archive_number(archive, member.header_at, 4) != kMemberMark) refuse_damaged(archive);
@@ -235,6 +216,21 @@ std::vector<std::uint8_t> first_bytes(const SourceFile& archive, const std::uint
 }
 
 }  // namespace
+
+std::vector<ZipMember> list_members(const SourceFile& archive) {
+    const std::uint64_t end = find_end(archive);
+    const std::uint32_t count = archive_number(archive, end + 10, 2);
+    if (count > kMostMembers)
+        refuse(archive.path, "it has " + std::to_string(count) + " members; save the map's array alone");
+    std::uint64_t at = archive_number(archive, end + 16, 4);
+    std::vector<ZipMember> members;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        members.push_back(member_at(archive, at));
+        at += kDirectoryBytes + member_at(archive, at).name.size() + archive_number(archive, at + 30, 2) +
+              archive_number(archive, at + 32, 2);
+    }
+    return members;
+}
 
 std::vector<std::uint8_t> unpack_start(const SourceFile& archive, const ZipMember& member,
                                        std::size_t count) {

@@ -37,16 +37,22 @@ Image stretched(const Image& image, bool in_x) {
     return out;
 }
 
+bool is_squeezed(StereoLayout layout) {
+    return layout == StereoLayout::half_side_by_side || layout == StereoLayout::half_top_bottom;
+}
+bool is_side_by_side(StereoLayout layout) {
+    return layout == StereoLayout::side_by_side || layout == StereoLayout::half_side_by_side;
+}
+
 StereoPair halved(const std::filesystem::path& path, Image image, StereoLayout layout) {
-    const bool half = layout == StereoLayout::half_side_by_side || layout == StereoLayout::half_top_bottom;
-    const bool in_x = layout == StereoLayout::side_by_side || layout == StereoLayout::half_side_by_side;
+    const bool in_x = is_side_by_side(layout);
     if ((in_x ? image.width : image.height) < 2)
         codec::refuse(path,
                       "its size is " + size_text(image.width, image.height) + ", which has no two halves");
     const int width = in_x ? image.width / 2 : image.width, height = in_x ? image.height : image.height / 2;
     StereoPair pair{cropped(image, {0, 0, width, height}),
                     cropped(image, {image.width - width, image.height - height, width, height})};
-    if (half) pair = {stretched(pair.left, in_x), stretched(pair.right, in_x)};
+    if (is_squeezed(layout)) pair = {stretched(pair.left, in_x), stretched(pair.right, in_x)};
     return pair;
 }
 
@@ -100,7 +106,7 @@ std::optional<Halves> named_halves(const std::filesystem::path& path) {
     for (const auto& [words, layout] : kWords)
         if (name.find("-" + std::string(words) + "-") != std::string::npos)
             return Halves{layout, false, "left view first, by '" + std::string(words) + "' in the name",
-                          layout == StereoLayout::side_by_side || layout == StereoLayout::top_bottom};
+                          !is_squeezed(layout)};
     return std::nullopt;
 }
 
@@ -142,9 +148,12 @@ StereoViews heic_pictures(const codec::SourceFile& source) {
         "both pictures of its stereo group, left first"};
 }
 
-codec::SourceFile second_file(const codec::SourceFile& source, const codec::SecondPicture& second) {
-    const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(second.begin);
-    return {source.path, {first, first + static_cast<std::ptrdiff_t>(second.size)}, {}, false, source.limits};
+// Returns the part of a file that a picture, a JpegPicture or SecondPicture, takes.
+template <typename Picture>
+codec::SourceFile part_of(const codec::SourceFile& source, const Picture& picture) {
+    const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(picture.begin);
+    return {
+        source.path, {first, first + static_cast<std::ptrdiff_t>(picture.size)}, {}, false, source.limits};
 }
 
 std::string told_of(const codec::SecondPicture& second) {
@@ -156,7 +165,7 @@ StereoViews jpeg_pictures(const codec::SourceFile& source, const codec::SecondPi
                           int orientation) {
     StereoViews read{
         {upright(image_of(codec::decode_jpeg(source), source.path), orientation),
-         upright(image_of(codec::decode_jpeg(second_file(source, second)), source.path), orientation)},
+         upright(image_of(codec::decode_jpeg(part_of(source, second)), source.path), orientation)},
         {},
         told_of(second),
         second.is_right_first};
@@ -200,14 +209,8 @@ std::string line(int width, int height, const std::string& role) {
 
 // Returns a line for the JPEG file in these bytes; its size is left out if its header is malformed.
 std::string jpeg_line(const codec::SourceFile& source, const codec::JpegPicture& picture) {
-    const auto begin = source.bytes.begin() + static_cast<std::ptrdiff_t>(picture.begin);
     try {
-        const FileDescription found =
-            codec::describe_jpeg({source.path,
-                                  {begin, begin + static_cast<std::ptrdiff_t>(picture.size)},
-                                  {},
-                                  false,
-                                  source.limits});
+        const FileDescription found = codec::describe_jpeg(part_of(source, picture));
         return line(found.width, found.height, picture.role);
     } catch (const Error&) {
         return std::string(picture.role) + ", damaged";
@@ -272,15 +275,13 @@ std::optional<StereoFileDescription> describe_stereo_file(const std::filesystem:
     }
     if (const auto own = own_halves(source)) {
         const FileDescription whole = codec->describe(source);
-        const bool in_x =
-            own->layout == StereoLayout::side_by_side || own->layout == StereoLayout::half_side_by_side;
+        const bool in_x = is_side_by_side(own->layout);
         return StereoFileDescription{
             in_x ? whole.width / 2 : whole.width, in_x ? whole.height : whole.height / 2, {}, own->told};
     }
     const auto second = (codec->gives & codec::kBothViews) != 0 ? second_view(source) : std::nullopt;
     if (!second) return std::nullopt;
-    const FileDescription first = codec->describe(source),
-                          other = codec->describe(second_file(source, *second));
+    const FileDescription first = codec->describe(source), other = codec->describe(part_of(source, *second));
     if (first.width != other.width || first.height != other.height) return std::nullopt;
     return StereoFileDescription{other.width, other.height, {}, told_of(*second)};
 }

@@ -28,10 +28,6 @@ tmsize_t on_read(thandle_t handle, void* to, tmsize_t count) {
     return static_cast<tmsize_t>(got);
 }
 
-tmsize_t on_write(thandle_t, void*, tmsize_t) {
-    return 0;
-}
-
 toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
     TiffSource& source = source_of(handle);
     if (whence == SEEK_CUR) offset += source.position;
@@ -39,21 +35,10 @@ toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
     return source.position = offset;
 }
 
-int on_close(thandle_t) {
-    return 0;
-}
-toff_t on_size(thandle_t handle) {
-    return source_of(handle).bytes;
-}
-
 // Keeps the first message. Nonzero = handled, so that libtiff's global handler prints nothing.
 int on_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
     auto& source = *static_cast<TiffSource*>(user);
     if (source.message[0] == '\0') std::vsnprintf(source.message, sizeof source.message, format, arguments);
-    return 1;
-}
-
-int on_warning(TIFF*, void*, const char*, const char*, va_list) {
     return 1;
 }
 
@@ -223,7 +208,11 @@ TiffHandle open_tiff(TiffSource& source) {
     // A damaged tag can ask for any amount; the most that can be right is a strip of the largest picture.
     TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), static_cast<tmsize_t>(1) << 33);
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), on_error, &source);
-    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), on_warning, nullptr);
+    TIFFOpenOptionsSetWarningHandlerExtR(
+        options.get(), [](TIFF*, void*, const char*, const char*, va_list) { return 1; }, nullptr);
+    const auto on_write = [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; };
+    const auto on_close = [](thandle_t) { return 0; };
+    const auto on_size = [](thandle_t handle) -> toff_t { return source_of(handle).bytes; };
     // m: no memory mapping, the bytes are copied strip by strip
     TiffHandle tiff(TIFFClientOpenExt("file", "rm", &source, on_read, on_write, on_seek, on_close, on_size,
                                       nullptr, nullptr, options.get()));

@@ -245,16 +245,10 @@ class Borders {
 // Returns the largest disparity of the farthest tenth of what the map shows.
 float far_end_of(const DisparityMap& map) {
     constexpr std::size_t kEvery = 7;  // pixels; a sample tells it
-    std::vector<float> known;
-    for (std::size_t i = 0; i < map.values.size(); i += kEvery)
-        if (DisparityMap::known(map.values[i])) known.push_back(map.values[i]);
+    std::vector<float> known = known_values(map, kEvery);
     if (known.empty()) return kUnknownDisparity;
-    const auto at = [&](std::size_t percent) {
-        const auto place = known.begin() + static_cast<std::ptrdiff_t>((known.size() - 1) * percent / 100);
-        std::nth_element(known.begin(), place, known.end());
-        return *place;
-    };
-    const float least = at(2), most = at(98);
+    const float least = value_at_rank(known, (known.size() - 1) * 2 / 100),
+                most = value_at_rank(known, (known.size() - 1) * 98 / 100);
     return least + 0.1f * (most - least);
 }
 

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "pipeline/base/opencv_squares.h"
 #include "pipeline/base/thread_pool.h"

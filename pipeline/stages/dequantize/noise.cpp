@@ -1,12 +1,7 @@
 #include "pipeline/stages/dequantize/noise.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstddef>
 #include <mutex>
-
-#include "pipeline/base/thread_pool.h"
 
 namespace hexrelief::stages {
 namespace {

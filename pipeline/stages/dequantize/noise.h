@@ -105,9 +105,7 @@ float median_of(std::size_t count, ThreadPool& pool, const Value& value) {
     });
     std::vector<float> values;
     for (const Own& of : own) values.insert(values.end(), of.middle.begin(), of.middle.end());
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return value_at_rank(values, rank);
 }
 
 }  // namespace hexrelief::stages

@@ -150,16 +150,19 @@ struct Step {
     float length, pull, half_px;
 };
 
-HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const float* given, Step step,
-                               int width, float* __restrict out) {
-    const float *xx = bends.xx, *yy = bends.yy, *xy = bends.xy;
-    const float *yy_above = bends.yy_above, *xy_above = bends.xy_above, *yy_below = bends.yy_below;
+// Returns the slope of the energy in a pixel's value, which `pull` draws to the given one.
+HEXRELIEF_INLINED float slope_at(BendRows bends, const float* smooth, const float* given, float pull, int x) {
+    const float *xx = bends.xx, *yy = bends.yy, *xy = bends.xy, *xy_above = bends.xy_above;
+    const float bend_x = xx[x - 1] - 2 * xx[x] + xx[x + 1];
+    const float bend_y = bends.yy_above[x] - 2 * yy[x] + bends.yy_below[x];
+    const float twist = (xy[x] - xy[x - 1]) - (xy_above[x] - xy_above[x - 1]);
+    return bend_x + bend_y + 2 * twist + pull * (smooth[x] - given[x]);
+}
+
+HEXRELIEF_VECTORS void descend(BendRows bends, const float* smooth, const float* given, Step step, int width,
+                               float* __restrict out) {
     for (int x = 0; x < width; ++x) {
-        const float bend_x = xx[x - 1] - 2 * xx[x] + xx[x + 1];
-        const float bend_y = yy_above[x] - 2 * yy[x] + yy_below[x];
-        const float twist = (xy[x] - xy[x - 1]) - (xy_above[x] - xy_above[x - 1]);
-        const float slope = bend_x + bend_y + 2 * twist + step.pull * (smooth[x] - given[x]);
-        const float moved = smooth[x] - step.length * slope;
+        const float moved = smooth[x] - step.length * slope_at(bends, smooth, given, step.pull, x);
         const float least = given[x] - step.half_px, most = given[x] + step.half_px;
         const float raised = moved < least ? least : moved;
         out[x] = raised > most ? most : raised;
@@ -167,17 +170,11 @@ HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const
 }
 
 // Descends by a length that falls with each pixel's own pull.
-HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const float* given,
-                               const float* pull, float length, int width, float* __restrict out) {
-    const float *xx = bends.xx, *yy = bends.yy, *xy = bends.xy;
-    const float *yy_above = bends.yy_above, *xy_above = bends.xy_above, *yy_below = bends.yy_below;
-    for (int x = 0; x < width; ++x) {
-        const float bend_x = xx[x - 1] - 2 * xx[x] + xx[x + 1];
-        const float bend_y = yy_above[x] - 2 * yy[x] + yy_below[x];
-        const float twist = (xy[x] - xy[x - 1]) - (xy_above[x] - xy_above[x - 1]);
-        const float slope = bend_x + bend_y + 2 * twist + pull[x] * (smooth[x] - given[x]);
-        out[x] = smooth[x] - length * slope / (kLargestCurvature + pull[x]);
-    }
+HEXRELIEF_VECTORS void descend(BendRows bends, const float* smooth, const float* given, const float* pull,
+                               float length, int width, float* __restrict out) {
+    for (int x = 0; x < width; ++x)
+        out[x] =
+            smooth[x] - length * slope_at(bends, smooth, given, pull[x], x) / (kLargestCurvature + pull[x]);
 }
 
 // Does one step on the rows first .. end - 1. step: descends a row.

@@ -40,9 +40,7 @@ std::vector<double> medians_of(const Continued& continued, const ViewPlace& plac
                 for (int u = std::max(0, column - around); u <= std::min(columns - 1, column + around); ++u)
                     if (const std::size_t i = static_cast<std::size_t>(v) * columns + u; counts[i] > 0)
                         values.push_back(sums[i] / counts[i]);
-            const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-            std::nth_element(values.begin(), middle, values.end());
-            medians[here] = *middle;
+            medians[here] = value_at_rank(values, values.size() / 2);
         }
     return medians;
 }

@@ -116,9 +116,8 @@ HoleShares measure_holes(const SurfaceMesh& mesh, const DisparityMap& map, doubl
     std::vector<float> known;
     std::ranges::copy_if(field_map, std::back_inserter(known), DisparityMap::known);
     if (known.size() < field_map.size()) return {};
-    const auto rank = static_cast<std::ptrdiff_t>(kNearest * static_cast<double>(known.size() - 1));
-    std::nth_element(known.begin(), known.begin() + rank, known.end());
-    const double nearest_px = std::rint(known[static_cast<std::size_t>(rank)]);
+    const double rank = kNearest * static_cast<double>(known.size() - 1);
+    const double nearest_px = std::rint(value_at_rank(known, static_cast<std::size_t>(rank)));
     const auto at = [&](int x, int y) {
         return static_cast<double>(field_map[static_cast<std::size_t>(y) * map.width + x]);
     };

@@ -1,7 +1,6 @@
 #include "pipeline/stages/other_views/view_place.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

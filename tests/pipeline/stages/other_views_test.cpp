@@ -1,7 +1,6 @@
 // What the left camera does not see, on a made-up scene: a box of 20 px of disparity before a wall of 4 px.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <tuple>
