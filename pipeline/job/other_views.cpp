@@ -16,6 +16,7 @@
 #include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
+#include "pipeline/stages/other_views/bridges.h"
 #include "pipeline/stages/other_views/other_view.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
@@ -32,6 +33,10 @@ constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera 
 constexpr double kShownStep_px = 6;    // the same if the right camera, which has no view, sees some of it
 // So far sheets overlap with what is around them; more joins those of a pair's view on one surface.
 constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
+// Pairs: pixels of about one triangle of a sheet, which is no surface of its own, and of thirty, which stand
+// alone only farther from others than two bridges reach.
+constexpr std::size_t kLeastOfPairs = 240, kLeastAlone = 5000;
+constexpr int kBridge_px = 64;
 // Holes of the right view are filled at a third of its size, or at this length if that is less.
 constexpr int kFilled = 3, kFilled_px = 320;
 constexpr double kFarther = 63. / 64;     // share of the least disparity
@@ -235,6 +240,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
     const bool is_rectified = right && !view.is_by_points;
     const int border_px = is_rectified ? kBorderOfPairs_px : kBorder_px;
+    const std::size_t least = is_rectified ? kLeastOfPairs : stages::kLeastSurface;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     std::vector<stages::UsedPart> used;
@@ -268,8 +274,11 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
                                     visible, threads);
         if (view.is_by_points) stages::keep_in_frame(missing, frame);
-        stages::join_to_surface(missing, visible.seen[1], border_px, threads);
-        if (is_rectified) stages::ramp_steps(missing.missing, is_shown, kHiddenStep_px);
+        stages::join_to_surface(missing, visible.seen[1], border_px, least, threads);
+        if (is_rectified) {
+            stages::ramp_steps(missing.missing, is_shown, kHiddenStep_px);
+            stages::join_regions(missing, visible.seen[1], kLeastAlone, kBridge_px, stages::kOneSurface_px);
+        }
         add(std::move(missing));
     }
     if (behind > 0) {
@@ -283,7 +292,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
                                 {behind, right ? 0 : 1 + behind, behind, behind, mixed_px,
                                  view.is_by_points ? &behind_all : nullptr},
                                 visible, threads);
-        stages::join_to_surface(left, here, border_px, threads);
+        stages::join_to_surface(left, here, border_px, least, threads);
+        if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, kHiddenStep_px);
         add(std::move(left));
         if (view.is_by_points) add(std::move(behind_all));
     }

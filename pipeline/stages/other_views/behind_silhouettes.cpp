@@ -369,8 +369,9 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     if (beyond.backing) beyond.backing->picture = texture;
 }
 
-void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, int threads) {
-    merge_specks(view.missing);
+void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, std::size_t least,
+                     int threads) {
+    merge_specks(view.missing, least);
     ThreadPool pool(threads);
     grow(view.missing, here.disparities, border_px, pool);
 }

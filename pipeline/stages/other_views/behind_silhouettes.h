@@ -31,8 +31,8 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
                      const VisibleSurface& visible, int threads);
 
 // Adds to `missing` a border of the surface around it, of border_px >= 1 px, so that the parts overlap with
-// the surface and with each other, and drops parts that nobody would miss. The same for any number of
-// threads.
-void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, int threads);
+// the surface and with each other; gives regions of fewer than `least` pixels to those around them, and
+// drops parts that nobody would miss. The same for any number of threads.
+void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, std::size_t least, int threads);
 
 }  // namespace hexrelief::stages

@@ -8,9 +8,8 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
-constexpr std::size_t kLeastRegion = 3;    // pixels that somebody would miss
-constexpr float kRamp_px = 0.9F;           // a pixel: less than a step between two surfaces
+constexpr std::size_t kLeastRegion = 3;  // pixels that somebody would miss
+constexpr float kRamp_px = 0.9F;         // a pixel: less than a step between two surfaces
 
 // Returns those of specks_of() that hold one of the seeds.
 template <class Seeds>
@@ -55,13 +54,13 @@ std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least,
                      std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(map.values.size())));
 }
 
-void merge_specks(DisparityMap& map) {
+void merge_specks(DisparityMap& map, std::size_t least) {
     struct Open {
         std::uint32_t pixel;
         float before, merged;
     };
     std::vector<Open> open;
-    for (const std::uint32_t i : specks_of(map, kLeastSurface, kOneSurface_px))
+    for (const std::uint32_t i : specks_of(map, least, kOneSurface_px))
         open.push_back({i, map.values[i], kUnknownDisparity});
     for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
     for (std::size_t merged = open.size(); merged > 0;) {

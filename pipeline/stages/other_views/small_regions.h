@@ -25,8 +25,11 @@ void for_neighbours(const DisparityMap& map, std::uint32_t pixel, const Take& ta
 // than `step_px` are in two regions.
 std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px);
 
-// Gives small regions to the surfaces around them. Those alone stay, unless nobody would miss them.
-void merge_specks(DisparityMap& map);
+inline constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
+
+// Gives regions of fewer than `least` pixels to the surfaces around them. Those alone stay, unless nobody
+// would miss them.
+void merge_specks(DisparityMap& map, std::size_t least = kLeastSurface);
 
 // Returns per pixel 1 where the map is known.
 std::vector<std::uint8_t> known_pixels(const DisparityMap& map);

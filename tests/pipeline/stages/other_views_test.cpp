@@ -8,6 +8,7 @@
 #include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/other_view.h"
+#include "pipeline/stages/other_views/small_regions.h"
 #include "pipeline/stages/surface.h"
 
 namespace hexrelief::stages {
@@ -257,7 +258,7 @@ TEST(OtherView, PartsOverlapWithTheSurfaceAndSmallOnesJoinThoseAroundThem) {
         for (int x = kBoxBegin; x < kBoxBegin + 6; ++x) view.missing.at(x, y) = kWall;
     view.missing.at(kBoxBegin + 2, 20) = 12;
     view.missing.at(90, 20) = kWall;  // nobody would miss it
-    join_to_surface(view, visible.seen[0], 5, 2);
+    join_to_surface(view, visible.seen[0], 5, kLeastSurface, 2);
     EXPECT_EQ(view.missing.at(kBoxBegin + 2, 20), kWall);
     EXPECT_EQ(view.missing.at(90, 20), kUnknownDisparity);
     for (int x = kBoxBegin - 5; x < kBoxBegin; ++x) EXPECT_EQ(view.missing.at(x, 20), kWall) << x;
@@ -362,7 +363,7 @@ TEST(OtherView, IsTheSameOnAnyNumberOfThreads) {
             visible_surface(left_surface(), {place_at(0), place_at(1)}, kWall - 1, threads);
         OtherView view = left_view(visible.seen[0]);
         continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1}, visible, threads);
-        join_to_surface(view, visible.seen[0], 2, threads);
+        join_to_surface(view, visible.seen[0], 2, kLeastSurface, threads);
         DisparityMesh sheet = wavy_sheet();
         keep_behind(sheet, place_at(1), visible, threads);
         SurfaceMesh added = left_surface();
