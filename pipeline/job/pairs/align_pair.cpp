@@ -98,10 +98,17 @@ stages::SmallMatch match_aligned(const StereoPair& views, Alignment found, bool 
                            {.least_px = -bounds.largest_px, .largest_px = -bounds.least_px}, threads);
 }
 
+// True if nearly all of a pair lies behind infinity.
+bool is_nearly_behind(const DisparityBounds& bounds) {
+    return -bounds.least_px > kMostBehind * bounds.largest_px;
+}
+
 // True if the pair would be inside out: what only one of its views shows tells surely that the left one is
 // the right one. Rows hardly tell which way two cameras moved, and a stereo window says nothing.
 bool is_inside_out(const StereoPair& views, const Alignment& found, bool is_rig, int threads) {
     if (!found.says_camera() || (is_rig && found.disparities.is_infinity_known)) return false;
+    if (!is_aligned(found) && !is_rig && is_nearly_behind(found.disparities))
+        return false;  // the checks tell
     return checks::is_surely_right(is_aligned(found) ? match_aligned(views, found, true, threads)
                                                      : match_for_order(views, found.disparities, threads));
 }
@@ -129,7 +136,7 @@ void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, 
                              fixed(pair.found.estimate.before.median_px, 2) + " px in the median of " +
                              std::to_string(pair.found.matches) + " points");
     // Two files whose points nearly all lie behind infinity may be exchanged, which the checks tell.
-    if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) {
+    if (!is_rig && is_nearly_behind(bounds)) {
         if (checks::is_surely_left(match_for_order(views, bounds, threads)))
             pair.warnings.emplace_back(kShifted);
         else

@@ -179,6 +179,17 @@ TEST(Alignment, TwoFilesThatAreShiftedForAStereoWindowKeepTheirOrder) {
         EXPECT_CONTAINS(told({.pitch = pitch}, 60), "taken for a pair shifted for a stereo window");
 }
 
+TEST(Alignment, APictureThatWasCroppedIsAlignedWithTheWholeOtherOne) {
+    const TemporaryFolder folder;
+    const StereoPair pair = render_pair(kTurned);
+    const auto run_with = [&](const PixelRect& part, int exit_code) {
+        return run_on({pair.left, cropped(pair.right, part)}, folder, {}, exit_code).err;
+    };
+    EXPECT_CONTAINS(run_with({64, 40, 576, 440}, 0), "both pictures are cut to the middle 576x440");
+    EXPECT_LT(report_in(folder)["input"]["alignment"]["rows_held_out"]["median_px"].get<double>(), 0.15);
+    EXPECT_CONTAINS(run_with({0, 0, 320, 240}, 3), "the pair's sizes differ");
+}
+
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {
     const TemporaryFolder folder;
     write_picture(folder / "l.pgm", render_pair({.pitch = 2, .yaw = 3, .baseline = 0}).left);
