@@ -247,13 +247,13 @@ Alignment find_alignment(const StereoPair& pair, const AlignmentConfig& config, 
         out.reason = "only " + std::to_string(matches.size()) + " points are in both pictures";
         return out;
     }
-    if (!config.always && are_rows_aligned(matches)) {
+    if (!config.always && config.order != Order::exchanged && are_rows_aligned(matches)) {
         out.verdict = Verdict::rectified;
         out.estimate = as_given(camera, std::move(matches));
         out.disparities = bounds_as_given(out.estimate, scale);
         return out;
     }
-    const EstimateConfig estimating{is_focal_known, config.is_rig, config.is_ordered};
+    const EstimateConfig estimating{is_focal_known, config.is_rig, config.order};
     Estimate& estimate = out.estimate = estimate_views(camera, matches, estimating, pool);
     out.reason = obstacle(estimate);
     if (out.reason.empty()) {

@@ -10,10 +10,10 @@
 namespace hexrelief::alignment {
 
 struct AlignmentConfig {
-    double focal_px = 0;      // of both pictures, as a file or the user gives it; 0 = not known
-    bool is_rig = false;      // as in EstimateConfig
-    bool always = false;      // aligns pairs whose rows are hardly off, too
-    bool is_ordered = false;  // as in EstimateConfig
+    double focal_px = 0;             // of both pictures, as a file or the user gives it; 0 = not known
+    bool is_rig = false;             // as in EstimateConfig
+    bool always = false;             // aligns pairs whose rows are hardly off, too
+    Order order = Order::by_points;  // exchanged: aligned always
 };
 
 enum class Verdict {

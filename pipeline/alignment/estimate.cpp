@@ -112,7 +112,8 @@ void find_start(Estimate& estimate, const EstimateConfig& config, ThreadPool& po
 
 // True if the pictures' matches lie behind infinity by more than the fit may be wrong.
 bool is_exchanged(const Estimate& estimate, const EstimateConfig& config) {
-    if (config.is_rig || config.is_ordered) return false;
+    if (config.order != Order::by_points) return config.order == Order::exchanged;
+    if (config.is_rig) return false;
     const std::vector<double> disparities = estimate.disparities();
     const double low = quantile(disparities, 0.005), high = quantile(disparities, 0.995);
     const double unsure = kYawDeviations * estimate.camera.focal_px * estimate.fit.deviations[kYaw];

@@ -19,11 +19,18 @@ RowFigures row_figures(std::vector<double> offsets);
 // Matches whose rows are off by less agree with an estimate.
 inline constexpr double kAgreeing_px = 2;
 
+// Which picture is the left camera's.
+enum class Order {
+    by_points,  // the first one, unless what both show would lie behind the cameras; a rig's is the first
+    as_given,
+    exchanged,
+};
+
 struct EstimateConfig {
     bool is_focal_known = false;
     // Both pictures are from one mount with two lenses: turned by a few degrees at most, and in order.
     bool is_rig = false;
-    bool is_ordered = false;  // the left camera's picture is the first one; so are a rig's
+    Order order = Order::by_points;
 };
 
 struct Estimate {

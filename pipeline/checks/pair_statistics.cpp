@@ -32,11 +32,11 @@ std::vector<double> sorted_disparities(const stages::SmallMatch& match) {
 constexpr int kLeastRun_px = 3;
 // By how much a run of unmatched pixels may be longer or shorter than the step of the disparity across it.
 constexpr double kOffShare = 0.35, kOff_px = 2;
-constexpr int kReach_px = 1;       // of an edge from the end of the run
-constexpr double kStronger = 1.3;  // than the contrast at the run's other end
+constexpr int kReach_px = 1;     // of an edge from the end of the run
+constexpr double kStronger = 3;  // than the contrast at the run's other end
 // Least number of runs with an edge at one end, and least share of them with the edge at the right end: it is
-// 0.57 and more in left views with depth steps, 0.46 and less in right ones.
-constexpr int kLeastEdges = 60;
+// 0.64 and more in left views with depth steps at 640 columns, 0.38 and less in right ones.
+constexpr int kLeastEdges = 100;
 constexpr double kLeastShare = 0.6;
 
 // Returns the largest contrast of neighbours at the border between columns x and x + 1, or beside it.

@@ -10,6 +10,7 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/pairs/align_pair.h"
+#include "pipeline/job/pairs/working_size.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/photographs/exif.h"
@@ -46,8 +47,12 @@ class InputReader {
         auto reading_right = start_work(threads_, [&] { return read_hashed("right", source.right); });
         HashedImage left = read_hashed("left", source.left), right = reading_right.get();
         tell(turn_upright(left, right, !config_.calibration.file.empty()));
-        check_sizes(left.image, source.left.string(), right.image, source.right.string());
-        RunInput input{InputPair{{std::move(left.image), std::move(right.image)}}};
+        StereoPair views{std::move(left.image), std::move(right.image)};
+        if (source.mask.empty() && has_to_be_looked_at(config_) && cut_to_one_size(views))
+            log_.warn("the sizes differ: both pictures are cut to the middle " +
+                      size_text(size_of(views.left)));
+        check_sizes(views, source.left.string(), source.right.string());
+        RunInput input{InputPair{std::move(views)}};
         input.files = {std::move(left.file), std::move(right.file)};
         return complete_pair(std::move(input), source.mask, source.left, false,
                              source.left.string() + " and " + source.right.string());
@@ -72,7 +77,7 @@ class InputReader {
 
     RunInput read(PairArrays& source) {
         const ViewSize size = size_of(source.views.left);
-        check_sizes(source.views.left, "left", source.views.right, "right");
+        check_sizes(source.views, "left", "right");
         RunInput input{InputPair{std::move(source.views)}};
         find_camera(input, size, {});
         hide_strips(input);
@@ -86,12 +91,12 @@ class InputReader {
     RunInput read(DepthArrays& source) { return take_map(source, "depth"); }
 
   private:
-    static void check_sizes(const Image& left, const std::string& left_name, const Image& right,
+    static void check_sizes(const StereoPair& pair, const std::string& left_name,
                             const std::string& right_name) {
-        if (const ViewSize size = size_of(left), other = size_of(right); size != other)
+        if (const ViewSize size = size_of(pair.left), other = size_of(pair.right); size != other)
             throw Error(ErrorKind::input, "the pair's sizes differ: " + left_name + " has " +
                                               size_text(size) + " px, " + right_name + " " +
-                                              size_text(other) + "; rectified images have one size");
+                                              size_text(other) + "; both views have one size");
     }
     HashedImage read_hashed(const std::string& role, const fs::path& path) const {
         return {{readers::read_image(path, limits_), path,

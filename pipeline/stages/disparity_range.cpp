@@ -104,9 +104,12 @@ double quantile(std::vector<float>& values, double share) {
 }  // namespace
 
 SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads, int columns) {
+    return match_between(pair, min_px, pair.left.width + std::min(0, min_px), threads, columns);
+}
+
+SmallMatch match_between(const StereoPair& pair, int min_px, int max_px, int threads, int columns) {
     ReducedPair coarse = reduced(pair, columns, threads);
-    const matching::DisparityRange range{floor_of(min_px, coarse),
-                                         entries(std::max(0, min_px), pair.left.width, coarse)};
+    const matching::DisparityRange range{floor_of(min_px, coarse), entries(min_px, max_px, coarse)};
     return match_small(std::move(coarse), range, kCoarseSpeckle, threads);
 }
 

@@ -29,6 +29,8 @@ inline constexpr int kCoarseColumns = 160, kFineColumns = 320;
 // Matches the pair at so many columns (or at its own width if that is less), from min_px on over its whole
 // width. Both images must have one size and at least 16 columns.
 SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads, int columns = kCoarseColumns);
+// Matches it from min_px to max_px.
+SmallMatch match_between(const StereoPair& pair, int min_px, int max_px, int threads, int columns);
 
 // Chooses how many disparities from min_px on cover the pair: a multiple of 16, at most the width. The pair
 // is matched again at a larger size, over somewhat more than the range that the coarse match found. The

@@ -10,6 +10,7 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
+#include "pipeline/job/pairs/working_size.h"
 
 namespace hexrelief::job {
 namespace {
@@ -33,8 +34,7 @@ void tell_infinity(PairAlignment& pair) {
 
 void tell_aligned(PairAlignment& pair) {
     if (pair.found.estimate.is_exchanged)
-        pair.warnings.emplace_back(
-            "the views were exchanged: what both pictures show lies behind the cameras as given");
+        pair.warnings.push_back("the views were exchanged: " + pair.exchanged_because);
     if (pair.found.estimate.is_quarter_turned)
         pair.warnings.emplace_back(
             "the cameras stood one above the other: both pictures are turned by a quarter");
@@ -73,11 +73,43 @@ void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int th
     pair.decisions.push_back(alignment_text(pair.found, calibration, camera.focal_from));
 }
 
-// Matches views of which nearly all lies behind infinity: they are shifted, or exchanged.
-stages::SmallMatch match_behind(const StereoPair& views, const DisparityBounds& bounds, int threads) {
-    const double spread = bounds.largest_px - bounds.least_px;
-    const int least = static_cast<int>(std::floor(bounds.least_px - kFarMargin * spread - kFarMargin_px));
-    return stages::match_coarsely(views, least, threads, stages::kFineColumns);
+constexpr int kOrderColumns = 640;  // at which what only one view shows is looked for
+
+// Matches views of which it is asked which is the left one. bounds: of their disparities.
+stages::SmallMatch match_for_order(const StereoPair& views, const DisparityBounds& bounds, int threads) {
+    const double margin_px = kNearMargin * (bounds.largest_px - bounds.least_px) + kFarMargin_px;
+    return stages::match_between(views, static_cast<int>(std::floor(bounds.least_px - margin_px)),
+                                 static_cast<int>(std::ceil(bounds.largest_px + margin_px)), threads,
+                                 kOrderColumns);
+}
+
+// Returns the same of an aligned pair, its views in order or the other way round.
+stages::SmallMatch match_aligned(const StereoPair& views, Alignment found, bool is_in_order, int threads) {
+    const int by = std::max(1, found.canvas.width / kOrderColumns);
+    for (int* const length : {&found.canvas.left_x, &found.canvas.right_x, &found.canvas.y,
+                              &found.canvas.width, &found.canvas.height})
+        *length /= by;
+    DisparityBounds& bounds = found.disparities;
+    for (double* const px : {&bounds.least_px, &bounds.largest_px}) *px /= by;
+    StereoPair aligned = alignment::aligned_pair(reduced(views, by, threads).views, found, threads).pair;
+    if (is_in_order) return match_for_order(aligned, bounds, threads);
+    return match_for_order({std::move(aligned.right), std::move(aligned.left)},
+                           {.least_px = -bounds.largest_px, .largest_px = -bounds.least_px}, threads);
+}
+
+// True if nearly all of a pair lies behind infinity.
+bool is_nearly_behind(const DisparityBounds& bounds) {
+    return -bounds.least_px > kMostBehind * bounds.largest_px;
+}
+
+// True if the pair would be inside out: what only one of its views shows tells surely that the left one is
+// the right one. Rows hardly tell which way two cameras moved, and a stereo window says nothing.
+bool is_inside_out(const StereoPair& views, const Alignment& found, bool is_rig, int threads) {
+    if (!found.says_camera() || (is_rig && found.disparities.is_infinity_known)) return false;
+    if (!is_aligned(found) && !is_rig && is_nearly_behind(found.disparities))
+        return false;  // the checks tell
+    return checks::is_surely_right(is_aligned(found) ? match_aligned(views, found, true, threads)
+                                                     : match_for_order(views, found.disparities, threads));
 }
 
 constexpr const char* kShifted =
@@ -94,11 +126,7 @@ bool is_wrongly_exchanged(const StereoPair& views, const Alignment& found, int t
     const alignment::Angles angles = alignment::angles_of(found.estimate.fit.parameters);
     if (std::max({std::fabs(angles.pitch), std::fabs(angles.yaw), std::fabs(angles.roll)}) > kOneMount_deg)
         return false;
-    StereoPair aligned = alignment::aligned_pair(views, found, threads).pair;
-    std::swap(aligned.left, aligned.right);
-    DisparityBounds as_given{.least_px = -found.disparities.largest_px,
-                             .largest_px = -found.disparities.least_px};
-    return !checks::is_surely_right(match_behind(aligned, as_given, threads));
+    return !checks::is_surely_right(match_aligned(views, found, false, threads));
 }
 
 void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
@@ -107,8 +135,8 @@ void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, 
                              fixed(pair.found.estimate.before.median_px, 2) + " px in the median of " +
                              std::to_string(pair.found.matches) + " points");
     // Two files whose points nearly all lie behind infinity may be exchanged, which the checks tell.
-    if (!is_rig && -bounds.least_px > kMostBehind * bounds.largest_px) {
-        if (checks::is_surely_left(match_behind(views, bounds, threads)))
+    if (!is_rig && is_nearly_behind(bounds)) {
+        if (checks::is_surely_left(match_for_order(views, bounds, threads)))
             pair.warnings.emplace_back(kShifted);
         else
             bounds = {};
@@ -229,15 +257,23 @@ bool has_to_be_looked_at(const config::InputConfig& config) {
 PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign& given, int threads) {
     const bool always = given.config.rectify == config::PairRectification::always;
     const double focal_px = camera.is_focal_known ? camera.calibration.focal_px : 0;
-    PairAlignment pair{alignment::find_alignment(views, {focal_px, given.is_rig, always}, threads),
-                       std::move(camera)};
-    if (is_wrongly_exchanged(views, pair.found, threads)) {
-        Alignment ordered = alignment::find_alignment(views, {focal_px, given.is_rig, always, true}, threads);
-        if (is_aligned(ordered)) {
-            pair.found = std::move(ordered);
+    const auto in_order = [&](alignment::Order order) {
+        return alignment::find_alignment(views, {focal_px, given.is_rig, always, order}, threads);
+    };
+    PairAlignment pair{in_order(alignment::Order::by_points), std::move(camera)};
+    const auto turn_to = [&](alignment::Order order) {
+        Alignment turned = in_order(order);
+        if (!is_aligned(turned)) return;
+        pair.found = std::move(turned);
+        if (order == alignment::Order::as_given)
             pair.warnings.emplace_back(kShifted);
-        }
-    }
+        else
+            pair.exchanged_because =
+                "what only one of them shows is hidden by what would be farther in the order as given";
+    };
+    if (is_wrongly_exchanged(views, pair.found, threads)) turn_to(alignment::Order::as_given);
+    if (is_inside_out(views, pair.found, given.is_rig, threads))
+        turn_to(pair.found.estimate.is_exchanged ? alignment::Order::as_given : alignment::Order::exchanged);
     const Alignment& found = pair.found;
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
         throw Error(ErrorKind::input, "the pair cannot be aligned: " + found.reason +

@@ -36,6 +36,7 @@ struct PairAlignment {
     alignment::Alignment found;                            // without the matches
     PairCamera camera;                                     // of the pair that is left
     std::vector<std::uint8_t> seen = {}, right_seen = {};  // of an aligned pair, as in AlignedPair
+    std::string exchanged_because = "what both pictures show lies behind the cameras as given";
     std::vector<std::string> warnings = {}, decisions = {};
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/alignment/grey_picture.h"
+#include "pipeline/data/crop.h"
 #include "pipeline/data/shrink.h"
 #include "pipeline/data/start_work.h"
 
@@ -82,6 +83,21 @@ int reduction_of_soft(const Image& picture, int working_px, int threads) {
            is_soft(alignment::reduced_grey(picture, longer / by, pool)))
         by *= 2;
     return by;
+}
+
+bool cut_to_one_size(StereoPair& pair) {
+    constexpr double kMostCut = 0.2;
+    const int width = std::min(pair.left.width, pair.right.width),
+              height = std::min(pair.left.height, pair.right.height);
+    const auto is_cut = [&](const Image& image) { return image.width > width || image.height > height; };
+    if (!is_cut(pair.left) && !is_cut(pair.right)) return false;
+    for (const Image* image : {&pair.left, &pair.right})
+        if (width < (1 - kMostCut) * image->width || height < (1 - kMostCut) * image->height) return false;
+    for (Image* image : {&pair.left, &pair.right})
+        if (is_cut(*image))
+            *image =
+                cropped(*image, {(image->width - width) / 2, (image->height - height) / 2, width, height});
+    return true;
 }
 
 ReducedPair reduced(StereoPair pair, int by, int threads) {

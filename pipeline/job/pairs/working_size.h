@@ -19,6 +19,10 @@ int reduction_of(const Image& picture, int working_px);
 // out of focus, a scanned print, a picture that was enlarged. A finer mesh of it follows noise.
 int reduction_of_soft(const Image& picture, int working_px, int threads);
 
+// Cuts both pictures of a pair to their common width and height, around their middles, if neither is shorter
+// by more than a fifth along a side: one of them was cropped. Returns whether it cut any.
+bool cut_to_one_size(StereoPair& pair);
+
 struct ReducedPair {
     StereoPair views;
     StereoPair pictures;  // the pair that the views are the reduction of

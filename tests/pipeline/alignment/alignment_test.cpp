@@ -160,6 +160,25 @@ TEST(Alignment, ExchangedViewsAreNoticed) {
     EXPECT_GT(alignment.disparities.least_px - alignment.disparities.infinity_px, 10);
 }
 
+TEST(Alignment, TheOrderMayBeGiven) {
+    // As for a stereo window: disparities of both signs, so that points tell no order.
+    const StereoPair pair = render_pair({.yaw = 2});
+    const auto aligned = [&](Order order) {
+        return find_alignment(pair, {.focal_px = 576, .is_rig = true, .order = order}, kThreads);
+    };
+    EXPECT_FALSE(aligned(Order::by_points).estimate.is_exchanged);
+    const Alignment exchanged = aligned(Order::exchanged), as_given = aligned(Order::as_given);
+    ASSERT_EQ(exchanged.verdict, Verdict::aligned) << exchanged.reason;
+    EXPECT_TRUE(exchanged.estimate.is_exchanged);
+    EXPECT_FALSE(as_given.estimate.is_exchanged);
+    // What is near in one order is far in the other.
+    EXPECT_NEAR(exchanged.disparities.largest_px - exchanged.disparities.least_px,
+                as_given.disparities.largest_px - as_given.disparities.least_px, 3);
+    // A rectified pair in the wrong order has to be resampled as well.
+    EXPECT_EQ(find_alignment(render_pair({}), {.order = Order::exchanged}, kThreads).verdict,
+              Verdict::aligned);
+}
+
 TEST(Alignment, AFlatSceneKeepsTheOrderThatWasGiven) {
     // A narrow view of little but the wall: rows alone have it 4 to 8 px behind infinity.
     const StereoPair pair = render_pair(

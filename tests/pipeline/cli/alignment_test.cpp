@@ -167,7 +167,7 @@ TEST(Alignment, AMaskForAPairThatHasToBeAlignedIsRefusedInOneLine) {
     EXPECT_CONTAINS(result.err, "the mask is for the left picture as it is, but the pair has to be aligned");
 }
 
-TEST(Alignment, TwoFilesOfOneMountThatAreShiftedForAStereoWindowKeepTheirOrder) {
+TEST(Alignment, TwoFilesThatAreShiftedForAStereoWindowKeepTheirOrder) {
     const TemporaryFolder folder;
     const auto told = [&](const TurnedCameras& cameras, int shift) {
         const StereoPair pair = render_pair(cameras);
@@ -175,9 +175,19 @@ TEST(Alignment, TwoFilesOfOneMountThatAreShiftedForAStereoWindowKeepTheirOrder) 
         write_picture(folder / "r.pgm", cropped(pair.right, {0, 0, 640 - shift, 480}));
         return run_program({"info", folder / "l.pgm", folder / "r.pgm"}).out;
     };
-    const std::string one_mount = told({.pitch = 0.3}, 60), by_hand = told({.pitch = 3}, 60);
-    EXPECT_CONTAINS(one_mount, "taken for a pair shifted for a stereo window");
-    EXPECT_CONTAINS(by_hand, "the views were exchanged");
+    for (const double pitch : {0.3, 3.0})
+        EXPECT_CONTAINS(told({.pitch = pitch}, 60), "taken for a pair shifted for a stereo window");
+}
+
+TEST(Alignment, APictureThatWasCroppedIsAlignedWithTheWholeOtherOne) {
+    const TemporaryFolder folder;
+    const StereoPair pair = render_pair(kTurned);
+    const auto run_with = [&](const PixelRect& part, int exit_code) {
+        return run_on({pair.left, cropped(pair.right, part)}, folder, {}, exit_code).err;
+    };
+    EXPECT_CONTAINS(run_with({64, 40, 576, 440}, 0), "both pictures are cut to the middle 576x440");
+    EXPECT_LT(report_in(folder)["input"]["alignment"]["rows_held_out"]["median_px"].get<double>(), 0.15);
+    EXPECT_CONTAINS(run_with({0, 0, 320, 240}, 3), "the pair's sizes differ");
 }
 
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {

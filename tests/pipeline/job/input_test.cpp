@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/data/crop.h"
 #include "pipeline/job/pairs/align_pair.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
@@ -84,6 +85,27 @@ TEST(AlignPair, APairShiftedForAStereoWindowIsNotExchanged) {
     EXPECT_EQ(doffs_of(window_right, window_left), 0) << "above 0 px, the pair is inside out";
     EXPECT_EQ(doffs_of(right, left), 0) << "exchanged, which the checks tell";
     EXPECT_EQ(doffs_of(left, right), 0);
+}
+
+// A stereo window leaves disparities of both signs, which tell no order; what only one view shows does.
+TEST(AlignPair, AWindowedPairInTheWrongOrderIsExchanged) {
+    constexpr int shift = 20, lower = 2;
+    const Image left = readers::read_image(test::sample("left.png")),
+                right = readers::read_image(test::sample("right.png"));
+    const Image first = cropped(left, {shift, 0, left.width - shift, left.height - lower});
+    const auto exchanged = [&](bool is_swapped, int top) {
+        const config::InputConfig config;
+        StereoPair views{first, cropped(right, {0, top, first.width, first.height})};
+        if (is_swapped) std::swap(views.left, views.right);
+        const PairAlignment done =
+            align_pair(views, {Calibration{.focal_px = 300}}, {config, "pair", true}, 1);
+        EXPECT_FALSE(done.found.disparities.is_infinity_known);
+        return done.found.estimate.is_exchanged;
+    };
+    EXPECT_FALSE(exchanged(false, 0)) << "rows are the same";
+    EXPECT_TRUE(exchanged(true, 0));
+    EXPECT_FALSE(exchanged(false, lower)) << "rows have to be aligned";
+    EXPECT_TRUE(exchanged(true, lower));
 }
 
 }  // namespace
