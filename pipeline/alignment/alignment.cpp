@@ -153,6 +153,10 @@ double turn_cosine(const Estimate& estimate) {
 std::string obstacle(const Estimate& estimate) {
     const std::size_t agreeing = estimate.agreeing.size(), all = estimate.matches.size();
     const std::string of_all = std::to_string(agreeing) + " of " + std::to_string(all);
+    const auto px = [&](double offset, int digits) {
+        const Camera& camera = estimate.camera;
+        return fixed(offset, digits) + " px of " + fixed(std::max(camera.width, camera.height), 0);
+    };
     if (static_cast<double>(agreeing) < kLeastAgreeing * static_cast<double>(all) || agreeing < kLeastMatches)
         return "only " + of_all + " points agree: forward motion, a changed scene or a mirrored picture";
     if (const int parts = parts_seen(estimate); parts < kLeastParts)
@@ -166,13 +170,11 @@ std::string obstacle(const Estimate& estimate) {
         return "the camera went forward, not sideways: one picture is " + fixed(100 * (larger - 1), 0) +
                " % larger";
     if (estimate.after.median_px > kLargestRowMedian_px)
-        return "rows stay off by " + fixed(estimate.after.median_px, 2) + " px of " +
-               std::to_string(kWorkingSide_px);
+        return "rows stay off by " + px(estimate.after.median_px, 2);
     const std::vector<double> disparities = estimate.disparities();
     const double parallax = quantile(disparities, 0.98) - quantile(disparities, 0.02);
     if (parallax < kLeastParallax_px)
-        return "the camera was turned, not moved: points shift by " + fixed(parallax, 1) + " px of " +
-               std::to_string(kWorkingSide_px);
+        return "the camera was turned, not moved: points shift by " + px(parallax, 1);
     return {};
 }
 
