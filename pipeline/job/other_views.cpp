@@ -107,7 +107,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     if (left.is_by_points)
         stages::move_into_frame(cut, other.place, frame, visible.seen[0],
                                 static_cast<int>(std::ceil(coarse.spacing_px * other.place.scale)));
-    stages::keep_behind(cut, other.place, visible, backend.threads());
+    stages::keep_behind(cut, other.place, visible, kHiddenStep_px, backend.threads());
     if (cut.triangles.empty()) return {};
     try {
         SurfaceMesh sheet =

@@ -76,6 +76,7 @@ TextureLevel::TextureLevel(int cell, int columns, int rows) : cell_px(cell), wid
     for (auto* values : {&seen_at, &hidden_at}) values->resize(count);
     for (auto* colours : {&seen, &hidden, &guides}) colours->resize(count);
     is_source.resize(count);
+    is_lenient.resize(count);
     tolerances.resize(count, kNoTarget);
     offsets.resize(count);
 }

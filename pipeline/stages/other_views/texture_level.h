@@ -24,6 +24,7 @@ struct Offset {
 // colours; behind targets a surface continues that is to get a texture.
 struct TextureLevel {
     using Colour = std::array<std::uint8_t, 4>;  // a picture's channels, and 1, or 0 without a colour
+    using Light = std::array<float, 3>;          // levels of the channels
     static constexpr float kNoTarget = -1;       // as a tolerance
 
     int cell_px = 1;  // of the view
@@ -33,9 +34,11 @@ struct TextureLevel {
     std::vector<float> hidden_at;  // those of what continues
     // What is nearer than this to what continues at a target is of the same surface.
     std::vector<float> tolerances;
+    std::vector<char> is_lenient;      // targets that found no source: their tolerance was doubled
     std::vector<Colour> seen, hidden;  // colours of sources, and those that targets have so far
     std::vector<Colour> guides;        // mean colours that targets should have about
     std::vector<Offset> offsets;
+    std::vector<Light> light;  // of targets: what their sources' colours lack
     std::vector<std::uint32_t> targets;
 
     TextureLevel(int cell_px, int width, int height);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/stages/other_views/texture_level.h"
+#include "pipeline/stages/other_views/texture_light.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -137,8 +138,13 @@ std::vector<Colour> softened(const TextureLevel& level, const std::vector<Colour
     return result;
 }
 
-// Fills a level from its sources inwards. Targets that find no source look a second time, with twice the
-// tolerance.
+// Doubles a target's tolerance, for good.
+void make_lenient(TextureLevel& level, std::uint32_t target) {
+    level.is_lenient[target] = 1;
+    level.tolerances[target] *= 2;
+}
+
+// Fills a level from its sources inwards. Targets that find no source become lenient and look again.
 void fill(TextureLevel& level, ThreadPool& pool) {
     const std::vector<Colour> seen = softened(level, level.seen), guides = softened(level, level.guides);
     std::vector<std::uint32_t> open = level.targets;
@@ -160,7 +166,7 @@ void fill(TextureLevel& level, ThreadPool& pool) {
         }
         if (still.size() == open.size()) {
             if (std::exchange(is_second, true)) return;
-            for (const std::uint32_t target : open) level.tolerances[target] *= 2;
+            for (const std::uint32_t target : open) make_lenient(level, target);
         }
         open = std::move(still);
     }
@@ -222,7 +228,7 @@ void take_offsets(TextureLevel& fine, const TextureLevel& coarse) {
     for (const std::uint32_t target : fine.targets) {
         const int x = static_cast<int>(target) % fine.width, y = static_cast<int>(target) / fine.width;
         const int coarse_target = coarse.at(x / 2, y / 2);
-        fine.tolerances[target] = std::max(fine.tolerances[target], coarse.tolerances[coarse_target]);
+        if (coarse.is_lenient[coarse_target]) make_lenient(fine, target);
         const Offset from = coarse.offsets[coarse_target];
         const int source_x = x + 2 * from.x, source_y = y + 2 * from.y;
         if (fine.has(source_x, source_y) && fine.is_source_of(target, fine.at(source_x, source_y)))
@@ -251,6 +257,7 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
             for (const int half : {0, 1}) improve(level, 2 * round + half, k == 0 ? 1 : kAround, pool);
             vote(level, pool);
         }
+        match_light(level, k + 1 == levels.size() ? nullptr : &levels[k + 1]);
     }
     return std::move(levels.front());
 }
@@ -277,20 +284,23 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
     // Between cells of different offsets the colours change smoothly.
     const auto paint_at = [&](int u, int v, int x, int y) {
         const int own = level.at(x, y);
-        std::array<int, 3> sums = {};
-        int weights = 0;
+        TextureLevel::Light sums = {};
+        float weights = 0;
         for_square(level, x, y, 1, [&](int a, int b) {
             const Offset offset = level.offsets[level.at(a, b)];
             if (offset.is_none() || !level.are_one(own, level.at(a, b))) return;
             const int from_u = u + scaled(offset.x * level.cell_px, picture.width, place.width),
                       from_v = v + scaled(offset.y * level.cell_px, picture.height, place.height);
             if (!is_source(from_u, from_v)) return;
-            const int weight = (2 - std::abs(a - x)) * (2 - std::abs(b - y));
-            for (int c = 0; c < picture.channels; ++c) sums[c] += weight * seen.at(from_u, from_v)[c];
+            const auto weight = static_cast<float>((2 - std::abs(a - x)) * (2 - std::abs(b - y)));
+            const TextureLevel::Light& light = level.light[level.at(a, b)];
+            for (int c = 0; c < picture.channels; ++c)
+                sums[c] += weight * (static_cast<float>(seen.at(from_u, from_v)[c]) + light[c]);
             weights += weight;
         });
         for (int c = 0; c < picture.channels && weights > 0; ++c)
-            picture.at(u, v)[c] = static_cast<std::uint8_t>((sums[c] + weights / 2) / weights);
+            picture.at(u, v)[c] =
+                static_cast<std::uint8_t>(std::clamp(sums[c] / weights, 0.0F, 255.0F) + 0.5F);
         return weights > 0;
     };
     std::vector<char> is_painted(continued.pixels.size(), 1);

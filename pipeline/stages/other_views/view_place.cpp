@@ -270,7 +270,7 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
 }
 
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface,
-                 int threads) {
+                 double most_step_px, int threads) {
     ThreadPool pool(threads);
     pool.parallel_for(cut_mesh.points.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -323,7 +323,12 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                 split_in_four(parts[i]);
         }
     }
-    const std::vector<Triangle> all = with_middles(std::move(kept), middles, is_kept, pool);
+    std::vector<Triangle> all = with_middles(std::move(kept), middles, is_kept, pool);
+    std::erase_if(all, [&](const Triangle& t) {
+        const auto [least, largest] =
+            std::minmax({cut_mesh.disparities[t[0]], cut_mesh.disparities[t[1]], cut_mesh.disparities[t[2]]});
+        return (largest - least) * place.scale > most_step_px;
+    });
     cut_mesh.triangles = without_small_pieces(cut_mesh, all, place, surface);
 }
 

@@ -14,6 +14,7 @@
 namespace hexrelief::stages {
 namespace {
 
+constexpr double kAnyStep_px = 1e9;
 constexpr int kWidth = 100, kHeight = 40, kThreads = 2;
 constexpr float kBox = 20, kWall = 4;
 constexpr int kBoxBegin = 40, kBoxEnd = 60;  // columns of the left view
@@ -272,7 +273,7 @@ TEST(OtherView, PartsInFrontOfTheSurfaceAreClipped) {
     sheet.points = {{30, 10}, {60, 10}, {30, 30}};
     sheet.disparities = {10, 10, 10};
     sheet.triangles = {{0, 1, 2}};
-    keep_behind(sheet, place_at(1), visible, 2);
+    keep_behind(sheet, place_at(1), visible, kAnyStep_px, 2);
     EXPECT_FALSE(sheet.triangles.empty());
     for (const Triangle& t : sheet.triangles)
         for (const std::uint32_t v : t) {
@@ -288,7 +289,7 @@ TEST(OtherView, NoVertexLiesOnTheEdgeOfATriangleBesideASplitOne) {
     sheet.points = {{20, 10}, {50, 10}, {20, 30}, {5, 20}};
     sheet.disparities = {3, 18, 3, 3};
     sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-    keep_behind(sheet, place_at(0), visible, 2);
+    keep_behind(sheet, place_at(0), visible, kAnyStep_px, 2);
     EXPECT_GT(sheet.triangles.size(), 4u);
     for (const Triangle& t : sheet.triangles)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -303,6 +304,16 @@ TEST(OtherView, NoVertexLiesOnTheEdgeOfATriangleBesideASplitOne) {
         }
 }
 
+TEST(OtherView, ATriangleThatStepsFarByNowIsDropped) {
+    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
+    DisparityMesh sheet;  // behind all
+    sheet.points = {{5, 5}, {15, 5}, {5, 15}, {25, 5}};
+    sheet.disparities = {3, 1, 1, 3.5F};
+    sheet.triangles = {{0, 2, 1}, {1, 2, 3}};
+    keep_behind(sheet, place_at(0), visible, 2.25, 2);
+    EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{0, 2, 1}}));
+}
+
 TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
     DisparityMesh sheet;  // behind all: pieces of 18, of twice 12.5 and of 24.5 square pixels
@@ -310,7 +321,7 @@ TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
                     {15, 10}, {20, 10}, {25, 5}, {32, 5}, {25, 12}};
     sheet.disparities.assign(sheet.points.size(), 2);
     sheet.triangles = {{0, 2, 1}, {3, 5, 4}, {4, 5, 6}, {7, 9, 8}};
-    keep_behind(sheet, place_at(0), visible, 2);
+    keep_behind(sheet, place_at(0), visible, kAnyStep_px, 2);
     EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}, {4, 5, 6}, {7, 9, 8}}));
 }
 
@@ -320,7 +331,7 @@ TEST(OtherView, SmallPiecesThatFillAHoleAreKept) {
     sheet.points = {{5, 5}, {11, 5}, {5, 11}, {42, 5}, {48, 5}, {42, 11}, {42, 20}, {44, 20}, {42, 22}};
     sheet.disparities.assign(sheet.points.size(), 2);
     sheet.triangles = {{0, 2, 1}, {3, 5, 4}, {6, 8, 7}};
-    keep_behind(sheet, place_at(1), visible, 2);
+    keep_behind(sheet, place_at(1), visible, kAnyStep_px, 2);
     EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}}));
 }
 
@@ -365,7 +376,7 @@ TEST(OtherView, IsTheSameOnAnyNumberOfThreads) {
         continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1}, visible, threads);
         join_to_surface(view, visible.seen[0], 2, kLeastSurface, threads);
         DisparityMesh sheet = wavy_sheet();
-        keep_behind(sheet, place_at(1), visible, threads);
+        keep_behind(sheet, place_at(1), visible, kAnyStep_px, threads);
         SurfaceMesh added = left_surface();
         for (const Vec2f& p : sheet.points) added.image_points.push_back(p);
         added.disparities.insert(added.disparities.end(), sheet.disparities.begin(), sheet.disparities.end());

@@ -120,8 +120,26 @@ TEST(TextureSynthesis, NothingHasTheColoursOfTheNearThingOrOfMixedPixels) {
     EXPECT_EQ(*painted.at(kThingBegin + 30, 60), kThing) << "nothing continues there";
 }
 
+TEST(TextureSynthesis, SeamsHaveTheLightOfWhatIsBeside) {
+    StripedWall scene(24);
+    for (int y = 0; y < kHeight; ++y)  // brighter all around the hidden part than its sources are
+        for (int x = 0; x < kThingBegin; ++x)
+            *scene.picture.at(x, y) = static_cast<std::uint8_t>(20 + 2 * x + (x + y) % 2);
+    const Image painted = scene.painted(2);
+    int steps = 0;
+    for (int y = 10; y < kHeight - 10; ++y)
+        steps += std::abs(*painted.at(kThingBegin, y) - *painted.at(kThingBegin - 1, y)) > 8;
+    EXPECT_LT(steps, 5);
+}
+
+TEST(TextureSynthesis, ALittleFartherOneGivesItsTextureIfNoOtherDoes) {
+    StripedWall scene(24, kWall - 19);  // 0.3 of the step would be 17.7
+    scene.painted(2);
+    EXPECT_TRUE(scene.continued.pixels.empty()) << "all is painted";
+}
+
 TEST(TextureSynthesis, AnotherSurfaceIsNotLikeIt) {
-    StripedWall scene(24, kWall - 19);
+    StripedWall scene(24, kWall - 70);
     const std::vector<std::uint32_t> pixels = scene.continued.pixels;
     EXPECT_EQ(scene.painted(2).pixels, scene.picture.pixels);
     EXPECT_EQ(scene.continued.pixels, pixels);
