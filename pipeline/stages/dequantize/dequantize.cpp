@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "pipeline/base/thread_pool.h"
@@ -29,6 +30,10 @@ constexpr float kUnsure_px = 0.5f;
 // That of a pixel's own disparity, px, if its levels tell none, and if it is filled.
 constexpr float kUnsurePixel_px = 8, kFilledPixel_px = 2;
 constexpr int kShortest = 80;  // discontinuities in the longer side; shorter ones are errors, or too small
+// Those of blurred ones, which are what was matched steeply of an outline: they would hang as flakes.
+constexpr int kShortestBlurred = 8;
+constexpr int kBlur_px = 3;       // beside a step, about the radius of the matcher's windows
+constexpr float kBlurred = 0.8f;  // of what rises within kBlur_px lies in a blurred discontinuity's steps
 // Surfaces may bend by so many powers of the misfit's growth more: 10 % make it twice as much.
 constexpr int kDoublings = 3;
 
@@ -70,9 +75,29 @@ std::vector<std::uint8_t> find_ends(const DisparityMap& map, ThreadPool& pool) {
     return is_end;
 }
 
+// The sizes of a discontinuity's steps between neighbours, and of what rises within kBlur_px on both sides.
+struct Rise {
+    float steps_px = 0, around_px = 0;
+
+    bool is_blurred() const { return steps_px < kBlurred * around_px; }
+    // Adds the steps to a pixel's right and below it.
+    void add(const DisparityMap& map, int x, int y) {
+        for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+            const auto at = [&](int k) {
+                return map.at(std::clamp(x + k * dx, 0, map.width - 1),
+                              std::clamp(y + k * dy, 0, map.height - 1));
+            };
+            const float step = std::abs(at(1) - at(0)), around = std::abs(at(1 + kBlur_px) - at(-kBlur_px));
+            if (!(step > kOneSurface_px) || !DisparityMap::known(around)) continue;
+            steps_px += step;
+            around_px += around;
+        }
+    }
+};
+
 // Marks the pixels along short discontinuities.
 void mark_short_steps(const DisparityMap& map, std::vector<std::uint8_t>& is_unsure, ThreadPool& pool) {
-    const int width = map.width, height = map.height, least = std::max(width, height) / kShortest;
+    const int width = map.width, height = map.height, longer = std::max(width, height);
     std::vector<std::uint8_t> is_end = find_ends(map, pool);
     std::vector<std::size_t> line;
     for (std::size_t start = 0; start < is_end.size(); ++start) {
@@ -80,10 +105,12 @@ void mark_short_steps(const DisparityMap& map, std::vector<std::uint8_t>& is_uns
         is_end[start] = 0;
         line.assign(1, start);
         int left = width, right = 0, top = height, bottom = 0;
+        Rise rise;
         for (std::size_t next = 0; next < line.size(); ++next) {
             const int x = static_cast<int>(line[next] % width), y = static_cast<int>(line[next] / width);
             left = std::min(left, x), right = std::max(right, x);
             top = std::min(top, y), bottom = std::max(bottom, y);
+            rise.add(map, x, y);
             for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
                 for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
                     const std::size_t other = static_cast<std::size_t>(v) * width + u;
@@ -92,6 +119,7 @@ void mark_short_steps(const DisparityMap& map, std::vector<std::uint8_t>& is_uns
                     line.push_back(other);
                 }
         }
+        const int least = longer / (rise.is_blurred() ? kShortestBlurred : kShortest);
         if (std::max(right - left, bottom - top) < least)
             for (const std::size_t i : line) is_unsure[i] = 1;
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -101,6 +102,23 @@ TEST(ByPictures, AStepStaysAndASpeckDoesNot) {
         EXPECT_NEAR(refined.at(kStep, y), stepped(kStep, y), 1) << y;
     }
     EXPECT_NEAR(refined.at(80, 60), stepped(80, 60), 0.5);
+}
+
+// A flap 5 px above the surface, some 20 px long, from kStep on; its step is sharp, or the middle of a ramp.
+TEST(ByPictures, AShortStepStaysUnlessItIsBlurred) {
+    for (const bool is_blurred : {false, true}) {
+        const auto flap = [&](int x, int y) {
+            const double ramp = is_blurred ? 0.5 * (x - kStep) + (x < kStep ? 1.5 : 3.5) : x < kStep ? 0 : 5;
+            const double along = std::clamp((14 - std::abs(y - 80)) / 8.0, 0.0, 1.0);
+            const double across = std::clamp(1 - (x - kStep) / 60.0, 0.0, 1.0);
+            return bent(x, y) + along * across * std::clamp(ramp, 0.0, 5.0);
+        };
+        const DisparityMap refined = refine_by_pictures(map_of(flap, 0.05), pictures_of(flap, {}), 2);
+        for (int y = 77; y <= 83; ++y) {
+            const float step = refined.at(kStep, y) - refined.at(kStep - 1, y);
+            EXPECT_EQ(step > 1, !is_blurred) << y << ": " << step;
+        }
+    }
 }
 
 TEST(ByPictures, UnknownStaysUnknownForAnyNumberOfThreads) {
