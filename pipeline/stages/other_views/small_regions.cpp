@@ -12,7 +12,7 @@ constexpr std::size_t kLeastRegion = 3;  // pixels that somebody would miss
 // Highest step from row to row within a region that is not given away: floors at a grazing angle rise by a
 // pixel a row and more, in steps of the three rows at which the right view's map is filled.
 constexpr double kMergedStep_px = 3;
-constexpr float kRamp_px = 0.9F;         // a pixel: less than a step between two surfaces
+constexpr float kRamp_px = 0.9F;  // a pixel: less than a step between two surfaces
 
 auto all_pixels(const DisparityMap& map) {
     return std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(map.values.size()));
@@ -67,8 +67,7 @@ void merge_specks(DisparityMap& map, std::size_t least) {
         float before, merged;
     };
     std::vector<Open> open;
-    for (const std::uint32_t i :
-         specks_at(map, least, kOneSurface_px, kMergedStep_px, all_pixels(map)))
+    for (const std::uint32_t i : specks_at(map, least, kOneSurface_px, kMergedStep_px, all_pixels(map)))
         open.push_back({i, map.values[i], kUnknownDisparity});
     for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
     for (std::size_t merged = open.size(); merged > 0;) {
