@@ -11,7 +11,7 @@
 namespace hexrelief::step {
 
 inline constexpr int kDirections = 8;
-// The order of the other directions does not matter.
+// The order of the directions behind these does not matter.
 inline constexpr int kEast = 0, kNorthEast = 1, kSouthEast = 2;
 // The steps along x and y of direction k: E, NE, SE, N, S, W, NW, SW.
 HEXRELIEF_HD int direction_x(int k) {
@@ -94,15 +94,16 @@ HEXRELIEF_HD int alike_candidate(const FillSite& site, const int visible[], int 
 //
 // The visibility rule excludes candidates in front of the surface that the right camera sees, if there are
 // others. The median of the rest is returned if one of them agrees with the right view's match. Otherwise, if
-// the right camera sees something in front of the farthest one, the pixel is hidden and the farthest one is
-// returned. Otherwise nothing hides the pixel, it was merely not matched: it may belong to any of the
-// surfaces around it, and the right picture's colours decide.
+// the right camera sees something in front of the farthest one, the pixel is hidden. What hides it lies to
+// its right, and matches in the east mostly beyond that: the farthest one from elsewhere that is hidden, too,
+// is returned, or else the farthest one. Otherwise nothing hides the pixel, it was merely not matched: it may
+// belong to any of the surfaces around it, and the right picture's colours decide.
 template <typename Difference>
 HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDirections],
                                  const Difference& difference) {
     const int outside = beyond_frame(site, candidates);
     if (outside >= 0) return static_cast<std::int16_t>(outside);
-    int values[kDirections], count = 0, farthest = INT16_MAX;
+    int values[kDirections], count = 0, farthest = INT16_MAX, hidden = INT16_MAX;
     bool matched = false;
     for (int k = 0; k < kDirections; ++k) {
         const int d = candidates[k];
@@ -112,6 +113,7 @@ HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDir
         const bool inside = column >= 0 && column < site.width;
         if (inside && hides(site.nearest_seen[column], d)) continue;
         insert_sorted(values, count, d);
+        if (k > kSouthEast && d < hidden && inside && is_hidden(site.nearest_seen[column], d)) hidden = d;
         matched = matched || agreed(static_cast<std::int16_t>(d), site.right, column, site.width,
                                     matching::kOnePixel) != matching::kUnknown16;
     }
@@ -119,7 +121,7 @@ HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDir
     if (matched) return static_cast<std::int16_t>(values[count / 2]);
     const int column = matching_column(site.x, site.min_px, values[0]);
     if (column >= 0 && column < site.width && is_hidden(site.nearest_seen[column], values[0]))
-        return static_cast<std::int16_t>(values[0]);
+        return static_cast<std::int16_t>(hidden < INT16_MAX ? hidden : values[0]);
     const int guess = values[count >= kManyCandidates ? 1 : 0];
     return static_cast<std::int16_t>(alike_candidate(site, values, count, guess, difference));
 }

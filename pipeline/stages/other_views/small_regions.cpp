@@ -9,12 +9,19 @@ namespace hexrelief::stages {
 namespace {
 
 constexpr std::size_t kLeastRegion = 3;  // pixels that somebody would miss
-constexpr float kRamp_px = 0.9F;         // a pixel: less than a step between two surfaces
+// Highest step from row to row within a region that is not given away: floors at a grazing angle rise by a
+// pixel a row and more, in steps of the three rows at which the right view's map is filled.
+constexpr double kMergedStep_px = 3;
+constexpr float kRamp_px = 0.9F;  // a pixel: less than a step between two surfaces
 
-// Returns those of specks_of() that hold one of the seeds.
+auto all_pixels(const DisparityMap& map) {
+    return std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(map.values.size()));
+}
+
+// Returns those of specks_of() that hold one of the seeds. down_px: in place of step_px from row to row.
 template <class Seeds>
 std::vector<std::uint32_t> specks_at(const DisparityMap& map, std::size_t least, double step_px,
-                                     const Seeds& seeds) {
+                                     double down_px, const Seeds& seeds) {
     enum : char { kUnseen, kSeen, kOfLarge };
     std::vector<char> states(map.values.size(), kUnseen);
     std::vector<std::uint32_t> region, specks;
@@ -30,8 +37,9 @@ std::vector<std::uint32_t> specks_at(const DisparityMap& map, std::size_t least,
         bool is_large = false;  // known as soon as there are enough pixels, or one of a large region
         for (std::size_t next = 0; next < region.size() && !is_large; ++next) {
             for_neighbours(map, region[next], [&](std::uint32_t i) {
-                if (states[i] == kSeen || !(std::abs(map.values[i] - map.values[region[next]]) <= step_px))
-                    return;
+                const std::uint32_t own = region[next];
+                const double most_px = i + 1 == own || i == own + 1 ? step_px : down_px;
+                if (states[i] == kSeen || !(std::abs(map.values[i] - map.values[own]) <= most_px)) return;
                 is_large |= states[i] == kOfLarge;
                 if (states[i] == kOfLarge) return;
                 states[i] = kSeen;
@@ -50,8 +58,7 @@ std::vector<std::uint32_t> specks_at(const DisparityMap& map, std::size_t least,
 }  // namespace
 
 std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least, double step_px) {
-    return specks_at(map, least, step_px,
-                     std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(map.values.size())));
+    return specks_at(map, least, step_px, step_px, all_pixels(map));
 }
 
 void merge_specks(DisparityMap& map, std::size_t least) {
@@ -60,7 +67,7 @@ void merge_specks(DisparityMap& map, std::size_t least) {
         float before, merged;
     };
     std::vector<Open> open;
-    for (const std::uint32_t i : specks_of(map, least, kOneSurface_px))
+    for (const std::uint32_t i : specks_at(map, least, kOneSurface_px, kMergedStep_px, all_pixels(map)))
         open.push_back({i, map.values[i], kUnknownDisparity});
     for (const Open& o : open) map.values[o.pixel] = kUnknownDisparity;
     for (std::size_t merged = open.size(); merged > 0;) {
@@ -74,7 +81,7 @@ void merge_specks(DisparityMap& map, std::size_t least) {
     }
     for (const Open& o : open) map.values[o.pixel] = o.before;
     const auto alone = std::views::transform(open, &Open::pixel);
-    for (const std::uint32_t i : specks_at(map, kLeastRegion, kOneSurface_px, alone))
+    for (const std::uint32_t i : specks_at(map, kLeastRegion, kOneSurface_px, kMergedStep_px, alone))
         map.values[i] = kUnknownDisparity;
 }
 

@@ -70,7 +70,8 @@
 //     - If all candidates are in front (step 6): the farthest. The rules below ignore those in front.
 //     - If a candidate differs by at most 16 from the known right pixel that it matches: the
 //       median of the candidates.
-//     - If the farthest candidate is hidden (step 6): this one.
+//     - If the farthest candidate is hidden (step 6): the farthest hidden one that is not from the east,
+//       north-east and south-east, or else this one.
 //     - Otherwise the guess is the second farthest of five or more candidates, or the farthest of fewer.
 //       The candidate with the least difference of colours (of equal ones, the farthest) replaces it if the
 //       guess's difference is larger by at least 108, or if the guess's match is outside. Candidates whose

@@ -145,10 +145,10 @@ int filled(const Trusted& matches, const Planes& slopes, const Pictures& picture
     const std::vector<int> east{towards(1, 0), towards(1, -1), towards(1, 1)};
     if (const int beyond = beyond_frame(x, min_px, east); beyond >= 0) return beyond;
 
-    std::vector<int> all, visible;
-    for (const int d : east) all.push_back(d);
-    for (const int d : {towards(0, -1), towards(0, 1), towards(-1, 0), towards(-1, -1), towards(-1, 1)})
-        all.push_back(d);
+    const std::vector<int> others{towards(0, -1), towards(0, 1), towards(-1, 0), towards(-1, -1),
+                                  towards(-1, 1)};
+    std::vector<int> all = east, visible;
+    all.insert(all.end(), others.begin(), others.end());
     all.erase(std::remove(all.begin(), all.end(), -1), all.end());
     if (all.empty()) return kUnknown;
     bool matched = false;
@@ -161,8 +161,15 @@ int filled(const Trusted& matches, const Planes& slopes, const Pictures& picture
     if (visible.empty()) return *std::min_element(all.begin(), all.end());
     std::sort(visible.begin(), visible.end());
     if (matched) return median(visible);
-    const int nearest = matches.nearest.at_or(x - min_px - rounded(visible[0], 16), y, kAnything);
-    if (nearest != kAnything && nearest - visible[0] > 16) return visible[0];
+    const auto is_hidden = [&](int d) {
+        const int nearest = matches.nearest.at_or(x - min_px - rounded(d, 16), y, kAnything);
+        return nearest != kAnything && nearest - d > 16;
+    };
+    if (is_hidden(visible[0])) {
+        for (const int d : visible)
+            if (is_hidden(d) && std::find(others.begin(), others.end(), d) != others.end()) return d;
+        return visible[0];
+    }
     return most_alike(visible, pictures, x, y, min_px);
 }
 

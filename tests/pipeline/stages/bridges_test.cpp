@@ -101,5 +101,19 @@ TEST(Bridges, RegionsThatDifferStayApart) {
     EXPECT_FALSE(scene.is_joined());
 }
 
+// The values of a floor 12 px wide under a wall that rises in steps of step_px, 3 rows each, once merged.
+std::vector<float> merged_floor(double step_px, bool as_given) {
+    DisparityMap map{12, 30, {}};
+    for (int i = 0; i < 12 * 30; ++i)
+        map.values.push_back(static_cast<float>(kWall + step_px * std::max(0, (i / 12 - 15) / 3)));
+    if (!as_given) merge_specks(map);
+    return map.values;
+}
+
+TEST(SmallRegions, AFloorThatRisesIsOneSurface) {
+    EXPECT_EQ(merged_floor(2.5, false), merged_floor(2.5, true));
+    EXPECT_EQ(merged_floor(3.5, false), merged_floor(0, true));  // each step is too small for a surface
+}
+
 }  // namespace
 }  // namespace hexrelief::stages
