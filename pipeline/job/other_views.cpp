@@ -33,8 +33,8 @@ constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera 
 constexpr double kShownStep_px = 6;    // the same if the right camera, which has no view, sees some of it
 // So far sheets overlap with what is around them; more joins those of a pair's view on one surface.
 constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
-// Pairs: pixels of about one triangle of a sheet, which is no surface of its own, and of thirty, which stand
-// alone only farther from others than two bridges reach.
+// Pairs: pixels of about one triangle of a sheet, which is no surface of its own; and of a part that stands
+// alone only if it is farther from others than two bridges reach.
 constexpr std::size_t kLeastOfPairs = 240, kLeastAlone = 5000;
 constexpr int kBridge_px = 64;
 // Holes of the right view are filled at a third of its size, or at this length if that is less.

@@ -112,11 +112,12 @@ Ways ways_from(Regions& regions, const DisparityMap& map, const SeenSurface& her
 void build_around(const Stop& stop, float d, OtherView& view, const SeenSurface& here, Regions& regions) {
     DisparityMap& map = view.missing;
     Image& texture = view.picture.empty() ? view.color : view.picture;
-    const auto colour_at = [&](int x, int y) {
-        return texture.at(x * texture.width / map.width, y * texture.height / map.height);
-    };
+    const auto column = [&](int x) { return x * texture.width / map.width; };
+    const auto row = [&](int y) { return y * texture.height / map.height; };
     const auto width = static_cast<std::uint32_t>(map.width);
-    const int x = static_cast<int>(stop.pixel % width), y = static_cast<int>(stop.pixel / width);
+    const auto x_of = [&](std::uint32_t pixel) { return static_cast<int>(pixel % width); };
+    const auto y_of = [&](std::uint32_t pixel) { return static_cast<int>(pixel / width); };
+    const int x = x_of(stop.pixel), y = y_of(stop.pixel);
     for (int v = std::max(0, y - kHalfBridge_px); v <= std::min(map.height - 1, y + kHalfBridge_px); ++v)
         for (int u = std::max(0, x - kHalfBridge_px); u <= std::min(map.width - 1, x + kHalfBridge_px); ++u) {
             const std::uint32_t i = static_cast<std::uint32_t>(v) * width + u;
@@ -124,10 +125,13 @@ void build_around(const Stop& stop, float d, OtherView& view, const SeenSurface&
             if (DisparityMap::known(map.values[i]) || !(front >= d - kOneSurface_px)) continue;
             map.values[i] = front > d + kOneSurface_px ? d : static_cast<float>(front);
             regions.join(i, stop.region, 1);
-            if (!texture.empty())
-                std::copy_n(colour_at(static_cast<int>(stop.colour_of % width),
-                                      static_cast<int>(stop.colour_of / width)),
-                            texture.channels, colour_at(u, v));
+            if (texture.empty()) continue;
+            // A smaller texture has no texel for most pixels.
+            const std::uint8_t* const colour =
+                texture.at(column(x_of(stop.colour_of)), row(y_of(stop.colour_of)));
+            for (int r = row(v); r < row(v + 1); ++r)
+                for (int c = column(u); c < column(u + 1); ++c)
+                    std::copy_n(colour, texture.channels, texture.at(c, r));
         }
 }
 
