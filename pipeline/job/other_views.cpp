@@ -30,7 +30,8 @@ using stages::ViewPlace;
 constexpr int kReduced = 4, kReducedOfPhotographs = 1;
 constexpr double kCoarser = 3.5;       // spacing of the other views: what has no match has little detail
 constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera saw
-constexpr double kShownStep_px = 6;    // the same if the right camera, which has no view, sees some of it
+constexpr double kAnyStep_px = 1e9;
+constexpr double kShownStep_px = 6;  // the same if the right camera, which has no view, sees some of it
 // So far sheets overlap with what is around them; more joins those of a pair's view on one surface.
 constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
 // Pairs: pixels of about one triangle of a sheet, which is no surface of its own; and of a part that stands
@@ -107,7 +108,8 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     if (left.is_by_points)
         stages::move_into_frame(cut, other.place, frame, visible.seen[0],
                                 static_cast<int>(std::ceil(coarse.spacing_px * other.place.scale)));
-    stages::keep_behind(cut, other.place, visible, kHiddenStep_px, backend.threads());
+    stages::keep_behind(cut, other.place, visible, left.is_by_points ? kHiddenStep_px : kAnyStep_px,
+                        backend.threads());
     if (cut.triangles.empty()) return {};
     try {
         SurfaceMesh sheet =
