@@ -19,8 +19,8 @@ const std::vector<std::string>& image_endings() {
         for (const readers::codec::Codec& codec : readers::codec::codecs()) {
             if ((codec.gives & readers::codec::kPicture) == 0 || codec.format == readers::codec::Format::exr)
                 continue;
-            const auto endings = readers::codec::words(codec.endings);
-            found.insert(found.end(), endings.begin(), endings.end());
+            const auto own = readers::codec::words(codec.endings);
+            found.insert(found.end(), own.begin(), own.end());
         }
         return found;
     }();

@@ -34,10 +34,14 @@ constexpr int kLeastRun_px = 3;
 constexpr double kOffShare = 0.35, kOff_px = 2;
 constexpr int kReach_px = 1;     // of an edge from the end of the run
 constexpr double kStronger = 3;  // than the contrast at the run's other end
-// Least number of runs with an edge at one end, and least share of them with the edge at the right end: it is
-// 0.64 and more in left views with depth steps at 640 columns, 0.38 and less in right ones.
-constexpr int kLeastEdges = 100;
+// Least share of the runs with an edge at the right end of those with one at one end: it is 0.64 and more in
+// left views with depth steps at 640 columns, 0.38 and less in right ones, if there are 100 runs or more.
 constexpr double kLeastShare = 0.6;
+// Edges that near each other are of one thing, which counts so many rows at most: the shadow that a lamp
+// beside the camera throws looks like a strip that only one view shows, along the thing's whole height.
+constexpr int kThing_px = 4, kThingRows = 16, kMostRows = 20;
+constexpr int kLeastRows = 65;     // more than three things
+constexpr double kMoreRows = 1.2;  // than at the other end: 1.4 and more in photographs, 1.1 of three shadows
 
 // Returns the largest contrast of neighbours at the border between columns x and x + 1, or beside it.
 int contrast_at(const Image& image, int x, int y) {
@@ -48,16 +52,41 @@ int contrast_at(const Image& image, int x, int y) {
     return largest;
 }
 
-struct Edges {
-    int at_left = 0, at_right = 0;
-    bool are_many() const { return at_left + at_right >= kLeastEdges; }
-    double share_of(int some) const { return static_cast<double>(some) / (at_left + at_right); }
+// The edges at one end of the runs.
+class Edges {
+  public:
+    explicit Edges(int width) : last_(width, -kThingRows - 1), rows_(width) {}
+
+    // Adds one; they come row by row.
+    void add(int x, int y) {
+        int rows = 0;
+        for (int at = std::max(0, x - kThing_px);
+             at <= std::min(x + kThing_px, static_cast<int>(rows_.size()) - 1); ++at)
+            if (y - last_[at] <= kThingRows) rows = std::max(rows, rows_[at]);
+        last_[x] = y;
+        rows_[x] = rows + 1;
+        ++all_;
+        of_things_ += rows < kMostRows;
+    }
+    // True if they are surely more than those at the other end.
+    bool outnumber(const Edges& other) const {
+        return of_things_ >= kLeastRows && of_things_ >= kMoreRows * other.of_things_ &&
+               all_ >= kLeastShare * (all_ + other.all_);
+    }
+
+  private:
+    std::vector<int> last_, rows_;  // of each column: the row of its last edge, and the rows of its thing
+    int all_ = 0, of_things_ = 0;
 };
 
-Edges edges_of(const stages::SmallMatch& match) {
+struct EdgesAtEnds {
+    Edges at_left, at_right;
+};
+
+EdgesAtEnds edges_of(const stages::SmallMatch& match) {
     const matching::MatchedMap& map = match.map;
     const Image& image = match.small.pair.left;
-    Edges edges;
+    EdgesAtEnds edges{Edges(map.width), Edges(map.width)};
     for (int y = 0; y < map.height; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * map.width;
         int before = -1;
@@ -70,8 +99,8 @@ Edges edges_of(const stages::SmallMatch& match) {
                     (d - map.disparities[row + before]) / static_cast<double>(matching::kOnePixel);
                 if (step >= kLeastRun_px && std::fabs(step - run) <= std::max(kOff_px, kOffShare * run)) {
                     const int left = contrast_at(image, before, y), right = contrast_at(image, x - 1, y);
-                    edges.at_left += left > kStronger * right;
-                    edges.at_right += right > kStronger * left;
+                    if (left > kStronger * right) edges.at_left.add(before, y);
+                    if (right > kStronger * left) edges.at_right.add(x, y);
                 }
             }
             before = x;
@@ -255,13 +284,13 @@ bool is_hardly_supported(double support) {
 }
 
 bool is_surely_left(const stages::SmallMatch& match) {
-    const Edges edges = edges_of(match);
-    return edges.are_many() && edges.share_of(edges.at_right) >= kLeastShare;
+    const EdgesAtEnds edges = edges_of(match);
+    return edges.at_right.outnumber(edges.at_left);
 }
 
 bool is_surely_right(const stages::SmallMatch& match) {
-    const Edges edges = edges_of(match);
-    return edges.are_many() && edges.share_of(edges.at_left) >= kLeastShare;
+    const EdgesAtEnds edges = edges_of(match);
+    return edges.at_left.outnumber(edges.at_right);
 }
 
 }  // namespace hexrelief::checks

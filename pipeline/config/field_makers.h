@@ -57,15 +57,20 @@ Field number(const std::string& path, Access access, const std::string& unit, co
     return plain({path, unit, help, type, range, {}, option, {}, {}}, access);
 }
 
-// Return the rows of true or false, of a text and of a file's name.
-template <FieldType kType>
-constexpr auto row_of_type =
-    [](const std::string& path, auto access, const std::string& help, const FieldOption& option = {}) {
-        return plain({path, "", help, kType, {}, {}, option, {}, {}}, access);
-    };
-inline constexpr auto flag = row_of_type<FieldType::boolean>;
-inline constexpr auto text = row_of_type<FieldType::text>;
-inline constexpr auto file = row_of_type<FieldType::file>;
+template <typename Access>
+Field flag(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
+    return plain({path, "", help, FieldType::boolean, {}, {}, option, {}, {}}, access);
+}
+
+template <typename Access>
+Field text(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
+    return plain({path, "", help, FieldType::text, {}, {}, option, {}, {}}, access);
+}
+
+template <typename Access>
+Field file(const std::string& path, Access access, const std::string& help, const FieldOption& option = {}) {
+    return plain({path, "", help, FieldType::file, {}, {}, option, {}, {}}, access);
+}
 
 // Returns a field whose NaN, or 0 of an int, means "not given" and is null in YAML.
 template <typename Access>

@@ -57,7 +57,7 @@ inline std::vector<float> known_values(const DisparityMap& map, std::size_t ever
     return known;
 }
 
-// Returns the value that so many of the values come before in their order; reorders them.
+// Returns the value at this rank in ascending order, 0 = the least; reorders. rank < size
 template <typename Values>
 auto value_at_rank(Values& values, std::size_t rank) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);

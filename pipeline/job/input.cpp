@@ -10,6 +10,7 @@
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/disparity_input.h"
 #include "pipeline/job/pairs/align_pair.h"
+#include "pipeline/job/pairs/dark_strips.h"
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -48,14 +49,14 @@ class InputReader {
         HashedImage left = read_hashed("left", source.left), right = reading_right.get();
         tell(turn_upright(left, right, !config_.calibration.file.empty()));
         StereoPair views{std::move(left.image), std::move(right.image)};
-        if (source.mask.empty() && has_to_be_looked_at(config_) && cut_to_one_size(views))
-            log_.warn("the sizes differ: both pictures are cut to the middle " +
-                      size_text(size_of(views.left)));
-        check_sizes(views, source.left.string(), source.right.string());
+        const std::string differ = sizes_differ(views, source.left.string(), source.right.string());
+        if (!differ.empty() &&
+            (!source.mask.empty() || !config_.calibration.file.empty() || !has_to_be_looked_at(config_)))
+            throw Error(ErrorKind::input, differ + (source.mask.empty() ? "" : ", as a mask needs"));
         RunInput input{InputPair{std::move(views)}};
         input.files = {std::move(left.file), std::move(right.file)};
         return complete_pair(std::move(input), source.mask, source.left, false,
-                             source.left.string() + " and " + source.right.string());
+                             source.left.string() + " and " + source.right.string(), differ);
     }
 
     RunInput read(const StereoFile& source) {
@@ -77,7 +78,8 @@ class InputReader {
 
     RunInput read(PairArrays& source) {
         const ViewSize size = size_of(source.views.left);
-        check_sizes(source.views, "left", "right");
+        if (const std::string differ = sizes_differ(source.views, "left", "right"); !differ.empty())
+            throw Error(ErrorKind::input, differ);
         RunInput input{InputPair{std::move(source.views)}};
         find_camera(input, size, {});
         hide_strips(input);
@@ -91,13 +93,6 @@ class InputReader {
     RunInput read(DepthArrays& source) { return take_map(source, "depth"); }
 
   private:
-    static void check_sizes(const StereoPair& pair, const std::string& left_name,
-                            const std::string& right_name) {
-        if (const ViewSize size = size_of(pair.left), other = size_of(pair.right); size != other)
-            throw Error(ErrorKind::input, "the pair's sizes differ: " + left_name + " has " +
-                                              size_text(size) + " px, " + right_name + " " +
-                                              size_text(other) + "; both views have one size");
-    }
     HashedImage read_hashed(const std::string& role, const fs::path& path) const {
         return {{readers::read_image(path, limits_), path,
                  config_.exif_orientation ? readers::read_orientation(path) : readers::kUpright},
@@ -195,11 +190,11 @@ class InputReader {
     }
 
     RunInput complete_pair(RunInput input, const fs::path& mask, const fs::path& photograph, bool is_rig,
-                           const std::string& name) {
+                           const std::string& name, const std::string& differ = {}) {
         rectify_pair(input);
         const ResolvedCalibration camera = find_camera(input, size_of(input.color()), photograph);
         if (has_to_be_looked_at(config_))
-            align(input, camera, {config_, name, is_rig, !mask.empty(), foresees_});
+            align(input, camera, {config_, name, is_rig, !mask.empty(), foresees_, differ});
         // The line that tells the alignment names the focal length's source and the units.
         if (!input.is_aligned()) warn_of_focal(camera);
         hide_strips(input);

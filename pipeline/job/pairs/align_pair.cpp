@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <utility>
 
@@ -17,6 +16,7 @@ namespace {
 
 using alignment::Alignment;
 using alignment::DisparityBounds;
+using alignment::Order;
 using alignment::Verdict;
 
 // Added to the range of the matches, which lie between the nearest and the farthest surface: shares of it.
@@ -103,9 +103,11 @@ bool is_nearly_behind(const DisparityBounds& bounds) {
 }
 
 // True if the pair would be inside out: what only one of its views shows tells surely that the left one is
-// the right one. Rows hardly tell which way two cameras moved, and a stereo window says nothing.
+// the right one. Rows hardly tell which way two cameras moved, and a stereo window says nothing; if they tell
+// that all lies in front in the order as given, that is believed.
 bool is_inside_out(const StereoPair& views, const Alignment& found, bool is_rig, int threads) {
-    if (!found.says_camera() || (is_rig && found.disparities.is_infinity_known)) return false;
+    const bool is_known = found.disparities.is_infinity_known;
+    if (!found.says_camera() || (is_known && (is_rig || !found.estimate.is_exchanged))) return false;
     if (!is_aligned(found) && !is_rig && is_nearly_behind(found.disparities))
         return false;  // the checks tell
     return checks::is_surely_right(is_aligned(found) ? match_aligned(views, found, true, threads)
@@ -114,8 +116,7 @@ bool is_inside_out(const StereoPair& views, const Alignment& found, bool is_rig,
 
 constexpr const char* kShifted =
     "all that both pictures show lies behind infinity: taken for a pair shifted for a stereo window; if the "
-    "mesh is "
-    "inside out, give the pictures the other way round";
+    "mesh is inside out, give the pictures the other way round";
 
 // True if an aligned pair should not have been exchanged: cameras that are hardly turned to each other stand
 // on one mount, whose pictures are shifted for a stereo window more often than they are given the wrong way
@@ -127,6 +128,28 @@ bool is_wrongly_exchanged(const StereoPair& views, const Alignment& found, int t
     if (std::max({std::fabs(angles.pitch), std::fabs(angles.yaw), std::fabs(angles.roll)}) > kOneMount_deg)
         return false;
     return !checks::is_surely_right(match_aligned(views, found, false, threads));
+}
+
+// Returns the order that the views have, which may be another than the points tell.
+Order order_of(const StereoPair& views, const Alignment& found, bool is_rig, int threads) {
+    if (is_wrongly_exchanged(views, found, threads)) return Order::as_given;
+    if (!is_inside_out(views, found, is_rig, threads)) return Order::by_points;
+    return found.estimate.is_exchanged ? Order::as_given : Order::exchanged;
+}
+
+// Turns a pair to the order that its views have.
+void turn_to(Order order, Alignment turned, PairAlignment& pair) {
+    if (!is_aligned(turned)) {
+        pair.warnings.emplace_back(
+            "the pair seems to be inside out, but cannot be aligned in the other order; if the mesh "
+            "is inside out, give the pictures the other way round");
+        return;
+    }
+    pair.found = std::move(turned);
+    if (order == Order::as_given)
+        pair.warnings.emplace_back(kShifted);
+    else
+        pair.exchanged_because = "in the order as given, far things would hide near ones";
 }
 
 void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
@@ -147,104 +170,6 @@ void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, 
     tell_infinity(pair);
 }
 
-constexpr int kDark = 8;        // JPEG blurs black by a few levels
-constexpr int kBright = 24;     // at the strip's end
-constexpr int kBlurred_px = 3;  // between the two
-constexpr int kLeastWidth_px = 2;
-constexpr double kLargestWidth = 0.25;  // of the picture
-constexpr int kSmooth_px = 2;           // change of the width from one line to the next
-constexpr double kMostOdd = 0.03;       // lines that end otherwise
-constexpr double kLeastLines = 0.5;     // that are not dark from end to end
-constexpr double kLeastWedge = 0.125;   // of the lines
-constexpr double kMostBent = 0.1;       // off a straight line, of the wedge's width
-
-int level(const Image& image, int x, int y) {
-    const std::uint8_t* const pixel = image.at(x, y);
-    return *std::max_element(pixel, pixel + image.channels);
-}
-
-// One of the four sides. Lines run from it across the picture, pixels are counted from it.
-struct Side {
-    const Image& image;
-    bool is_vertical, is_far;  // left and right; right and bottom
-
-    int lines() const { return is_vertical ? image.height : image.width; }
-    int length() const { return is_vertical ? image.width : image.height; }
-    std::pair<int, int> place(int line, int at) const {
-        const int across = is_far ? length() - 1 - at : at;
-        return is_vertical ? std::pair{across, line} : std::pair{line, across};
-    }
-    int level_at(int line, int at) const {
-        const auto [x, y] = place(line, at);
-        return level(image, x, y);
-    }
-};
-
-// Returns the number of dark pixels at each line's beginning.
-std::vector<int> dark_runs(const Side& side) {
-    std::vector<int> runs(static_cast<std::size_t>(side.lines()));
-    for (int line = 0; line < side.lines(); ++line) {
-        int& run = runs[static_cast<std::size_t>(line)];
-        while (run < side.length() && side.level_at(line, run) <= kDark) ++run;
-    }
-    return runs;
-}
-
-bool ends_at_once(const Side& side, int line, int run) {
-    for (int at = run; at < std::min(run + kBlurred_px, side.length()); ++at)
-        if (side.level_at(line, at) >= kBright) return true;
-    return false;
-}
-
-bool is_strip(const Side& side, const std::vector<int>& runs) {
-    int lines = 0, odd = 0, before = -1;
-    for (int line = 0; line < side.lines(); ++line) {
-        const int run = runs[static_cast<std::size_t>(line)];
-        if (run == side.length()) continue;
-        ++lines;
-        odd += run < kLeastWidth_px || run > kLargestWidth * side.length() ||
-               (before >= 0 && std::abs(run - before) > kSmooth_px) || !ends_at_once(side, line, run);
-        before = run;
-    }
-    return lines > kLeastLines * side.lines() && odd <= kMostOdd * lines;
-}
-
-struct Lines {
-    int first = 0, end = 0;
-};
-
-// Returns the lines of a wedge, which is widest at the first or the last line and becomes thinner along a
-// nearly straight line until it ends; none if there is no such wedge.
-Lines find_wedge(const Side& side, const std::vector<int>& runs, bool is_widest_last) {
-    const int count = side.lines();
-    const auto line_of = [&](int i) { return is_widest_last ? count - 1 - i : i; };
-    const auto run_of = [&](int i) { return runs[static_cast<std::size_t>(line_of(i))]; };
-    int first = 0;
-    while (first < count && run_of(first) == side.length()) ++first;
-    int end = first;
-    while (end < count && run_of(end) >= kLeastWidth_px && run_of(end) < side.length()) ++end;
-    if (end == count || end - first < kLeastWedge * count) return {};
-    const int widest = run_of(first), thinnest = run_of(end - 1);
-    if (widest < 2 * kLeastWidth_px || widest > kLargestWidth * side.length() ||
-        thinnest > kLeastWidth_px + kSmooth_px)
-        return {};
-    int odd = 0;
-    for (int i = first; i < end; ++i) {
-        const double straight = widest + double(thinnest - widest) * (i - first) / (end - first);
-        odd += std::abs(run_of(i) - straight) > kSmooth_px + kMostBent * widest ||
-               (i > first && std::abs(run_of(i) - run_of(i - 1)) > kSmooth_px) ||
-               !ends_at_once(side, line_of(i), run_of(i));
-    }
-    if (odd > kMostOdd * (end - first)) return {};
-    return is_widest_last ? Lines{count - end, count - first} : Lines{first, end};
-}
-
-// Returns the lines that a strip along the whole side covers, or the wedges at its two ends.
-std::array<Lines, 2> dark_lines(const Side& side, const std::vector<int>& runs) {
-    if (is_strip(side, runs)) return {Lines{0, side.lines()}};
-    return {find_wedge(side, runs, false), find_wedge(side, runs, true)};
-}
-
 }  // namespace
 
 bool has_to_be_looked_at(const config::InputConfig& config) {
@@ -257,24 +182,20 @@ bool has_to_be_looked_at(const config::InputConfig& config) {
 PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign& given, int threads) {
     const bool always = given.config.rectify == config::PairRectification::always;
     const double focal_px = camera.is_focal_known ? camera.calibration.focal_px : 0;
-    const auto in_order = [&](alignment::Order order) {
+    const auto in_order = [&](Order order) {
         return alignment::find_alignment(views, {focal_px, given.is_rig, always, order}, threads);
     };
-    PairAlignment pair{in_order(alignment::Order::by_points), std::move(camera)};
-    const auto turn_to = [&](alignment::Order order) {
-        Alignment turned = in_order(order);
-        if (!is_aligned(turned)) return;
-        pair.found = std::move(turned);
-        if (order == alignment::Order::as_given)
-            pair.warnings.emplace_back(kShifted);
-        else
-            pair.exchanged_because =
-                "what only one of them shows is hidden by what would be farther in the order as given";
-    };
-    if (is_wrongly_exchanged(views, pair.found, threads)) turn_to(alignment::Order::as_given);
-    if (is_inside_out(views, pair.found, given.is_rig, threads))
-        turn_to(pair.found.estimate.is_exchanged ? alignment::Order::as_given : alignment::Order::exchanged);
+    PairAlignment pair{{}, std::move(camera)};
+    if (!given.sizes_differ.empty()) {
+        pair.warnings.push_back(cut_to_one_size(views));
+        if (pair.warnings.back().empty()) throw Error(ErrorKind::input, given.sizes_differ);
+    }
+    pair.found = in_order(Order::by_points);
+    if (const Order order = order_of(views, pair.found, given.is_rig, threads); order != Order::by_points)
+        turn_to(order, in_order(order), pair);
     const Alignment& found = pair.found;
+    // A pair that was cropped is hardly rectified.
+    if (!given.sizes_differ.empty() && !is_aligned(found)) throw Error(ErrorKind::input, given.sizes_differ);
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
         throw Error(ErrorKind::input, "the pair cannot be aligned: " + found.reason +
                                           "; give its calibration by --calib, or try --rectify never (" +
@@ -363,27 +284,6 @@ stages::DisparityConfig with_range_of(const Alignment& found, int width, const c
             std::max(16,
                      std::min(columns, stages::kLargestRange_px - std::max(0, searched.min_disparity_px))));
     return searched;
-}
-
-readers::PixelMask without_dark_strips(const Image& image) {
-    readers::PixelMask mask;
-    for (const auto& [is_vertical, is_far] :
-         {std::pair{true, false}, {true, true}, {false, false}, {false, true}}) {
-        const Side side{image, is_vertical, is_far};
-        const std::vector<int> runs = dark_runs(side);
-        for (const auto& [first, end] : dark_lines(side, runs)) {
-            if (first == end) continue;
-            if (mask.empty())
-                mask = {image.width, image.height,
-                        std::vector<std::uint8_t>(image.pixels.size() / image.channels, 1)};
-            for (int line = first; line < end; ++line)
-                for (int at = 0; at < runs[static_cast<std::size_t>(line)]; ++at) {
-                    const auto [x, y] = side.place(line, at);
-                    mask.kept[static_cast<std::size_t>(y) * image.width + x] = 0;
-                }
-        }
-    }
-    return mask;
 }
 
 }  // namespace hexrelief::job

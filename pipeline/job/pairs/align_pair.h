@@ -1,5 +1,4 @@
-// Aligns an uncalibrated pair by its own points (pipeline/alignment), as input.rectify says, and finds the
-// dark strips that rectifying leaves along a picture's sides.
+// Aligns an uncalibrated pair by its own points (pipeline/alignment), as input.rectify says.
 #pragma once
 
 #include <array>
@@ -12,7 +11,6 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
-#include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief::job {
 
@@ -26,10 +24,11 @@ struct PairCamera {
 // How a pair was given.
 struct PairToAlign {
     const config::InputConfig& config;
-    std::string name;          // for messages
-    bool is_rig = false;       // one file holds both views
-    bool has_mask = false;     // a mask was given for the left view as it is
-    bool is_foreseen = false;  // the right picture is not needed, and is left out if the pair is aligned
+    std::string name;               // for messages
+    bool is_rig = false;            // one file holds both views
+    bool has_mask = false;          // a mask was given for the left view as it is
+    bool is_foreseen = false;       // the right picture is not needed, and is left out if the pair is aligned
+    std::string sizes_differ = {};  // the error if the pair is not aligned; empty = they are the same
 };
 
 struct PairAlignment {
@@ -46,7 +45,8 @@ bool has_to_be_looked_at(const config::InputConfig& config);
 
 // Replaces the pair by its aligned views if its rows have to be aligned. Sets the camera's doffs if some of a
 // rectified pair lies behind infinity. camera: of the pair as it is. Throws Error(input) if the pair cannot
-// be aligned.
+// be aligned. Views
+// whose sizes differ are cut to one; the camera's focal length is the left one's before that.
 PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign& given, int threads);
 
 inline bool is_aligned(const alignment::Alignment& found) {
@@ -87,12 +87,5 @@ int largest_speckle_px(const Image& picture);
 // pair whose disparities are partly negative; as far as the keys of the range are not given.
 stages::DisparityConfig with_range_of(const alignment::Alignment& found, int width,
                                       const config::Config& config);
-
-// Returns a mask that keeps all pixels but those of dark strips; empty = there are none. A strip is plain and
-// nearly black, runs along the whole of a side, at most a quarter of the picture wide, and ends at a smooth
-// line where the picture becomes brighter at once; or it is a wedge from a corner, as a turned picture has.
-// Rows and columns that are dark from end to end belong to the strips along the other two sides, and a
-// picture with many others that are dark has no strips.
-readers::PixelMask without_dark_strips(const Image& image);
 
 }  // namespace hexrelief::job

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "pipeline/alignment/grey_picture.h"
 #include "pipeline/data/crop.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/data/shrink.h"
 #include "pipeline/data/start_work.h"
 
@@ -85,19 +87,32 @@ int reduction_of_soft(const Image& picture, int working_px, int threads) {
     return by;
 }
 
-bool cut_to_one_size(StereoPair& pair) {
+std::string sizes_differ(const StereoPair& pair, const std::string& left_name,
+                         const std::string& right_name) {
+    const std::string size = size_text(pair.left.width, pair.left.height),
+                      other = size_text(pair.right.width, pair.right.height);
+    if (size == other) return {};
+    return "the pair's sizes differ: " + left_name + " has " + size + " px, " + right_name + " " + other +
+           "; both views have one size";
+}
+
+std::string cut_to_one_size(StereoPair& pair) {
     constexpr double kMostCut = 0.2;
     const int width = std::min(pair.left.width, pair.right.width),
               height = std::min(pair.left.height, pair.right.height);
     const auto is_cut = [&](const Image& image) { return image.width > width || image.height > height; };
-    if (!is_cut(pair.left) && !is_cut(pair.right)) return false;
+    const bool is_left_cut = is_cut(pair.left), is_right_cut = is_cut(pair.right);
     for (const Image* image : {&pair.left, &pair.right})
-        if (width < (1 - kMostCut) * image->width || height < (1 - kMostCut) * image->height) return false;
+        if (width < (1 - kMostCut) * image->width || height < (1 - kMostCut) * image->height) return {};
     for (Image* image : {&pair.left, &pair.right})
         if (is_cut(*image))
             *image =
                 cropped(*image, {(image->width - width) / 2, (image->height - height) / 2, width, height});
-    return true;
+    return std::string("the sizes differ: ") +
+           (!is_right_cut  ? "the left picture is"
+            : !is_left_cut ? "the right picture is"
+                           : "both pictures are") +
+           " cut to the middle " + size_text(width, height) + " px";
 }
 
 ReducedPair reduced(StereoPair pair, int by, int threads) {

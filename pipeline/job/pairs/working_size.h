@@ -1,6 +1,8 @@
 // The working size: that at which a pair is matched and meshed.
 #pragma once
 
+#include <string>
+
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/stages/density.h"
@@ -19,9 +21,13 @@ int reduction_of(const Image& picture, int working_px);
 // out of focus, a scanned print, a picture that was enlarged. A finer mesh of it follows noise.
 int reduction_of_soft(const Image& picture, int working_px, int threads);
 
-// Cuts both pictures of a pair to their common width and height, around their middles, if neither is shorter
-// by more than a fifth along a side: one of them was cropped. Returns whether it cut any.
-bool cut_to_one_size(StereoPair& pair);
+// Returns the error of a pair whose sizes differ, with the views' names; empty if they are the same.
+std::string sizes_differ(const StereoPair& pair, const std::string& left_name, const std::string& right_name);
+
+// Cuts both pictures of a pair, of which one was cropped, to their common width and height, around their
+// middles. Returns which were cut, as a warning; empty if one is shorter by more than a fifth along a side,
+// and nothing was cut. Their sizes differ.
+std::string cut_to_one_size(StereoPair& pair);
 
 struct ReducedPair {
     StereoPair views;

@@ -70,6 +70,34 @@ TEST(OccludedEdges, TellALeftViewWhateverTheSignOfItsDisparities) {
     EXPECT_FALSE(is_right({left, left}));
 }
 
+TEST(OccludedEdges, TheShadowOfOneThingTellsNoOrder) {
+    // Boards before a wall; a lamp at the right camera throws the shadow where only the left one sees the
+    // wall.
+    const auto is_right = [](int boards) {
+        constexpr int width = 640, height = 480, step = 16;
+        const auto noise = [](int x, int y, int mean) {
+            const unsigned hash =
+                (static_cast<unsigned>(x) * 73856093U ^ static_cast<unsigned>(y) * 19349663U) * 2654435761U;
+            return static_cast<std::uint8_t>(mean + static_cast<int>(hash >> 28));
+        };
+        StereoPair pair{{width, height, 1, std::vector<std::uint8_t>(std::size_t{width} * height)}, {}};
+        pair.right = pair.left;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) *pair.left.at(x, y) = *pair.right.at(x, y) = noise(x, y, 160);
+        for (int i = 0; i < boards; ++i)
+            for (int y = 20; y < height - 20; ++y) {
+                const int left = 80 + 90 * i;
+                for (int x = left; x < left + 40; ++x)
+                    *pair.left.at(x, y) = *pair.right.at(x - step, y) = noise(x, y, 40);
+                for (int x = left - step; x < left; ++x) *pair.left.at(x, y) = noise(x, y, 45);
+            }
+        return is_surely_right(stages::match_coarsely(pair, -40, 1, width));
+    };
+    EXPECT_FALSE(is_right(1));
+    EXPECT_FALSE(is_right(3));
+    EXPECT_TRUE(is_right(6)) << "the same of many things does";
+}
+
 TEST(CheckPair, NoticesSwappedViews) {
     const auto findings = judge({scene().pair.right, scene().pair.left}, {0, 16}, stages::RangeOrigin::given);
     ASSERT_EQ(mistakes_in(findings), List{Mistake::views_swapped}) << "and nothing of the range";

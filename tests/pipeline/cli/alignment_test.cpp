@@ -182,12 +182,31 @@ TEST(Alignment, TwoFilesThatAreShiftedForAStereoWindowKeepTheirOrder) {
 TEST(Alignment, APictureThatWasCroppedIsAlignedWithTheWholeOtherOne) {
     const TemporaryFolder folder;
     const StereoPair pair = render_pair(kTurned);
-    const auto run_with = [&](const PixelRect& part, int exit_code) {
-        return run_on({pair.left, cropped(pair.right, part)}, folder, {}, exit_code).err;
+    const ProcessResult run = run_on({pair.left, cropped(pair.right, {64, 40, 576, 440})}, folder,
+                                     {"--fov-x", std::to_string(kFovX_deg)});
+    EXPECT_CONTAINS(run.err, "the left picture is cut to the middle 576x440");
+    const nlohmann::json report = report_in(folder);
+    EXPECT_LT(report["input"]["alignment"]["rows_held_out"]["median_px"].get<double>(), 0.3);
+    EXPECT_NEAR(report["input"]["calibration"]["focal_px"].get<double>(), kTurned.focal_px, 1)
+        << "of the whole picture";
+}
+
+TEST(Alignment, PicturesOfTwoSizesAreRefusedUnlessTheyAreAligned) {
+    const TemporaryFolder folder;
+    write_text(folder / "calib.txt", "focal_px: 576\nbaseline_m: 0.15\n");
+    write_picture(folder / "mask.pgm", render_pair(kTurned).left);
+    const auto refusal = [&](const TurnedCameras& cameras, const PixelRect& part,
+                             const std::vector<std::string>& options = {}) {
+        const StereoPair pair = render_pair(cameras);
+        return run_on({pair.left, cropped(pair.right, part)}, folder, options, 3).err;
     };
-    EXPECT_CONTAINS(run_with({64, 40, 576, 440}, 0), "both pictures are cut to the middle 576x440");
-    EXPECT_LT(report_in(folder)["input"]["alignment"]["rows_held_out"]["median_px"].get<double>(), 0.15);
-    EXPECT_CONTAINS(run_with({0, 0, 320, 240}, 3), "the pair's sizes differ");
+    constexpr PixelRect kPart{64, 40, 576, 440};
+    const std::string differ = "the pair's sizes differ: ";
+    EXPECT_CONTAINS(refusal(kTurned, {0, 0, 320, 240}), differ) << "more than a fifth";
+    EXPECT_CONTAINS(refusal({}, {64, 0, 576, 480}), differ) << "rectified";
+    EXPECT_CONTAINS(refusal(kTurned, kPart, {"--rectify", "always", "--calib", folder / "calib.txt"}),
+                    differ);
+    EXPECT_CONTAINS(refusal(kTurned, kPart, {"--mask", folder / "mask.pgm"}), "one size, as a mask needs");
 }
 
 TEST(Alignment, APairThatCannotBeAlignedIsAnErrorOfOneLine) {

@@ -1,5 +1,5 @@
 // Tests which dark parts of a picture are the strips that rectifying leaves.
-#include "pipeline/job/pairs/align_pair.h"
+#include "pipeline/job/pairs/dark_strips.h"
 
 #include <gtest/gtest.h>
 

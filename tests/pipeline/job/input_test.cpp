@@ -108,5 +108,18 @@ TEST(AlignPair, AWindowedPairInTheWrongOrderIsExchanged) {
     EXPECT_TRUE(exchanged(true, lower));
 }
 
+TEST(AlignPair, APairThatSurelyLiesInFrontIsNotExchanged) {
+    constexpr int shift = 60, lower = 2;
+    const Image left = readers::read_image(test::sample("left.png")),
+                right = readers::read_image(test::sample("right.png"));
+    const config::InputConfig config;
+    StereoPair views{cropped(right, {0, lower, right.width - shift, right.height - lower}),
+                     cropped(left, {shift, 0, left.width - shift, left.height - lower})};
+    const PairAlignment done = align_pair(views, {Calibration{.focal_px = 300}, true}, {config, "pair"}, 1);
+    ASSERT_TRUE(is_aligned(done.found));
+    EXPECT_TRUE(done.found.disparities.is_infinity_known);
+    EXPECT_FALSE(done.found.estimate.is_exchanged) << "though what only one view shows tells so";
+}
+
 }  // namespace
 }  // namespace hexrelief::job

@@ -191,10 +191,8 @@ TEST(Continued, LowStepsOfWhatNoCameraShowsBecomeRamps) {
     std::vector<std::uint8_t> is_shown(map.values.size());
     is_shown[at(14, 10)] = is_shown[at(20, 4)] = 1;
     ramp_steps(map, is_shown, 6);
-    for (int k = 1; k <= 6; ++k) {
-        EXPECT_NEAR(map.at(15 - k, 12), 14 + 0.9 * k, 1e-5) << k;
-        if (k < 5) EXPECT_NEAR(map.at(25, 5 - k), 14 + 0.9 * k, 1e-5) << k;
-    }
+    for (int k = 1; k <= 6; ++k) EXPECT_NEAR(map.at(15 - k, 12), 14 + 0.9 * k, 1e-5) << k;
+    for (int k = 1; k < 5; ++k) EXPECT_NEAR(map.at(25, 5 - k), 14 + 0.9 * k, 1e-5) << k;
     for (int x = 0; x < 8; ++x) EXPECT_EQ(map.at(x, 12), 20) << "far from the step at " << x;
     for (int x = 15; x < kWidth; ++x) EXPECT_EQ(map.at(x, 12), 14) << "what lies behind stays at " << x;
     EXPECT_EQ(map.at(14, 10), 20) << "a camera shows it";
