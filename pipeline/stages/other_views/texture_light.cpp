@@ -23,6 +23,7 @@ struct Unknown {
     std::array<Link, 4> links;
 };
 
+// Returns what b lacks of a.
 Light lacking(const TextureLevel::Colour& a, const TextureLevel::Colour& b) {
     return {float(a[0] - b[0]), float(a[1] - b[1]), float(a[2] - b[2])};
 }
@@ -47,13 +48,13 @@ void add_link(const TextureLevel& level, int x, int y, int u, int v, Unknown& un
                   there = is_seen ? other : source_of(level, u, v, its),
                   back = is_seen ? -1 : source_of(level, x, y, its);
         if (here < 0 || there < 0 || (beside < 0 && back < 0)) return;
-        // Where both sources go on, the mean of what they show counts.
+        // Where both sources go on, the mean of both counts.
         const Light by_own = beside < 0 ? Light{} : lacking(level.seen[beside], level.seen[there]),
                     by_its = back < 0 ? Light{} : lacking(level.seen[here], level.seen[back]);
         const float share = beside < 0 || back < 0 ? 1.0F : 0.5F;
         float size = 0;
         for (int c = 0; c < 3; ++c) {
-            link.step[c] = share * ((beside < 0 ? 0 : by_own[c]) + (back < 0 ? 0 : by_its[c]));
+            link.step[c] = share * (by_own[c] + by_its[c]);
             size += std::abs(link.step[c]);
         }
         if (size > kMostSeam) return;
