@@ -50,9 +50,9 @@ class InputReader {
         tell(turn_upright(left, right, !config_.calibration.file.empty()));
         StereoPair views{std::move(left.image), std::move(right.image)};
         const std::string differ = sizes_differ(views, source.left.string(), source.right.string());
-        if (!differ.empty() &&
-            (!source.mask.empty() || !config_.calibration.file.empty() || !has_to_be_looked_at(config_)))
-            throw Error(ErrorKind::input, differ + (source.mask.empty() ? "" : ", as a mask needs"));
+        const bool may_be_cut = config_.calibration.file.empty() && has_to_be_looked_at(config_);
+        if (!differ.empty() && (!may_be_cut || !source.mask.empty()))
+            throw Error(ErrorKind::input, differ + (may_be_cut ? ", as a mask needs" : ""));
         RunInput input{InputPair{std::move(views)}};
         input.files = {std::move(left.file), std::move(right.file)};
         return complete_pair(std::move(input), source.mask, source.left, false,

@@ -139,17 +139,19 @@ Order order_of(const StereoPair& views, const Alignment& found, bool is_rig, int
 
 // Turns a pair to the order that its views have.
 void turn_to(Order order, Alignment turned, PairAlignment& pair) {
-    if (!is_aligned(turned)) {
+    const bool is_turned = is_aligned(turned);
+    if (!is_turned && (order != Order::as_given || turned.verdict != Verdict::rectified)) {
         pair.warnings.emplace_back(
-            "the pair seems to be inside out, but cannot be aligned in the other order; if the mesh "
-            "is inside out, give the pictures the other way round");
+            "the order of the views is not sure, and in the other one they cannot be aligned: the mesh may "
+            "be "
+            "inside out");
         return;
     }
     pair.found = std::move(turned);
-    if (order == Order::as_given)
-        pair.warnings.emplace_back(kShifted);
-    else
+    if (order == Order::exchanged)
         pair.exchanged_because = "in the order as given, far things would hide near ones";
+    else if (is_turned)
+        pair.warnings.emplace_back(kShifted);
 }
 
 void leave_rectified(const StereoPair& views, PairAlignment& pair, bool is_rig, int threads) {
@@ -195,7 +197,9 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
         turn_to(order, in_order(order), pair);
     const Alignment& found = pair.found;
     // A pair that was cropped is hardly rectified.
-    if (!given.sizes_differ.empty() && !is_aligned(found)) throw Error(ErrorKind::input, given.sizes_differ);
+    if (!given.sizes_differ.empty() && !is_aligned(found))
+        throw Error(ErrorKind::input,
+                    given.sizes_differ + (found.reason.empty() ? "" : " (" + found.reason + ")"));
     if (found.verdict == Verdict::refused || (always && found.verdict == Verdict::unclear))
         throw Error(ErrorKind::input, "the pair cannot be aligned: " + found.reason +
                                           "; give its calibration by --calib, or try --rectify never (" +

@@ -45,8 +45,8 @@ bool has_to_be_looked_at(const config::InputConfig& config);
 
 // Replaces the pair by its aligned views if its rows have to be aligned. Sets the camera's doffs if some of a
 // rectified pair lies behind infinity. camera: of the pair as it is. Throws Error(input) if the pair cannot
-// be aligned. Views
-// whose sizes differ are cut to one; the camera's focal length is the left one's before that.
+// be aligned. Views whose sizes differ are cut to one; the camera's focal length is the left one's before
+// that.
 PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign& given, int threads);
 
 inline bool is_aligned(const alignment::Alignment& found) {

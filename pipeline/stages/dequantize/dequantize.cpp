@@ -88,7 +88,8 @@ struct Rise {
                               std::clamp(y + k * dy, 0, map.height - 1));
             };
             const float step = std::abs(at(1) - at(0)), around = std::abs(at(1 + kBlur_px) - at(-kBlur_px));
-            if (!(step > kOneSurface_px) || !DisparityMap::known(around)) continue;
+            if (!(step > kOneSurface_px) || !DisparityMap::known(step) || !DisparityMap::known(around))
+                continue;
             steps_px += step;
             around_px += around;
         }

@@ -1,6 +1,7 @@
 #include "pipeline/stages/other_views/bridges.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <compare>
 #include <cstdint>
@@ -118,6 +119,10 @@ void build_around(const Stop& stop, float d, OtherView& view, const SeenSurface&
     const auto x_of = [&](std::uint32_t pixel) { return static_cast<int>(pixel % width); };
     const auto y_of = [&](std::uint32_t pixel) { return static_cast<int>(pixel / width); };
     const int x = x_of(stop.pixel), y = y_of(stop.pixel);
+    std::array<std::uint8_t, 3> colour = {};
+    if (!texture.empty())
+        std::copy_n(texture.at(column(x_of(stop.colour_of)), row(y_of(stop.colour_of))), texture.channels,
+                    colour.data());
     for (int v = std::max(0, y - kHalfBridge_px); v <= std::min(map.height - 1, y + kHalfBridge_px); ++v)
         for (int u = std::max(0, x - kHalfBridge_px); u <= std::min(map.width - 1, x + kHalfBridge_px); ++u) {
             const std::uint32_t i = static_cast<std::uint32_t>(v) * width + u;
@@ -127,11 +132,9 @@ void build_around(const Stop& stop, float d, OtherView& view, const SeenSurface&
             regions.join(i, stop.region, 1);
             if (texture.empty()) continue;
             // A smaller texture has no texel for most pixels.
-            const std::uint8_t* const colour =
-                texture.at(column(x_of(stop.colour_of)), row(y_of(stop.colour_of)));
             for (int r = row(v); r < row(v + 1); ++r)
                 for (int c = column(u); c < column(u + 1); ++c)
-                    std::copy_n(colour, texture.channels, texture.at(c, r));
+                    std::copy_n(colour.data(), texture.channels, texture.at(c, r));
         }
 }
 

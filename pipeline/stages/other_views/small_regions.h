@@ -27,9 +27,8 @@ std::vector<std::uint32_t> specks_of(const DisparityMap& map, std::size_t least,
 
 inline constexpr std::size_t kLeastSurface = 60;  // pixels of a surface of its own
 
-// Gives regions of fewer than `least` pixels, within which rows differ by up to 3 px, to the surfaces around
-// them. Those alone stay, unless nobody
-// would miss them.
+// Gives regions of fewer than `least` pixels to the surfaces around them. In a region neighbours in different
+// rows differ by up to 3 px, for a floor rises. Those alone stay, unless nobody would miss them.
 void merge_specks(DisparityMap& map, std::size_t least = kLeastSurface);
 
 // Returns per pixel 1 where the map is known.

@@ -28,11 +28,11 @@ Light lacking(const TextureLevel::Colour& a, const TextureLevel::Colour& b) {
     return {float(a[0] - b[0]), float(a[1] - b[1]), float(a[2] - b[2])};
 }
 
-// The source of a target, or of the cell beside it by the same offset; -1 = that is none.
-int source_of(const TextureLevel& level, int x, int y, Offset offset) {
+// The source that an offset leads to from (x, y), for the target there or beside it; -1 = that is none.
+int source_of(const TextureLevel& level, int target, int x, int y, Offset offset) {
     if (offset.is_none() || !level.has(x + offset.x, y + offset.y)) return -1;
     const int source = level.at(x + offset.x, y + offset.y);
-    return level.is_source[source] ? source : -1;
+    return level.is_source_of(target, source) ? source : -1;
 }
 
 // Adds how the colours go on from the target at (x, y) to the cell at (u, v), if the sources tell.
@@ -44,9 +44,9 @@ void add_link(const TextureLevel& level, int x, int y, int u, int v, Unknown& un
     const Offset own = level.offsets[target], its = level.offsets[other];
     Link link{is_seen ? Link::kSeen : other};
     if (is_seen || own != its) {
-        const int here = source_of(level, x, y, own), beside = source_of(level, u, v, own),
-                  there = is_seen ? other : source_of(level, u, v, its),
-                  back = is_seen ? -1 : source_of(level, x, y, its);
+        const int here = source_of(level, target, x, y, own), beside = source_of(level, target, u, v, own),
+                  there = is_seen ? other : source_of(level, other, u, v, its),
+                  back = is_seen ? -1 : source_of(level, other, x, y, its);
         if (here < 0 || there < 0 || (beside < 0 && back < 0)) return;
         // Where both sources go on, the mean of both counts.
         const Light by_own = beside < 0 ? Light{} : lacking(level.seen[beside], level.seen[there]),

@@ -15,6 +15,7 @@
 namespace hexrelief::stages {
 namespace {
 
+constexpr float kSteep = 0.3F;        // slope of a surface, px of disparity a px
 constexpr double kSetBack_px = 0.3;   // more than the noise of a match
 constexpr double kFarther_px = 1;     // of this view: a guess that is so much farther than all else is wrong
 constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
@@ -325,9 +326,14 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
     }
     std::vector<Triangle> all = with_middles(std::move(kept), middles, is_kept, pool);
     std::erase_if(all, [&](const Triangle& t) {
-        const auto [least, largest] =
-            std::minmax({cut_mesh.disparities[t[0]], cut_mesh.disparities[t[1]], cut_mesh.disparities[t[2]]});
-        return (largest - least) * place.scale > most_step_px;
+        const auto extent = [&](const auto& value) {
+            const auto [least, largest] = std::minmax({value(t[0]), value(t[1]), value(t[2])});
+            return largest - least;
+        };
+        const float step = extent([&](std::uint32_t v) { return cut_mesh.disparities[v]; }),
+                    wide_px = std::max(extent([&](std::uint32_t v) { return cut_mesh.points[v].x; }),
+                                       extent([&](std::uint32_t v) { return cut_mesh.points[v].y; }));
+        return (step - kSteep * wide_px) * place.scale > most_step_px;
     });
     cut_mesh.triangles = without_small_pieces(cut_mesh, all, place, surface);
 }

@@ -60,8 +60,9 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
 
 // Moves the vertices of a cut mesh of this view so, and those of triangles that are in front of the surface
 // by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, those
-// that are too far, those that step by more than most_step_px of the left view by now, and pieces of less
-// than 20 square pixels of this view; those where a camera sees nothing else count seven times.
+// that are too far, those that step by more than most_step_px of the left view beyond a steep slope, and
+// pieces of less than 20 square pixels of this view; those where a camera sees nothing else count seven
+// times.
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface,
                  double most_step_px, int threads);
 
