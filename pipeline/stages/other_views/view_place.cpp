@@ -15,7 +15,6 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr float kSteep = 0.3F;        // slope of a surface, px of disparity a px
 constexpr double kSetBack_px = 0.3;   // more than the noise of a match
 constexpr double kFarther_px = 1;     // of this view: a guess that is so much farther than all else is wrong
 constexpr double kInFront_px = 0.02;  // what is less in front is not seen to be
@@ -273,6 +272,7 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface,
                  double most_step_px, int threads) {
     ThreadPool pool(threads);
+    std::vector<float> given = cut_mesh.disparities;
     pool.parallel_for(cut_mesh.points.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Vec2f& p = cut_mesh.points[i];
@@ -293,6 +293,7 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
                       (cut_mesh.points[a].y + cut_mesh.points[b].y) / 2};
         const double d = (cut_mesh.disparities[a] + cut_mesh.disparities[b]) / 2;
         cut_mesh.points.push_back(p);
+        given.push_back((given[a] + given[b]) / 2);
         cut_mesh.disparities.push_back(behind({p.x, p.y, d}, place, surface));
         return found->second;
     };
@@ -326,14 +327,12 @@ void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleS
     }
     std::vector<Triangle> all = with_middles(std::move(kept), middles, is_kept, pool);
     std::erase_if(all, [&](const Triangle& t) {
-        const auto extent = [&](const auto& value) {
-            const auto [least, largest] = std::minmax({value(t[0]), value(t[1]), value(t[2])});
+        const auto step_of = [&](const std::vector<float>& disparities) {
+            const auto [least, largest] =
+                std::minmax({disparities[t[0]], disparities[t[1]], disparities[t[2]]});
             return largest - least;
         };
-        const float step = extent([&](std::uint32_t v) { return cut_mesh.disparities[v]; }),
-                    wide_px = std::max(extent([&](std::uint32_t v) { return cut_mesh.points[v].x; }),
-                                       extent([&](std::uint32_t v) { return cut_mesh.points[v].y; }));
-        return (step - kSteep * wide_px) * place.scale > most_step_px;
+        return (step_of(cut_mesh.disparities) - step_of(given)) * place.scale > most_step_px;
     });
     cut_mesh.triangles = without_small_pieces(cut_mesh, all, place, surface);
 }

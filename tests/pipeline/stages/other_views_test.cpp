@@ -1,6 +1,8 @@
 // What the left camera does not see, on a made-up scene: a box of 20 px of disparity before a wall of 4 px.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <array>
 #include <cstddef>
 #include <tuple>
@@ -304,15 +306,18 @@ TEST(OtherView, NoVertexLiesOnTheEdgeOfATriangleBesideASplitOne) {
         }
 }
 
-TEST(OtherView, ATriangleThatStepsFarIsDropped) {
-    const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
-    DisparityMesh sheet;  // behind all
-    sheet.points = {{5, 5}, {15, 5}, {5, 15}, {15, 15}};
-    sheet.disparities = {1.5F, 1.5F, 1.5F, 3.5F};
-    sheet.triangles = {{0, 2, 1}, {1, 2, 3}};
-    // Over 10 px a slope may take 3 px, and steps behind this wall are small: hence a limit below 0.
-    keep_behind(sheet, place_at(0), visible, -2, 2);
-    EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{0, 2, 1}}));
+TEST(OtherView, ATriangleThatMovingMakesStepIsDropped) {
+    for (const double most_step_px : {6.0, 18.0}) {
+        const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
+        DisparityMesh
+            sheet;  // flat behind the box, but its last vertex comes out beside it and moves behind the wall
+        sheet.points = {{44, 10}, {54, 10}, {44, 20}, {60.5F, 10}};
+        sheet.disparities = {15, 15, 15, 15};
+        sheet.triangles = {{0, 2, 1}, {1, 2, 3}};
+        keep_behind(sheet, place_at(0), visible, most_step_px, 2);
+        EXPECT_EQ(std::ranges::find(sheet.triangles, Triangle{0, 2, 1}) != sheet.triangles.end(), true);
+        EXPECT_EQ(sheet.triangles.size() > 1, most_step_px > 15) << most_step_px;
+    }
 }
 
 TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
