@@ -32,8 +32,12 @@ constexpr float kUnsurePixel_px = 8, kFilledPixel_px = 2;
 constexpr int kShortest = 80;  // discontinuities in the longer side; shorter ones are errors, or too small
 // Those of blurred ones, which are what was matched steeply of an outline: they would hang as flakes.
 constexpr int kShortestBlurred = 8;
-constexpr int kBlur_px = 3;       // beside a step, about the radius of the matcher's windows
-constexpr float kBlurred = 0.8f;  // of what rises within kBlur_px lies in a blurred discontinuity's steps
+// Those of soft ones, sharper and longer: they get skirts, as smooth bends would spread too far beside them.
+constexpr int kShortestSoft = 4;
+constexpr int kBlur_px = 3;  // beside a step, about the radius of the matcher's windows
+// Of what rises within kBlur_px, less lies in a blurred or a soft discontinuity's steps.
+constexpr float kBlurred = 0.8f, kSoft = 0.9f;
+constexpr float kSkirtSlope = 1;  // px per pixel; the surface stage cuts what is steeper
 // Surfaces may bend by so many powers of the misfit's growth more: 10 % make it twice as much.
 constexpr int kDoublings = 3;
 
@@ -79,7 +83,7 @@ std::vector<std::uint8_t> find_ends(const DisparityMap& map, ThreadPool& pool) {
 struct Rise {
     float steps_px = 0, around_px = 0;
 
-    bool is_blurred() const { return steps_px < kBlurred * around_px; }
+    bool is_below(float share) const { return steps_px < share * around_px; }
     // Adds the steps to a pixel's right and below it.
     void add(const DisparityMap& map, int x, int y) {
         for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
@@ -96,10 +100,11 @@ struct Rise {
     }
 };
 
-// Marks the pixels along short discontinuities.
-void mark_short_steps(const DisparityMap& map, std::vector<std::uint8_t>& is_unsure, ThreadPool& pool) {
-    const int width = map.width, height = map.height, longer = std::max(width, height);
-    std::vector<std::uint8_t> is_end = find_ends(map, pool);
+// Returns 1 for the pixels along discontinuities that is_marked(length_px, rise) takes.
+template <class IsMarked>
+std::vector<std::uint8_t> find_steps(const DisparityMap& map, ThreadPool& pool, const IsMarked& is_marked) {
+    const int width = map.width, height = map.height;
+    std::vector<std::uint8_t> is_end = find_ends(map, pool), marked(is_end.size());
     std::vector<std::size_t> line;
     for (std::size_t start = 0; start < is_end.size(); ++start) {
         if (!is_end[start]) continue;
@@ -120,10 +125,40 @@ void mark_short_steps(const DisparityMap& map, std::vector<std::uint8_t>& is_uns
                     line.push_back(other);
                 }
         }
-        const int least = longer / (rise.is_blurred() ? kShortestBlurred : kShortest);
-        if (std::max(right - left, bottom - top) < least)
-            for (const std::size_t i : line) is_unsure[i] = 1;
+        if (is_marked(std::max(right - left, bottom - top), rise))
+            for (const std::size_t i : line) marked[i] = 1;
     }
+    return marked;
+}
+
+// Lets short soft discontinuities of the map as it was matched, where longer ones are not yet in pieces, fall
+// from their nearer side on, as steeply as one surface may.
+void add_skirts(DisparityMap& map, const DisparityMap& matched, ThreadPool& pool) {
+    const int least = std::max(map.width, map.height) / kShortestSoft;
+    const std::vector<std::uint8_t> falls = find_steps(matched, pool, [&](int length_px, const Rise& rise) {
+        return length_px < least && rise.is_below(kSoft);
+    });
+    const std::size_t width = map.width, count = map.values.size();
+    // The skirts of all nearer sides, by a distance transform: along rows and columns, there and back.
+    std::vector<float> skirt(count, std::numeric_limits<float>::lowest());
+    for (std::size_t i = 0; i < count; ++i)
+        for_four_neighbours(i, map.width, map.height, [&](std::size_t other) {
+            if (falls[i] && map.values[i] > map.values[other] && are_apart(map, i, other))
+                skirt[i] = map.values[i];
+        });
+    const auto fall = [&](std::size_t from, std::size_t to) {
+        skirt[to] = std::max(skirt[to], skirt[from] - kSkirtSlope);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i % width > 0) fall(i - 1, i);
+        if (i >= width) fall(i - width, i);
+    }
+    for (std::size_t i = count; i-- > 0;) {
+        if ((i + 1) % width > 0) fall(i + 1, i);
+        if (i + width < count) fall(i + width, i);
+    }
+    for (std::size_t i = 0; i < count; ++i)
+        if (DisparityMap::known(map.values[i])) map.values[i] = std::max(map.values[i], skirt[i]);
 }
 
 // Returns the finest level: its values, `raise` above the map's, joins, and pulls, for bends of a variance.
@@ -133,8 +168,10 @@ PyramidLevel level_of(const DisparityMap& map, const Evidence& evidence, float v
     constexpr float kOfUnsure = 1 / (kUnsurePixel_px * kUnsurePixel_px),
                     kOfFilled = 1 / (kFilledPixel_px * kFilledPixel_px);
     const auto width = static_cast<std::size_t>(map.width);
-    std::vector<std::uint8_t> is_unsure(map.values.size());
-    mark_short_steps(map, is_unsure, pool);
+    const int longer = std::max(map.width, map.height);
+    std::vector<std::uint8_t> is_unsure = find_steps(map, pool, [&](int length_px, const Rise& rise) {
+        return length_px < longer / (rise.is_below(kBlurred) ? kShortestBlurred : kShortest);
+    });
     PyramidLevel level(map.width, map.height);
     level.pull.resize(level.given.size());
     pool.parallel_for_each(map.height, [&](int y) {
@@ -222,6 +259,7 @@ DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair,
                         std::clamp(fine.smooth[fine.at(x, y)] - raise, range.least, range.largest);
         });
     }
+    add_skirts(result, map, pool);
     return result;
 }
 

@@ -121,6 +121,27 @@ TEST(ByPictures, AShortStepStaysUnlessItIsBlurred) {
     }
 }
 
+// A flap as above, some 45 or 75 px long; 43 of 50 parts of what rises lie in its step.
+TEST(ByPictures, AShortSoftStepGetsASkirtAndALongOneDoesNot) {
+    for (const int half_length : {24, 40}) {
+        const auto flap = [&](int x, int y) {
+            const double along = std::clamp((half_length - std::abs(y - 80)) / 8.0, 0.0, 1.0);
+            const double across = std::clamp(1 - (x - kStep) / 60.0, 0.0, 1.0);
+            const double share = x < kStep - 1 ? 0 : x < kStep ? 0.07 : x < kStep + 1 ? 0.93 : 1;
+            return bent(x, y) + 5 * along * across * share;
+        };
+        const DisparityMap refined = refine_by_pictures(map_of(flap, 0.05), pictures_of(flap, {}), 2);
+        for (int y = 75; y <= 85; ++y) {
+            float steepest = 0;
+            for (int x = kStep - 10; x < kStep + 5; ++x)
+                steepest = std::max(steepest, std::abs(refined.at(x + 1, y) - refined.at(x, y)));
+            EXPECT_EQ(steepest < 1.01f, half_length == 24) << y << ": " << steepest;
+            EXPECT_NEAR(refined.at(kStep, y), flap(kStep, y), 1) << y;
+            EXPECT_NEAR(refined.at(kStep - 8, y), flap(kStep - 8, y), 0.5) << y;
+        }
+    }
+}
+
 TEST(ByPictures, UnknownStaysUnknownForAnyNumberOfThreads) {
     DisparityMap map = map_of(stepped, 0.1);
     for (int x = 30; x < 60; ++x) map.at(x, 40) = kUnknownDisparity;
