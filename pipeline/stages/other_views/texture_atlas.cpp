@@ -134,14 +134,14 @@ void copy_pixel(const std::uint8_t* from, int from_channels, std::uint8_t* to, i
         to[0] = static_cast<std::uint8_t>((from[0] + 2 * from[1] + from[2]) / 4);
 }
 
-using Colour = std::array<float, 3>;
+using AtlasColour = std::array<float, 3>;
 
 // Gives the pixels of a block that have no colour those that a JPEG file needs fewest bytes for: what goes on
 // smoothly from the block's others, or if it has none the mean of the block before. Returns the block's mean.
 // is_known: 1 for pixels with a colour, row by row of the atlas from the block's first row on.
-Colour fill_block(Image& atlas, const char* is_known, int x, int y, const Colour& before) {
+AtlasColour fill_block(Image& atlas, const char* is_known, int x, int y, const AtlasColour& before) {
     const int width = std::min(kBlock_px, atlas.width - x), height = std::min(kBlock_px, atlas.height - y);
-    std::array<Colour, kBlock_px * kBlock_px> colours;
+    std::array<AtlasColour, kBlock_px * kBlock_px> colours;
     std::array<char, kBlock_px*kBlock_px> has_colour = {}, is_given;
     const auto for_pixels = [&](const auto& visit) {
         for (int v = 0; v < height; ++v)
@@ -158,7 +158,7 @@ Colour fill_block(Image& atlas, const char* is_known, int x, int y, const Colour
     is_given = has_colour;
     const auto interpolate = [&](int u, int v, int i) {
         if (is_given[i]) return;
-        Colour sum = {};
+        AtlasColour sum = {};
         int count = 0;
         const auto add = [&](bool is_inside, int other) {
             if (!is_inside || !has_colour[other]) return;
@@ -176,7 +176,7 @@ Colour fill_block(Image& atlas, const char* is_known, int x, int y, const Colour
     // Colours cross the block at the latest after so many rounds as it has pixels along two sides.
     const int rounds = is_empty || is_full ? 0 : 2 * kBlock_px + kSmoothingRounds;
     for (int round = 0; round < rounds; ++round) for_pixels(interpolate);
-    Colour mean = {};
+    AtlasColour mean = {};
     for_pixels([&](int u, int v, int i) {
         for (int c = 0; c < atlas.channels; ++c) {
             mean[c] += colours[i][c] / static_cast<float>(width * height);
@@ -261,7 +261,7 @@ TextureAtlas make_atlas(Image left, const std::vector<PictureInUse>& others, int
     // The rows of blocks that the left picture does not fill.
     const int first_row = left.height / kAtlasBlock_px, rows = below + shelf.rows() - first_row;
     const int first_y = first_row * kAtlasBlock_px, left_height = left.height;
-    Colour last_row = {};
+    AtlasColour last_row = {};
     std::copy_n(left.at(0, left.height - 1), left.channels, last_row.begin());
     Image& picture = atlas.picture = std::move(left);
     picture.height = (below + shelf.rows()) * kAtlasBlock_px;
@@ -286,7 +286,7 @@ TextureAtlas make_atlas(Image left, const std::vector<PictureInUse>& others, int
         for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
             const int top = (first_row + row) * kAtlasBlock_px,
                       bottom = std::min(top + kAtlasBlock_px, picture.height);
-            Colour before = last_row;
+            AtlasColour before = last_row;
             for (int column = 0; column < picture.width; column += kAtlasBlock_px)
                 for (int v = top; v < bottom; v += kBlock_px)
                     for (int u = column; u < std::min(column + kAtlasBlock_px, picture.width); u += kBlock_px)
