@@ -12,6 +12,7 @@
 #include "pipeline/data/color_difference.h"
 #include "pipeline/data/four_neighbours.h"
 #include "pipeline/data/line_of_map.h"
+#include "pipeline/stages/other_views/backing_texture.h"
 #include "pipeline/stages/other_views/continued.h"
 #include "pipeline/stages/other_views/small_regions.h"
 #include "pipeline/stages/other_views/texture_synthesis.h"
@@ -283,34 +284,6 @@ void grow(DisparityMap& map, const Disparities& covered, int border_px, ThreadPo
     }
 }
 
-// Adds pixels behind which there is nothing but the backing, without a colour.
-void add_backing(Continued& continued, const OtherView& backing, const Disparities& front,
-                 const ViewPlace& place) {
-    const int by = static_cast<int>(backing.place.scale);
-    for (int y = 0; y < backing.place.height * by; ++y)
-        for (int x = 0; x < backing.place.width * by; ++x) {
-            const double d = backing.missing.at(x / by, y / by) * backing.place.scale;
-            const std::size_t i = static_cast<std::size_t>(y) * place.width + x;
-            if (!(front[i] - d > kOneSurface_px) || continued.disparities[i] != kNotCovered) continue;
-            continued.offer(i, d, 1, Continued::kNoColour);
-            continued.pixels.push_back(static_cast<std::uint32_t>(i));
-        }
-}
-
-// Paints pixels without a colour in the backing's, and removes them.
-void paint_backing(Image& picture, const ViewPlace& place, const OtherView& backing, Continued& continued) {
-    std::erase_if(continued.pixels, [&](std::uint32_t pixel) {
-        if (continued.colours_of[pixel] != Continued::kNoColour) return false;
-        continued.disparities[pixel] = kNotCovered;
-        const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width),
-                  by = static_cast<int>(backing.place.scale);
-        if (!picture.empty())
-            std::copy_n(backing.color.at(x / by, y / by), picture.channels,
-                        picture.at(x * picture.width / place.width, y * picture.height / place.height));
-        return true;
-    });
-}
-
 }  // namespace
 
 void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
@@ -361,12 +334,12 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
         paint(texture, texture, place, continued, pool);
         return;
     }
-    if (beyond.backing) add_backing(continued, *beyond.backing, front, place);
+    const Continued behind =
+        beyond.backing ? backing_behind(continued, *beyond.backing, front, place) : Continued(0);
     Image painted = with_texture(texture, place, continued, front, pool);
-    if (beyond.backing) paint_backing(painted, place, *beyond.backing, continued);
     paint(painted, texture, place, continued, pool);
     texture = std::move(painted);
-    if (beyond.backing) beyond.backing->picture = texture;
+    if (beyond.backing) paint_backing(*beyond.backing, texture, place, behind, front, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, std::size_t least,

@@ -71,6 +71,10 @@ void bridge(TextureLevel& level) {
 
 }  // namespace
 
+float TextureLevel::tolerance_of(double step_px) {
+    return static_cast<float>(std::max(kLeastTolerance_px, kOfStep * step_px));
+}
+
 TextureLevel::TextureLevel(int cell, int columns, int rows) : cell_px(cell), width(columns), height(rows) {
     const std::size_t count = static_cast<std::size_t>(width) * height;
     for (auto* values : {&seen_at, &hidden_at}) values->resize(count);
@@ -95,8 +99,7 @@ TextureLevel finest_level(const Image& picture, const ViewPlace& place, const Co
         if (hidden != kNotCovered) {
             cell.hidden_at += hidden;
             ++cell.targets;
-            cell.tolerance = std::max({cell.tolerance, static_cast<float>(kLeastTolerance_px),
-                                       static_cast<float>(kOfStep * (front[pixel] - hidden))});
+            cell.tolerance = std::max(cell.tolerance, TextureLevel::tolerance_of(front[pixel] - hidden));
             if (const std::uint32_t from = continued.colours_of[pixel]; from != Continued::kNoColour)
                 cell.guide.add(picture.at(column(static_cast<int>(from % place.width)),
                                           row(static_cast<int>(from / place.width))),

@@ -41,6 +41,9 @@ struct TextureLevel {
     std::vector<Light> light;  // of targets: what their sources' colours lack
     std::vector<std::uint32_t> targets;
 
+    // Of a target, from the step at its silhouette, px.
+    static float tolerance_of(double step_px);
+
     TextureLevel(int cell_px, int width, int height);
     int at(int x, int y) const { return y * width + x; }
     bool has(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
@@ -48,8 +51,12 @@ struct TextureLevel {
     bool are_one(std::size_t target, std::size_t other) const {
         return std::abs(hidden_at[target] - hidden_at[other]) <= tolerances[target];
     }
+    // How far the surface of a source is from what continues at a target, in the target's tolerance.
+    float apart(std::size_t target, std::size_t source) const {
+        return std::abs(hidden_at[target] - seen_at[source]) / tolerances[target];
+    }
     bool is_source_of(std::size_t target, std::size_t cell) const {
-        return is_source[cell] && std::abs(hidden_at[target] - seen_at[cell]) <= tolerances[target];
+        return is_target(target) && is_source[cell] && apart(target, cell) <= 1;
     }
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,10 @@ constexpr int kReach = 14;  // of the search at the coarsest level, cells
 constexpr int kAround = 8;  // the same at the others, around the sources so far
 constexpr int kRounds = 2, kRoundsOfFinest = 1;
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
-// neighbours that has another offset; of the distance to the source, for each cell.
+// neighbours that has another offset; of the distance to the source, for each cell; of a source whose depth
+// is off by the tolerance, so that of two surfaces within it the one goes on.
 constexpr int kNoSource = 7500, kUnlikeNeighbour = 300, kApart = 12;
+constexpr float kOffDepth = 2000;
 constexpr int kGuideShare = 12;  // the squared difference from the guide counts this much less
 
 int difference(const Colour& a, const Colour& b) {
@@ -65,6 +68,7 @@ class Search {
         if (!level_.is_source_of(target_, level_.at(x, y))) return;
         for (int k = 0; k < neighbours_; ++k)
             if (!beside_[k].is_none() && beside_[k] != offset) extra += kUnlikeNeighbour;
+        extra += static_cast<int>(kOffDepth * level_.apart(target_, level_.at(x, y)));
         int cost = extra * count_;
         for (int k = 0; k < count_ && cost < cost_; ++k) {
             const Known& known = known_[k];
@@ -262,6 +266,32 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
     return std::move(levels.front());
 }
 
+// What the colours of a cell's pixels are mixed of, so that they change smoothly between cells of different
+// offsets.
+class Blend {
+  public:
+    struct Part {
+        Offset offset;
+        float weight;
+        TextureLevel::Light light;  // times the weight
+        int u = 0, v = 0;           // the offset in the picture's pixels
+    };
+
+    void add(Offset offset, float weight, const TextureLevel::Light& light) {
+        std::size_t k = 0;
+        while (k < count_ && parts_[k].offset != offset) ++k;
+        if (k == count_) parts_[count_++] = {offset, 0, {}};
+        parts_[k].weight += weight;
+        for (int c = 0; c < 3; ++c) parts_[k].light[c] += weight * light[c];
+    }
+    std::span<Part> parts() { return {parts_.data(), count_}; }
+    std::span<const Part> parts() const { return {parts_.data(), count_}; }
+
+  private:
+    std::array<Part, 9> parts_;
+    std::size_t count_ = 0;
+};
+
 }  // namespace
 
 Image with_texture(const Image& seen, const ViewPlace& place, Continued& continued, const Disparities& front,
@@ -281,23 +311,30 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
     const auto scaled = [](int view_px, int picture_side, int view_side) {
         return static_cast<int>(std::lround(1.0 * view_px * picture_side / view_side));
     };
-    // Between cells of different offsets the colours change smoothly.
-    const auto paint_at = [&](int u, int v, int x, int y) {
-        const int own = level.at(x, y);
-        TextureLevel::Light sums = {};
-        float weights = 0;
+    const auto blend_at = [&](int x, int y) {
+        Blend blend;
         for_square(level, x, y, 1, [&](int a, int b) {
             const Offset offset = level.offsets[level.at(a, b)];
-            if (offset.is_none() || !level.are_one(own, level.at(a, b))) return;
-            const int from_u = u + scaled(offset.x * level.cell_px, picture.width, place.width),
-                      from_v = v + scaled(offset.y * level.cell_px, picture.height, place.height);
-            if (!is_source(from_u, from_v)) return;
-            const auto weight = static_cast<float>((2 - std::abs(a - x)) * (2 - std::abs(b - y)));
-            const TextureLevel::Light& light = level.light[level.at(a, b)];
-            for (int c = 0; c < picture.channels; ++c)
-                sums[c] += weight * (static_cast<float>(seen.at(from_u, from_v)[c]) + light[c]);
-            weights += weight;
+            if (offset.is_none() || !level.are_one(level.at(x, y), level.at(a, b))) return;
+            blend.add(offset, static_cast<float>((2 - std::abs(a - x)) * (2 - std::abs(b - y))),
+                      level.light[level.at(a, b)]);
         });
+        for (Blend::Part& part : blend.parts()) {
+            part.u = scaled(part.offset.x * level.cell_px, picture.width, place.width);
+            part.v = scaled(part.offset.y * level.cell_px, picture.height, place.height);
+        }
+        return blend;
+    };
+    const auto paint_at = [&](int u, int v, const Blend& blend) {
+        TextureLevel::Light sums = {};
+        float weights = 0;
+        for (const Blend::Part& part : blend.parts()) {
+            if (!is_source(u + part.u, v + part.v)) continue;
+            const std::uint8_t* const colour = seen.at(u + part.u, v + part.v);
+            for (int c = 0; c < picture.channels; ++c)
+                sums[c] += part.weight * static_cast<float>(colour[c]) + part.light[c];
+            weights += part.weight;
+        }
         for (int c = 0; c < picture.channels && weights > 0; ++c)
             picture.at(u, v)[c] =
                 static_cast<std::uint8_t>(std::clamp(sums[c] / weights, 0.0F, 255.0F) + 0.5F);
@@ -305,12 +342,15 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
     };
     std::vector<char> is_painted(continued.pixels.size(), 1);
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
+        Blend blend;
+        int blended = -1;
         for (std::size_t i = begin; i < end; ++i) {
             const int x = static_cast<int>(continued.pixels[i] % place.width),
                       y = static_cast<int>(continued.pixels[i] / place.width);
+            const int cell = level.at(x / level.cell_px, y / level.cell_px);
+            if (std::exchange(blended, cell) != cell) blend = blend_at(x / level.cell_px, y / level.cell_px);
             for (int v = row(y); v < row(y + 1); ++v)
-                for (int u = column(x); u < column(x + 1); ++u)
-                    is_painted[i] &= paint_at(u, v, x / level.cell_px, y / level.cell_px);
+                for (int u = column(x); u < column(x + 1); ++u) is_painted[i] &= paint_at(u, v, blend);
         }
     });
     std::size_t left = 0;

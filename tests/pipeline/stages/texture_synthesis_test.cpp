@@ -151,7 +151,40 @@ TEST(TextureSynthesis, IsTheSameForAnyNumberOfThreads) {
     for (const int threads : {2, 3, 5}) EXPECT_EQ(StripedWall(40).painted(threads).pixels, one);
 }
 
-TEST(TextureSynthesis, ABackingGetsThePictureOfItsViewAndGoesOnBehindWhatContinues) {
+TEST(TextureSynthesis, OfTwoSurfacesTheOneAtItsDepthGoesOn) {
+    constexpr int kOther = kThingBegin + 20, kLevel = 100, kOtherLevel = 121;
+    StripedWall scene(kOther - kThingBegin);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const bool is_other = x >= kOther;
+            if (is_other) scene.front[at(x, y)] = kWall + 11;
+            *scene.picture.at(x, y) = is_other ? kOtherLevel : x < kThingBegin ? kLevel : kThing;
+        }
+    const Image painted = scene.painted(2);
+    for (int x = kThingBegin; x < kOther; ++x) EXPECT_NEAR(*painted.at(x, 60), kLevel, 3) << x;
+}
+
+TEST(TextureSynthesis, ABackingHasItsOwnTextureBehindAnotherSurfaceThatContinues) {
+    constexpr int kOther = kThingBegin + 14, kOtherLevel = 230;
+    StripedWall scene(0);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = kOther; x < kWidth; ++x) {
+            scene.front[at(x, y)] = (kNear + kWall) / 2;
+            *scene.picture.at(x, y) = kOtherLevel;
+        }
+    const SeenSurface here{scene.place, scene.front};
+    OtherView view{scene.place, {}, {}, scene.picture};
+    view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
+    OtherView backing = backing_of(here, scene.picture, 1);
+    continue_behind(view, here, {1, 1, 0, 0, Beyond::kMixedOfPhotographs_px, &backing}, {{here}, kWall - 10},
+                    2);
+    const int x = kOther - 4;
+    ASSERT_NEAR(view.missing.at(x, 60), (kNear + kWall) / 2, 1);
+    EXPECT_NEAR(*view.color.at(x, 60), kOtherLevel, 10);
+    EXPECT_LE(*backing.texture().at(x, 60), 40 + 8 * kPeriod) << "the wall's";
+}
+
+TEST(TextureSynthesis, ABackingGoesOnBehindWhatContinues) {
     const StripedWall scene(0);
     const SeenSurface here{scene.place, scene.front};
     OtherView view{scene.place, {}, {}, scene.picture};
@@ -160,14 +193,14 @@ TEST(TextureSynthesis, ABackingGetsThePictureOfItsViewAndGoesOnBehindWhatContinu
     const VisibleSurface visible{{here}, kWall - 10};
     continue_behind(view, here, {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px, .backing = &backing},
                     visible, 2);
-    EXPECT_EQ(backing.texture().pixels, view.color.pixels);
+    const Image& painted = backing.texture();
     const int end = kThingBegin + kWidth / 10;
     ASSERT_FALSE(DisparityMap::known(view.missing.at(end - 1, 60))) << "it ends before the backing does";
     ASSERT_TRUE(DisparityMap::known(backing.missing.at(end - 1, 60)));
-    for (int x = kThingBegin; x < end; ++x) EXPECT_LE(*view.color.at(x, 60), 40 + 8 * kPeriod) << x;
+    for (int x = kThingBegin; x < end; ++x) EXPECT_LE(*painted.at(x, 60), 40 + 8 * kPeriod) << x;
     int rough = 0;
     for (int x = kThingBegin; x + 1 < end; ++x)
-        rough += std::abs(*view.color.at(x, 60) - *view.color.at(x + 1, 60));
+        rough += std::abs(*painted.at(x, 60) - *painted.at(x + 1, 60));
     EXPECT_GT(rough, 4 * (end - kThingBegin)) << "the stripes are there";
 }
 

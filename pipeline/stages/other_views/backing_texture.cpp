@@ -1,0 +1,60 @@
+#include "pipeline/stages/other_views/backing_texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/stages/other_views/texture_level.h"
+#include "pipeline/stages/other_views/texture_synthesis.h"
+
+namespace hexrelief::stages {
+namespace {
+
+// Calls take(pixel, d) for the pixels of a view in front of the backing, which has the disparity d there.
+template <class Take>
+void for_backing(const OtherView& backing, const Disparities& front, const ViewPlace& place,
+                 const Take& take) {
+    const int by = static_cast<int>(backing.place.scale);
+    for (int y = 0; y < backing.place.height * by; ++y)
+        for (int x = 0; x < backing.place.width * by; ++x) {
+            const double d = backing.missing.at(x / by, y / by) * backing.place.scale;
+            const std::size_t i = static_cast<std::size_t>(y) * place.width + x;
+            if (front[i] - d > kOneSurface_px) take(i, d);
+        }
+}
+
+}  // namespace
+
+Continued backing_behind(const Continued& continued, const OtherView& backing, const Disparities& front,
+                         const ViewPlace& place) {
+    Continued behind(front.size());
+    std::fill(behind.disparities.begin(), behind.disparities.end(), kNotCovered);
+    for_backing(backing, front, place, [&](std::size_t i, double d) {
+        if (std::abs(continued.disparities[i] - d) <= TextureLevel::tolerance_of(front[i] - d)) return;
+        behind.offer(i, d, 1, Continued::kNoColour);
+        behind.pixels.push_back(static_cast<std::uint32_t>(i));
+    });
+    behind.is_mixed = continued.is_mixed;
+    return behind;
+}
+
+void paint_backing(OtherView& backing, const Image& picture, const ViewPlace& place, Continued behind,
+                   const Disparities& front, ThreadPool& pool) {
+    Disparities shown = front;
+    for_backing(backing, front, place, [&](std::size_t i, double d) {
+        if (behind.disparities[i] != kNotCovered) return;
+        shown[i] = d;
+        behind.is_mixed[i] = 0;
+    });
+    Image& painted = backing.picture = with_texture(picture, place, behind, shown, pool);
+    const int by = static_cast<int>(backing.place.scale);
+    for (const std::uint32_t pixel : behind.pixels) {
+        const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);
+        if (!painted.empty())
+            std::copy_n(backing.color.at(x / by, y / by), painted.channels,
+                        painted.at(x * painted.width / place.width, y * painted.height / place.height));
+    }
+}
+
+}  // namespace hexrelief::stages

@@ -1,0 +1,22 @@
+// The texture of a backing, which goes on behind what continues in front of it.
+#pragma once
+
+#include "pipeline/base/thread_pool.h"
+#include "pipeline/data/image.h"
+#include "pipeline/stages/other_views/continued.h"
+#include "pipeline/stages/other_views/other_view.h"
+
+namespace hexrelief::stages {
+
+// Returns the part of a backing that is to get a texture of its own, without colours: behind what the view
+// shows, unless the same surface continues there. front: the disparities of the view, whose place is as large
+// as the backing or a little larger.
+Continued backing_behind(const Continued& continued, const OtherView& backing, const Disparities& front,
+                         const ViewPlace& place);
+
+// Gives the backing the view's picture, with what continues painted, and in its part `behind` the texture of
+// the farther surfaces, or its own colours if there is none. The same for any number of threads.
+void paint_backing(OtherView& backing, const Image& picture, const ViewPlace& place, Continued behind,
+                   const Disparities& front, ThreadPool& pool);
+
+}  // namespace hexrelief::stages
