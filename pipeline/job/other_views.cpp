@@ -26,11 +26,10 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-// What continues behind the left view's silhouettes is smooth; in photographs it has texture.
-constexpr int kReduced = 4, kReducedOfPhotographs = 1;
-constexpr double kCoarser = 3.5;       // spacing of the other views: what has no match has little detail
-constexpr double kHiddenStep_px = 20;  // a higher one is cut in what no camera saw
-constexpr double kAnyStep_px = 1e9;
+constexpr int kReduced = 2;       // of the left texture: nobody saw what continues there
+constexpr double kCoarser = 3.5;  // spacing of the other views: what has no match has little detail
+constexpr double kHiddenStepShare = 1. / 70;  // of a view's width: a higher one is cut in what no camera saw
+constexpr double kBlade_px = 20;              // what moving made step by more is dropped
 constexpr double kShownStep_px = 6;  // the same if the right camera, which has no view, sees some of it
 // So far sheets overlap with what is around them; more joins those of a pair's view on one surface.
 constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
@@ -68,14 +67,14 @@ bool is_without_background(const LeftView& view) {
     return static_cast<double>(dropped) > kMostBackground * static_cast<double>(values.size());
 }
 
-// The left view with nothing missing yet. Its texture is smaller, as what continues is smooth.
+// The left view with nothing missing yet.
 OtherView copy_of_left(const LeftView& view, int threads) {
     OtherView left{left_place(view), {}, {}, view.color};
     left.missing = {left.place.width, left.place.height,
                     std::vector<float>(view.disparity.values.size(), kUnknownDisparity)};
-    const int reduced = view.is_by_points ? kReducedOfPhotographs : kReduced;
-    const int width = view.color.width / reduced, height = view.color.height / reduced;
-    if (std::min(width, height) > 0) left.picture = exporters::resized(view.color, width, height, threads);
+    const int width = view.texture.width / kReduced, height = view.texture.height / kReduced;
+    if (width < view.color.width && std::min(width, height) > 0)
+        left.picture = exporters::resized(view.color, width, height, threads);
     return left;
 }
 
@@ -90,6 +89,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
                      const stages::Frame& frame, const config::Config& config, Backend& backend,
                      const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
+    const double hidden_step_px = kHiddenStepShare * left.disparity.width;
     const int width = other.place.width, height = other.place.height;
     // Without a density the lattice stays regular.
     const DensityMap even{width, height, std::vector<float>(other.missing.values.size(), 0)};
@@ -103,13 +103,12 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     SurfaceConfig surface = config.surface;
     if (other.place.right == 0 || left.is_by_points)
-        surface.least_discontinuity_px = left.right ? kHiddenStep_px : kShownStep_px;
+        surface.least_discontinuity_px = left.right ? hidden_step_px : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
     if (left.is_by_points)
         stages::move_into_frame(cut, other.place, frame, visible.seen[0],
                                 static_cast<int>(std::ceil(coarse.spacing_px * other.place.scale)));
-    stages::keep_behind(cut, other.place, visible, left.is_by_points ? kHiddenStep_px : kAnyStep_px,
-                        backend.threads());
+    stages::keep_behind(cut, other.place, visible, kBlade_px, backend.threads());
     if (cut.triangles.empty()) return {};
     try {
         SurfaceMesh sheet =
@@ -241,6 +240,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const int mixed_px =
         view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
     const bool is_rectified = right && !view.is_by_points;
+    const double hidden_step_px = kHiddenStepShare * view.disparity.width;
     const int border_px = is_rectified ? kBorderOfPairs_px : kBorder_px;
     const std::size_t least = is_rectified ? kLeastOfPairs : stages::kLeastSurface;
     SurfaceMesh& mesh = result.mesh;
@@ -278,26 +278,25 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (view.is_by_points) stages::keep_in_frame(missing, frame);
         stages::join_to_surface(missing, visible.seen[1], border_px, least, threads);
         if (is_rectified) {
-            stages::ramp_steps(missing.missing, is_shown, kHiddenStep_px);
+            stages::ramp_steps(missing.missing, is_shown, hidden_step_px);
             stages::join_regions(missing, visible.seen[1], kLeastAlone, kBridge_px, stages::kOneSurface_px);
         }
         add(std::move(missing));
     }
     if (behind > 0) {
         const stages::SeenSurface& here = visible.seen[0];
-        auto backing = start_work(threads, [&] {
-            return view.is_by_points ? stages::backing_of(here, view.color, behind) : OtherView();
-        });
-        OtherView left = copy_of_left(view, threads);
-        OtherView behind_all = backing.get();
+        auto backing = start_work(threads, [&] { return stages::backing_of(here, view.color, behind); });
+        OtherView left = copy_of_left(view, threads), behind_all = backing.get();
         stages::continue_behind(left, here,
-                                {behind, right ? 0 : 1 + behind, behind, behind, mixed_px,
-                                 view.is_by_points ? &behind_all : nullptr},
+                                {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &behind_all},
                                 visible, threads);
+        if (const Image& whole = behind_all.picture; std::min(whole.width, whole.height) >= kReduced)
+            behind_all.picture =
+                exporters::resized(whole, whole.width / kReduced, whole.height / kReduced, threads);
         stages::join_to_surface(left, here, border_px, least, threads);
-        if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, kHiddenStep_px);
+        if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px);
         add(std::move(left));
-        if (view.is_by_points) add(std::move(behind_all));
+        add(std::move(behind_all));
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);

@@ -45,7 +45,7 @@ void paint_backing(OtherView& backing, const Image& picture, const ViewPlace& pl
     for_backing(backing, front, place, [&](std::size_t i, double d) {
         if (behind.disparities[i] != kNotCovered) return;
         shown[i] = d;
-        behind.is_mixed[i] = 0;
+        if (!behind.is_mixed.empty()) behind.is_mixed[i] = 0;
     });
     Image& painted = backing.picture = with_texture(picture, place, behind, shown, pool);
     const int by = static_cast<int>(backing.place.scale);

@@ -23,8 +23,8 @@ namespace {
 constexpr int kSlope_px = 8;  // pixels from which a surface's slope is taken
 constexpr double kMostSlope = 0.3;
 constexpr int kMixed = Beyond::kMixed_px;  // pixels at the end of a surface whose colours are mixed
-// What continues is no longer than this share of a view's side; in photographs, with colours from the last.
-constexpr int kLongestShare = 8, kLongestShareOfPhotographs = 16, kMirroredShareOfPhotographs = 40;
+// What continues is no longer than this share of a view's side, with colours from the last.
+constexpr int kLongestShare = 16, kMirroredShare = 40;
 constexpr int kApart = 2;      // times its width: a baseline on, mixed pixels stand apart from their thing
 constexpr int kRatherFar = 2;  // times less unlike the farther surface than the nearer one: not mixed of both
 // What looks this unlike a surface: levels, and times the mean deviation of its colours from their mean.
@@ -32,9 +32,9 @@ constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
 constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
-// Pixels beside what is shown that have its colours as well, for the filter of a texture; in photographs, for
-// triangles that reach as far and for the backing, at least so many, and a share of a view's side.
-constexpr int kSpread_px = 3, kSpreadOfPhotographs_px = 16, kSpreadShareOfPhotographs = 32;
+// Pixels beside what is shown that have its colours as well, for triangles that reach as far and for the
+// backing: at least so many, and a share of a view's side.
+constexpr int kSpread_px = 16, kSpreadShare = 32;
 
 // What the colours of a pixel are of. An outline is a narrow line unlike the surface that it seems to end.
 enum class Purity : std::uint8_t { clean, mixed, of_nearer, outline };
@@ -144,8 +144,7 @@ void mark_mixed(const Disparities& front, const Image& picture, const LineOfMap&
 void continue_from(const Disparities& front, const std::vector<Purity>& colours, const DisparityMap& missing,
                    const LineOfMap& line, int end, Side side, Continued& result) {
     const bool is_photograph = side.is_photograph();
-    const int longest = line.count / (is_photograph ? kLongestShareOfPhotographs : kLongestShare);
-    const int mirrored = is_photograph ? line.count / kMirroredShareOfPhotographs : longest;
+    const int longest = line.count / kLongestShare, mirrored = line.count / kMirroredShare;
     const double far = front[line(end)];
     const int nearest = nearest_after(front, line, end, side.mixed_px);
     const double near = front[line(nearest)];
@@ -183,9 +182,7 @@ void continue_from(const Disparities& front, const std::vector<Purity>& colours,
             continue;
         }
         reach = reach_of(front, line, end, reach, std::min(k, mirrored) + mixed);
-        const int last = reach - 1, place = k - 1 + mixed;
-        result.offer(pixel, d, k,
-                     line(end - (is_photograph ? folded(place, mixed, last) : std::min(place, last))));
+        result.offer(pixel, d, k, line(end - folded(k - 1 + mixed, mixed, reach - 1)));
     }
 }
 
@@ -310,8 +307,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     const Disparities& front = both.empty() ? here.disparities : both;
     Continued continued = continued_in(front, view, beyond, pool);
     if (beyond.mixed_px > kMixed)
-        give_scraps_away(continued, front, place,
-                         std::max(place.width, place.height) / kLongestShareOfPhotographs);
+        give_scraps_away(continued, front, place, std::max(place.width, place.height) / kLongestShare);
     smooth(continued, front, place, pool);
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -325,15 +321,9 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
-    const bool is_photograph = beyond.mixed_px > kMixed;
-    const int spread_px =
-        std::max(kSpreadOfPhotographs_px, std::max(place.width, place.height) / kSpreadShareOfPhotographs);
-    spread_colours(continued, view.missing, front, is_photograph ? spread_px : kSpread_px);
+    spread_colours(continued, view.missing, front,
+                   std::max(kSpread_px, std::max(place.width, place.height) / kSpreadShare));
     Image& texture = view.picture.empty() ? view.color : view.picture;
-    if (!is_photograph) {
-        paint(texture, texture, place, continued, pool);
-        return;
-    }
     const Continued behind =
         beyond.backing ? backing_behind(continued, *beyond.backing, front, place) : Continued(0);
     Image painted = with_texture(texture, place, continued, front, pool);

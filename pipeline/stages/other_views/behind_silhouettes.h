@@ -21,10 +21,10 @@ struct Beyond {
 
 // Adds to `missing` what the view's silhouettes hide from itself, and the cameras beyond see: the farther one
 // of the two surfaces at a silhouette continues behind the nearer one along its slope, as far as the
-// outermost of these cameras sees. It stays behind `visible`, and is no more than an eighth of the view long,
-// in photographs a sixteenth.
-// The view's texture shows what continues in place of what hides it: in the farther surface's mirrored
-// colours, in photographs with its texture where that is found.
+// outermost of these cameras sees. It stays behind `visible`, and is no more than a sixteenth of the view
+// long.
+// The view's texture shows what continues in place of what hides it: with the farther surface's texture, or
+// where that is not found in its mirrored colours.
 // here: the surface as the view shows it. Nothing continues behind a border of the surface that has nothing
 // behind it. The same for any number of threads.
 void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,

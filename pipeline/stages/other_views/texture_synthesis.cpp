@@ -18,7 +18,7 @@ namespace {
 using Colour = TextureLevel::Colour;
 
 // Cells along the longer side: of the finest level about, of the coarsest at most.
-constexpr int kFinest = 480, kCoarsest = 128, kLeastCell_px = 2;
+constexpr int kFinest = 320, kCoarsest = 128, kLeastCell_px = 3;
 constexpr int kRadius = 2;  // of the squares that are compared, cells
 constexpr int kReach = 14;  // of the search at the coarsest level, cells
 constexpr int kAround = 8;  // the same at the others, around the sources so far

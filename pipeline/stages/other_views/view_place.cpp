@@ -22,10 +22,11 @@ constexpr double kMostPush_px = 1;    // what is farther in front lies beside a 
 constexpr int kPushes = 3;
 constexpr double kEverything_px = std::numeric_limits<double>::infinity();
 constexpr double kSamples_per_px = 1.5;
-constexpr int kSplits = 2;              // of a triangle that is partly in front
-constexpr int kMoves = 8;               // a vertex that moves is before another place of the surface
-constexpr double kLeastPiece_px2 = 20;  // in the view; nobody would miss a smaller one
-constexpr double kOpenCounts = 7;       // so often where a camera sees nothing else, and would miss it
+constexpr int kSplits = 2;  // of a triangle that is partly in front
+constexpr int kMoves = 8;   // a vertex that moves is before another place of the surface
+// Nobody would miss a piece that shows less than this share of its view, nor one of which a camera sees less
+// than so many square pixels where it sees nothing else.
+constexpr double kLeastPieceShare = 1. / 2000, kLeastOpen_px2 = 3;
 
 View view_from(const SurfaceMesh& mesh, const ViewPlace& place) {
     View view{{}, &mesh.triangles, place.width, place.height};
@@ -179,7 +180,7 @@ bool is_open(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& plac
     });
 }
 
-// Returns the triangles of those pieces, joined by vertices, that are large enough.
+// Returns the triangles of those pieces, joined by vertices, that somebody would miss.
 std::vector<Triangle> without_small_pieces(const DisparityMesh& mesh, const std::vector<Triangle>& triangles,
                                            const ViewPlace& place, const VisibleSurface& surface) {
     UnionFind pieces(mesh.points.size());
@@ -187,15 +188,19 @@ std::vector<Triangle> without_small_pieces(const DisparityMesh& mesh, const std:
         pieces.join(t[0], t[1]);
         pieces.join(t[0], t[2]);
     }
-    std::vector<double> areas_px2(mesh.points.size());
+    std::vector<double> areas_px2(mesh.points.size()), open_px2(mesh.points.size());
     for (const Triangle& t : triangles) {
         const Vec2f &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
         const double area_px2 = std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2;
-        areas_px2[pieces.find(t[0])] += is_open(mesh, t, place, surface) ? kOpenCounts * area_px2 : area_px2;
+        areas_px2[pieces.find(t[0])] += area_px2;
+        if (is_open(mesh, t, place, surface)) open_px2[pieces.find(t[0])] += area_px2;
     }
+    const double least_px2 = kLeastPieceShare * place.width * place.height;
     std::vector<Triangle> kept;
     for (const Triangle& t : triangles)
-        if (areas_px2[pieces.find(t[0])] >= kLeastPiece_px2) kept.push_back(t);
+        if (const auto piece = pieces.find(t[0]);
+            areas_px2[piece] >= least_px2 || open_px2[piece] >= kLeastOpen_px2)
+            kept.push_back(t);
     return kept;
 }
 
