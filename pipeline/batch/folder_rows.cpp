@@ -30,12 +30,12 @@ Sides sides_of(const std::string& pattern) {
     return found;
 }
 
-std::string replaced(std::string text, const Sides& sides, std::string_view word) {
+std::string with_word(std::string text, const Sides& sides, std::string_view word) {
     return text.replace(sides.at, std::string_view(sides.words->left).size(), word);
 }
 
 // Returns the pattern with each word for left replaced, for folders that have it as well as their files.
-std::string all_replaced(std::string text, const Sides& sides) {
+std::string with_all_words(std::string text, const Sides& sides) {
     const std::string_view left = sides.words->left, right = sides.words->right;
     for (std::size_t at = 0; (at = text.find(left, at)) != std::string::npos; at += right.size())
         text.replace(at, left.size(), right);
@@ -53,9 +53,9 @@ std::string all_replaced(std::string text, const Sides& sides) {
 fs::path calibration_of(const std::string& pattern, const Sides& sides, const std::string& name) {
     std::error_code none;
     const std::string stem = filled(
-        replaced(pattern.substr(
-                     0, std::max(pattern.rfind('.'), sides.at + std::string_view(sides.words->left).size())),
-                 sides, "calib"),
+        with_word(pattern.substr(
+                      0, std::max(pattern.rfind('.'), sides.at + std::string_view(sides.words->left).size())),
+                  sides, "calib"),
         name);
     fs::path file = fs::path(stem + ".txt").lexically_normal();
     return fs::is_regular_file(file, none) ? file : fs::path();
@@ -115,7 +115,7 @@ bool names_map(const std::string& name) {
             word += c;
             continue;
         }
-        if (std::find(kMaps.begin(), kMaps.end(), word) != kMaps.end()) return true;
+        if (std::ranges::find(kMaps, word) != kMaps.end()) return true;
         word.clear();
     }
     return false;
@@ -231,9 +231,9 @@ std::vector<ManifestRow> pattern_rows(const fs::path& path) {
         refuse_pattern(pattern);
     Listings listings;
     const auto lefts = files_like("", pattern, NextToLetters::any, listings);
-    std::string right_pattern = replaced(pattern, sides, sides.words->right);
+    std::string right_pattern = with_word(pattern, sides, sides.words->right);
     auto rights = files_like("", right_pattern, NextToLetters::any, listings);
-    if (rights.empty()) rights = files_like("", all_replaced(pattern, sides), NextToLetters::any, listings);
+    if (rights.empty()) rights = files_like("", with_all_words(pattern, sides), NextToLetters::any, listings);
     std::vector<ManifestRow> rows;
     for (const auto& [name, left] : lefts) {
         ManifestRow row{left.lexically_normal().string(),

@@ -21,7 +21,6 @@ std::string json_text(const Json& json) {
                             : json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-// Returns the row's report; null if there is none.
 Json report_of(const TableRow& row) {
     const bool has_report =
         row.result.outcome == UnitOutcome::done || row.result.outcome == UnitOutcome::up_to_date;
@@ -30,8 +29,7 @@ Json report_of(const TableRow& row) {
 }
 
 bool is_list_of_texts(const Json& json) {
-    return json.is_array() &&
-           std::all_of(json.begin(), json.end(), [](const Json& part) { return part.is_string(); });
+    return json.is_array() && std::ranges::all_of(json, [](const Json& part) { return part.is_string(); });
 }
 
 void flatten(const Json& json, const std::string& key, Values& values) {
@@ -56,12 +54,9 @@ void flatten(const Json& json, const std::string& key, Values& values) {
 
 std::string cell(const std::string& text) {
     if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char letter : text) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-    return quoted + "\"";
+    return "\"" + replaced(text, '"', "\"\"") + "\"";
 }
 
-// Columns in the order of their first occurrence.
 class Columns {
   public:
     std::size_t at(const std::string& name) {

@@ -15,12 +15,6 @@
 namespace hexrelief::cli {
 namespace {
 
-std::string replaced(const std::string& text, char from, const std::string& to) {
-    std::string changed;
-    for (const char c : text) changed += c == from ? to : std::string(1, c);
-    return changed;
-}
-
 // Returns the text in single quotes, which all three shells read alike; `quote` replaces single quotes in it.
 std::string quoted(const std::string& text, const std::string& quote) {
     return "'" + replaced(text, '\'', quote) + "'";
@@ -31,7 +25,7 @@ std::vector<std::string> literals_of(const std::string& value) {
     std::vector<std::string> words;
     std::istringstream parts(value.find('|') == std::string::npos ? "" : value);
     for (std::string part; std::getline(parts, part, '|');)
-        if (std::all_of(part.begin(), part.end(), [](char c) { return std::islower(c) || c == '-'; }))
+        if (std::ranges::all_of(part, [](char c) { return std::islower(c) || c == '-'; }))
             words.push_back(part);
     return words;
 }
@@ -127,7 +121,6 @@ std::string zsh_values(const OptionDescription& option) {
     return choices.empty() ? "_files" : "(" + choices + ")";
 }
 
-// Returns a specification for zsh's _arguments.
 std::string zsh_option(const OptionDescription& option, const std::string& name) {
     std::string help;
     for (const char c : option.help)

@@ -27,9 +27,7 @@ Json json_value(const FieldValue& value) {
 
 // Returns the place of a dotted path in nested objects, of which each level is below `level`.
 Json::json_pointer place_of(const std::string& path, const std::string& level = "/") {
-    std::string place = level;
-    for (const char c : path) place += c == '.' ? level : std::string(1, c);
-    return Json::json_pointer(place);
+    return Json::json_pointer(level + replaced(path, '.', level));
 }
 
 // Escapes what a terminal obeys, in a JSON string, which escapes the characters below a space alone: C1

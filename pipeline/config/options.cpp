@@ -159,9 +159,7 @@ std::string shell_quoted(const std::string& word) {
         }
         return escaped + "'";
     }
-    std::string quoted = "'";
-    for (const char letter : word) quoted += letter == '\'' ? "'\\''" : std::string(1, letter);
-    return quoted + "'";
+    return "'" + replaced(word, '\'', "'\\''") + "'";
 }
 
 std::string shell_line(const std::vector<std::string>& words) {

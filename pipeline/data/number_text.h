@@ -1,4 +1,4 @@
-// Formats numbers, sizes and lists for messages, and reads numbers from words.
+// Formats numbers, sizes and lists for messages, replaces characters, and reads numbers from words.
 #pragma once
 
 #include <charconv>
@@ -38,6 +38,12 @@ std::string joined(const Items& items, std::string_view separator, const TextOf&
     for (const auto& item : items)
         text.append(text.empty() ? "" : separator).append(std::invoke(text_of, item));
     return text;
+}
+
+inline std::string replaced(std::string_view text, char from, std::string_view to) {
+    std::string changed;
+    for (const char c : text) changed += c == from ? to : std::string_view(&c, 1);
+    return changed;
 }
 
 // Returns the whole text as a number of digits alone; nullopt for any other text.
