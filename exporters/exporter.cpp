@@ -15,7 +15,7 @@ namespace {
 
 template <typename Vector>
 bool finite(const Vector& values) {
-    return std::all_of(values.begin(), values.end(), [](const auto& v) {
+    return std::ranges::all_of(values, [](const auto& v) {
         if constexpr (requires { v.z; })
             return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
         else
@@ -161,8 +161,8 @@ std::string export_extensions() {
 const MeshFormat* find_mesh_format(const std::filesystem::path& path) {
     const std::string extension = extension_of(path);
     const auto& all = mesh_formats();
-    const auto found = std::find_if(all.begin(), all.end(),
-                                    [&](const MeshFormat* format) { return format->extension == extension; });
+    const auto found =
+        std::ranges::find_if(all, [&](const MeshFormat* format) { return format->extension == extension; });
     return found == all.end() ? nullptr : *found;
 }
 

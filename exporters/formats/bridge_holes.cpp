@@ -27,14 +27,12 @@ class Holes {
                 for (std::size_t k = 0; k < 3; ++k) visitor(t[k], t[(k + 1) % 3]);
         };
         visit([&](Index from, Index to) { sides.emplace_back(rays[from], rays[to]); });
-        std::sort(sides.begin(), sides.end());
+        std::ranges::sort(sides);
         visit([&](Index from, Index to) {
-            if (!std::binary_search(sides.begin(), sides.end(), std::pair(rays[to], rays[from])))
+            if (!std::ranges::binary_search(sides, std::pair(rays[to], rays[from])))
                 border_.push_back({rays[from], rays[to], from, to});
         });
-        std::sort(border_.begin(), border_.end(), [](const BorderSide& a, const BorderSide& b) {
-            return std::pair(a.from_ray, a.to_ray) < std::pair(b.from_ray, b.to_ray);
-        });
+        std::ranges::sort(border_, {}, [](const BorderSide& s) { return std::pair(s.from_ray, s.to_ray); });
         for (const Triangle& t : triangles) turn_ += cross(t[0], t[1], t[2]);
     }
 
@@ -46,7 +44,7 @@ class Holes {
             const double area = area_of(corners);
             const bool is_hole = area * turn_ < 0 && std::abs(area) < most;
             if (corners.size() < 3 || corners.size() > kMostHoleSides || !is_hole) continue;
-            std::reverse(corners.begin(), corners.end());
+            std::ranges::reverse(corners);
             return corners;
         }
         return std::nullopt;

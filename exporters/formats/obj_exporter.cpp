@@ -49,7 +49,7 @@ Places places_of(const std::vector<Vec3f>& positions) {
     };
     std::vector<std::uint32_t> order(positions.size()), first(positions.size());
     std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return key(a) < key(b); });
+    std::ranges::sort(order, {}, key);
     for (std::size_t i = 0; i < order.size(); ++i)
         first[order[i]] =
             i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];

@@ -26,7 +26,7 @@ double farthest(const std::vector<Vec3f>& positions) {
     for (const Vec3f& p : positions) depths.push_back(depth_of(p));
     const auto at =
         static_cast<std::ptrdiff_t>((1 - kFarthestShare) * static_cast<double>(depths.size() - 1));
-    std::nth_element(depths.begin(), depths.begin() + at, depths.end());
+    std::ranges::nth_element(depths, depths.begin() + at);
     return depths[static_cast<std::size_t>(at)];
 }
 
@@ -67,7 +67,7 @@ Front front_of(const SurfaceMesh& surface) {
         const Vec2f& point = surface.image_points[i];
         return std::tuple(point.y, point.x, depth_of(positions[i]), i);
     };
-    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return key(a) < key(b); });
+    std::ranges::sort(order, {}, key);
     Front front;
     for (const Index i : order) {
         const Vec2f& point = surface.image_points[i];
@@ -131,7 +131,7 @@ class Walls {
         std::vector<Side> sides;
         for (const Triangle& t : front_.triangles)
             for (std::size_t k = 0; k < 3; ++k) sides.push_back(side_between(t[(k + 1) % 3], t[k]));
-        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.key() < b.key(); });
+        std::ranges::sort(sides, {}, &Side::key);
         for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
             while (end < sides.size() && sides[end].first == sides[begin].first &&
                    sides[end].second == sides[begin].second)
@@ -170,10 +170,10 @@ class Walls {
     std::vector<Index> along(Index ray, Index from, Index to) const {
         std::vector<Index> all = front_.on[ray];
         all.push_back(base_[ray]);
-        auto a = std::find(all.begin(), all.end(), from), b = std::find(all.begin(), all.end(), to);
+        auto a = std::ranges::find(all, from), b = std::ranges::find(all, to);
         if (a <= b) return {a, b + 1};
         std::vector<Index> back(b, a + 1);
-        std::reverse(back.begin(), back.end());
+        std::ranges::reverse(back);
         return back;
     }
 
@@ -246,7 +246,7 @@ bool part_edges(SurfaceMesh& body) {
             const Index from = body.triangles[i][k], to = body.triangles[i][(k + 1) % 3];
             edges.push_back({std::min(from, to), std::max(from, to), from < to, i});
         }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.key() < b.key(); });
+    std::ranges::sort(edges, {}, &Edge::key);
     std::vector<bool> is_split(body.triangles.size());
     bool is_done = true;
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {

@@ -135,8 +135,7 @@ std::vector<double> numbers_of(const std::filesystem::path& path, std::string_vi
 MeshDescription describe_3mf(const std::filesystem::path& path) {
     const std::vector<std::uint8_t> bytes = read_file(path);
     const std::vector<ZipEntry> entries = zip_entries(path, bytes);
-    const auto model = std::find_if(entries.begin(), entries.end(),
-                                    [](const ZipEntry& entry) { return entry.name == kModel; });
+    const auto model = std::ranges::find(entries, kModel, &ZipEntry::name);
     if (model == entries.end()) fail_reading(path, "it has no " + std::string(kModel));
     MeshDescription out;
     for_each_element(model->bytes, "vertex", [&](std::string_view element) {

@@ -87,7 +87,7 @@ class Scheduler {
     }
 
     bool is_any_busy() const {
-        return std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.is_busy(); });
+        return std::ranges::any_of(workers_, [](const Worker& w) { return w.is_busy(); });
     }
 
     // Returns the next unit without an error, or nothing.

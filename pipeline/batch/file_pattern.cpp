@@ -112,7 +112,7 @@ const std::vector<std::string>& Listings::of(const fs::path& folder) {
         if (std::string name = it->path().filename().string(); !name.starts_with('.'))
             known->second.push_back(std::move(name));
     if (code) throw Error(ErrorKind::input, "cannot list " + folder.string() + ": " + code.message());
-    std::sort(known->second.begin(), known->second.end());
+    std::ranges::sort(known->second);
     return known->second;
 }
 

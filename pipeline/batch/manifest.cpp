@@ -25,7 +25,7 @@ const std::map<std::string, std::string> kOtherNames = {
     {"colour", "color"}, {"calibration", "calib"}, {"output", "name"}, {"format", "formats"}};
 
 bool holds(const std::vector<std::string>& words, const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
+    return std::ranges::find(words, word) != words.end();
 }
 
 std::string unknown_key(const std::string& key, const ManifestOptions& options) {
@@ -199,7 +199,7 @@ bool is_manifest_ending(const std::string& ending) {
 }  // namespace
 
 std::string plain_key(std::string key) {
-    if (key.find('.') == std::string::npos) std::replace(key.begin(), key.end(), '_', '-');
+    if (key.find('.') == std::string::npos) std::ranges::replace(key, '_', '-');
     const auto other = kOtherNames.find(key);
     return other == kOtherNames.end() ? key : other->second;
 }

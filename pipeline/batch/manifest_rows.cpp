@@ -143,7 +143,7 @@ void begin_with_defaults(const ManifestRow& defaults, ManifestRow& row) {
     auto own = std::exchange(row.values, defaults.values);
     for (auto& value : row.values) {
         const auto same =
-            std::find_if(own.begin(), own.end(), [&](const auto& pair) { return pair.first == value.first; });
+            std::ranges::find_if(own, [&](const auto& pair) { return pair.first == value.first; });
         if (same == own.end()) continue;
         value = *same;
         own.erase(same);

@@ -211,8 +211,8 @@ std::vector<std::string> device_names() {
     const pid_t process = fork_or_throw();
     if (process == 0) {
         const std::vector<job::DeviceDescription> devices = job::list_devices();
-        const auto count = static_cast<unsigned char>(std::count_if(
-            devices.begin(), devices.end(),
+        const auto count = static_cast<unsigned char>(std::ranges::count_if(
+            devices,
             [](const job::DeviceDescription& device) { return device.backend == "cuda" && device.usable; }));
         ::_exit(::write(ends[1], &count, 1) == 1 ? 0 : 1);
     }
@@ -269,7 +269,7 @@ UnitResult result_of_exception() {
     } catch (...) {
         result.message = "internal error: unknown exception";
     }
-    std::replace(result.message.begin(), result.message.end(), '\n', ' ');
+    std::ranges::replace(result.message, '\n', ' ');
     return result;
 }
 

@@ -107,8 +107,7 @@ std::vector<batch::BatchUnit> units_of(const BatchCommand& command, const Shard&
     std::vector<batch::BatchUnit> units;
     for (std::size_t i = shard.number - 1; i < all.size(); i += shard.of) units.push_back(all[i]);
     batch::check_units(units, request_of_words);
-    const auto first =
-        std::find_if(units.begin(), units.end(), [](const auto& u) { return !u.wrong.empty(); });
+    const auto first = std::ranges::find_if(units, [](const auto& u) { return !u.wrong.empty(); });
     if (first == units.end() || command.keep_going) return units;
     const auto others =
         std::count_if(first + 1, units.end(), [](const auto& unit) { return !unit.wrong.empty(); });
@@ -117,9 +116,8 @@ std::vector<batch::BatchUnit> units_of(const BatchCommand& command, const Shard&
 }
 
 bool has_word(const batch::BatchUnit& unit, const std::string& word) {
-    return std::any_of(unit.words.begin(), unit.words.end(), [&](const std::string& other) {
-        return other == word || other.starts_with(word + "=");
-    });
+    return std::ranges::any_of(
+        unit.words, [&](const std::string& other) { return other == word || other.starts_with(word + "="); });
 }
 
 void print_failure(const batch::BatchUnit& unit, const std::string& message) {
@@ -273,9 +271,8 @@ int run_batch(const BatchCommand& command) {
     teller.batch_ended(result);
     if (result.interrupted) return files::kInterruptedExitCode;
     if (writes_table) write_table(table, units, result);
-    const auto failed = std::find_if(
-        result.units.begin(), result.units.end(),
-        [](const batch::UnitResult& unit) { return unit.outcome == batch::UnitOutcome::failed; });
+    const auto failed =
+        std::ranges::find(result.units, batch::UnitOutcome::failed, &batch::UnitResult::outcome);
     return failed == result.units.end() ? 0 : std::max(1, failed->exit_code);
 }
 

@@ -58,8 +58,7 @@ bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
 void check_folder(const fs::path& folder, const std::vector<samples::SampleFile>& pair,
                   const std::vector<fs::path>& outputs) {
     files::check_writable_folder(folder);
-    if (std::all_of(pair.begin(), pair.end(), [&](const auto& f) { return holds(folder / f.name, f.bytes); }))
-        return;
+    if (std::ranges::all_of(pair, [&](const auto& f) { return holds(folder / f.name, f.bytes); })) return;
     std::vector<fs::path> files;
     for (const samples::SampleFile& file : pair) files.push_back(folder / file.name);
     files.insert(files.end(), outputs.begin(), outputs.end());

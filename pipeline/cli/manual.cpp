@@ -48,8 +48,7 @@ std::string heading_of(const OptionDescription& option) {
 std::string options_of(const CommandDescription& command) {
     std::vector<std::string> groups;
     for (const OptionDescription& option : command.options)
-        if (std::find(groups.begin(), groups.end(), option.group) == groups.end())
-            groups.push_back(option.group);
+        if (std::ranges::find(groups, option.group) == groups.end()) groups.push_back(option.group);
     std::string text;
     for (const std::string& group : groups) {
         text += ".SS " + roff(group) + "\n";
@@ -101,7 +100,7 @@ std::string nested_of(const CommandDescription& command) {
 
 std::string page_of(const CommandDescription& command, const std::string& full_name, bool is_program) {
     std::string dashed = full_name;
-    std::replace(dashed.begin(), dashed.end(), ' ', '-');
+    std::ranges::replace(dashed, ' ', '-');
     std::string text =
         ".TH " + upper(dashed) + " 1 \"\" \"hexrelief " HEXRELIEF_VERSION "\" \"User Commands\"\n";
     text +=

@@ -82,7 +82,7 @@ std::string printable(const std::string& text, bool lines) {
 
 void print_error(const std::string& error) {
     std::string text = error;
-    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::ranges::replace(text, '\n', ' ');
     std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
 }
 

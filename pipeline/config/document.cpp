@@ -87,7 +87,7 @@ std::string short_type(const Field& field) {
 }
 
 std::string indent_of(const std::string& path) {
-    return std::string(2 * static_cast<std::size_t>(std::count(path.begin(), path.end(), '.')), ' ');
+    return std::string(2 * static_cast<std::size_t>(std::ranges::count(path, '.')), ' ');
 }
 
 // Returns a Markdown list item with its lines broken between words.

@@ -101,7 +101,7 @@ Field choice(const std::string& path, Access access, const std::vector<std::stri
         return names.at(static_cast<std::size_t>(access(const_cast<Config&>(config))));
     };
     field.set = [access, names](Config& config, const FieldValue& value) {
-        const auto at = std::find(names.begin(), names.end(), std::get<std::string>(value));
+        const auto at = std::ranges::find(names, std::get<std::string>(value));
         access(config) = static_cast<Member<Access>>(at - names.begin());
     };
     return field;

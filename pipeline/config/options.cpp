@@ -78,7 +78,7 @@ std::vector<std::string> option_flags(const std::string& group) {
     std::vector<std::string> flags;
     for (const Field& field : config_fields()) {
         const std::string& flag = field.option.flag;
-        const bool is_known = std::find(flags.begin(), flags.end(), flag) != flags.end();
+        const bool is_known = std::ranges::find(flags, flag) != flags.end();
         if (!flag.empty() && !is_known && group_of(field) == group) flags.push_back(flag);
     }
     return flags;
@@ -105,7 +105,7 @@ const Field& row_of_option(const std::string& flag, const std::vector<std::strin
     std::string missing;
     for (const Field* row : rows) {
         const std::string& file = file_of(*row);
-        if (file.empty() || std::find(files.begin(), files.end(), file) != files.end()) return *row;
+        if (file.empty() || std::ranges::find(files, file) != files.end()) return *row;
         missing += (missing.empty() ? "" : " or ") + file;
     }
     throw Error(ErrorKind::usage, flag + " goes with " + missing + ", which is not given");

@@ -24,7 +24,7 @@ constexpr std::size_t kMaxConfigBytes = 1 << 20;
 // Throws an error of one line: quoted keys and values may hold line breaks.
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
     std::string message = where + what;
-    std::replace(message.begin(), message.end(), '\n', ' ');
+    std::ranges::replace(message, '\n', ' ');
     throw Error(ErrorKind::usage, message);
 }
 

@@ -61,7 +61,7 @@ inline std::vector<float> known_values(const DisparityMap& map, std::size_t ever
 template <typename Values>
 auto value_at_rank(Values& values, std::size_t rank) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(values.begin(), at, values.end());
+    std::ranges::nth_element(values, at);
     return *at;
 }
 

@@ -24,7 +24,7 @@ bool is_pattern(const std::string& name) {
 // `)` may be an archive member, and a backslash at the end of a line is lost.
 std::string obstacle(const std::string& name) {
     if (name.empty()) return "it is empty";
-    if (std::any_of(name.begin(), name.end(), [](unsigned char letter) { return std::iscntrl(letter); }))
+    if (std::ranges::any_of(name, [](unsigned char letter) { return std::iscntrl(letter); }))
         return "it has a control character";
     if (holds_any(name, ";")) return "it has ';'";
     for (const char* call : {"$(", "${"})

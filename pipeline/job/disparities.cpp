@@ -35,8 +35,7 @@ std::string percent_of(double share) {
 }
 
 void check_any_match(const DisparityMap& map) {
-    check_matches(std::find(map.origins.begin(), map.origins.end(), PixelOrigin::matched) !=
-                  map.origins.end());
+    check_matches(std::ranges::find(map.origins, PixelOrigin::matched) != map.origins.end());
 }
 
 // Returns a supplied map whose blurred steps are cut along the picture's edges (stages::sharpen_steps()).
@@ -285,7 +284,7 @@ void count_from_infinity(DisparityResult& disparity, Calibration& calibration, b
                          const RunLog& log) {
     const auto is_far = [](float d) { return DisparityMap::known(d) && d <= 0; };
     const std::vector<float>& values = disparity.map.values;
-    if (calibration.doffs_px <= 0 || (!always && std::none_of(values.begin(), values.end(), is_far))) return;
+    if (calibration.doffs_px <= 0 || (!always && std::ranges::none_of(values, is_far))) return;
     for (DisparityMap* map : {&disparity.map, &disparity.smooth})
         for (float& d : map->values)
             if (DisparityMap::known(d)) d += static_cast<float>(calibration.doffs_px);

@@ -268,8 +268,7 @@ void InputReader::rectify_pair(RunInput& input) {
     if (!done.is_done) return;
     input.calibration = done.calibration;
     pair.is_rectified = true;
-    if (std::count(done.seen.begin(), done.seen.end(), 0) > 0)
-        input.mask = {size.width, size.height, std::move(done.seen)};
+    if (std::ranges::count(done.seen, 0) > 0) input.mask = {size.width, size.height, std::move(done.seen)};
     if (!done.other_file.empty()) input.files.push_back(hashed("calibration", done.other_file));
 }
 

@@ -64,8 +64,8 @@ bool is_compressed(const fs::path& path, const exporters::ExportConfig& config) 
 
 SurfaceMesh as_written(const exporters::Scene& scene, const exporters::ExportConfig& config,
                        const std::vector<fs::path>& outputs) {
-    const auto path = std::find_if(outputs.begin(), outputs.end(),
-                                   [&](const fs::path& output) { return is_compressed(output, config); });
+    const auto path =
+        std::ranges::find_if(outputs, [&](const fs::path& output) { return is_compressed(output, config); });
     if (path == outputs.end()) return *scene.mesh;
     const std::optional<exporters::Grid<3>> held = grid_of(scene, config, *path);
     if (!held) return *scene.mesh;
@@ -184,9 +184,8 @@ void save_rectified(const StereoPair& pair, const Calibration& camera, const fs:
 }
 
 bool has_page(const std::vector<std::filesystem::path>& outputs) {
-    return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
-        return exporters::export_format(path).is_page;
-    });
+    return std::ranges::any_of(
+        outputs, [](const std::filesystem::path& path) { return exporters::export_format(path).is_page; });
 }
 
 exporters::PageContent page_content(const LeftView& view, const SurfaceResult& result,

@@ -119,7 +119,7 @@ Json matching_json(const Relief& relief) {
 }
 
 double share_of(PixelOrigin origin, const DisparityMap& map) {
-    return static_cast<double>(std::count(map.origins.begin(), map.origins.end(), origin)) /
+    return static_cast<double>(std::ranges::count(map.origins, origin)) /
            static_cast<double>(map.origins.size());
 }
 
@@ -230,7 +230,7 @@ std::optional<OriginShares> origin_shares(const DisparityMap& map) {
 
 PictureShares shares_of(const Relief& relief) {
     const std::vector<std::uint8_t>& kept = relief.input.mask.kept;
-    const std::size_t blank = relief.input.is_aligned() ? std::count(kept.begin(), kept.end(), 0) : 0;
+    const std::size_t blank = relief.input.is_aligned() ? std::ranges::count(kept, 0) : 0;
     PictureShares shares = share_picture(relief.disparity.meshed(), relief.density.background_px,
                                          relief.surface.mesh, relief.surface.mesh.left_triangles(), blank);
     if (const InputMap* const map = relief.input.map(); map && map->is_depth)

@@ -29,9 +29,8 @@ namespace fs = std::filesystem;
 }
 
 int files_for_standard_output(const RunRequest& request) {
-    return static_cast<int>(
-        files::is_standard_output(request.report) +
-        std::count_if(request.outputs.begin(), request.outputs.end(), files::is_standard_output));
+    return static_cast<int>(files::is_standard_output(request.report) +
+                            std::ranges::count_if(request.outputs, files::is_standard_output));
 }
 
 // Throws Error(usage) unless at most one file goes to the standard output.

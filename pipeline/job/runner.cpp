@@ -43,7 +43,7 @@ bool leaves_disparities(const checks::Finding& finding) {
 // Returns the share of the pixels that a mask keeps, above 0; 1 for an empty one.
 double kept_share(const readers::PixelMask& mask) {
     if (mask.empty()) return 1;
-    const auto kept = std::count(mask.kept.begin(), mask.kept.end(), 1);
+    const auto kept = std::ranges::count(mask.kept, 1);
     return static_cast<double>(std::max<std::ptrdiff_t>(1, kept)) / static_cast<double>(mask.kept.size());
 }
 
@@ -69,7 +69,7 @@ void check_input(const RunInput& input, const stages::FoundRange& range, const c
                                      {file.scale > 0 ? file.scale : 1, file.offset_px});
     }
     double median_px = std::numeric_limits<double>::quiet_NaN();
-    if (input.calibration.metric && std::all_of(findings.begin(), findings.end(), leaves_disparities))
+    if (input.calibration.metric && std::ranges::all_of(findings, leaves_disparities))
         median_px = pair ? checks::median_disparity_px(range.coarse)
                          : checks::measure_values(map->disparities).median_px;
     for (checks::Finding& finding : is_depth ? checks::check_depths(input.calibration, median_px)
@@ -96,7 +96,7 @@ int threads_for(const config::Config& config, const RunLog& log) {
 
 // Returns the file of the left picture if it is a JPEG of which the texture may keep something; else nothing.
 std::vector<std::uint8_t> jpeg_of(const RunInput& input, const config::Config& config) {
-    const auto file = std::find_if(input.files.begin(), input.files.end(), [](const InputFile& f) {
+    const auto file = std::ranges::find_if(input.files, [](const InputFile& f) {
         return f.role == "left" || f.role == "stereo" || f.role == "color";
     });
     if (file == input.files.end() || config.exporting.texture != exporters::TextureFormat::jpeg) return {};

@@ -93,8 +93,7 @@ double largest_output(const LeftView& view, const SurfaceResult& result,
 
 // True if the tolerance changes the bytes of some output.
 bool any_compressed(const std::vector<fs::path>& outputs, const exporters::ExportConfig& config) {
-    return config.draco.position_bits == 0 &&
-           std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
+    return config.draco.position_bits == 0 && std::ranges::any_of(outputs, [&](const fs::path& path) {
                return is_compressed(path, config) && !exporters::export_format(path).tolerance_px;
            });
 }
@@ -104,7 +103,7 @@ bool any_compressed(const std::vector<fs::path>& outputs, const exporters::Expor
 std::optional<TextureLimits> texture_limits(const LeftView& view, const config::Config& config,
                                             const std::vector<fs::path>& outputs) {
     const exporters::ExportConfig& exporting = config.exporting;
-    const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
+    const bool is_written = std::ranges::any_of(outputs, [](const fs::path& path) {
         return exporters::export_format(path).colours == exporters::ColourStorage::texture;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
@@ -199,8 +198,8 @@ DensityMap density_of(const DisparityMap& disparity, const stages::DensityConfig
                       RunLog& log) {
     DensityMap density = stages::compute_density(disparity, config, threads);
     const auto count_of = [&](const auto& counted) {
-        return std::count_if(disparity.values.begin(), disparity.values.end(),
-                             [&](float d) { return DisparityMap::known(d) && counted(d); });
+        return std::ranges::count_if(disparity.values,
+                                     [&](float d) { return DisparityMap::known(d) && counted(d); });
     };
     const auto kept = count_of([&](float d) { return d > 0 && d >= density.background_px; });
     if (kept == 0)

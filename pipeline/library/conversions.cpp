@@ -154,7 +154,7 @@ job::RunRequest request_to(const FileRequest& files) {
 bool lacks_color(const job::RunReport& report) {
     return report.relief->input.texture().empty() &&
            report.config().exporting.texture != exporters::TextureFormat::none &&
-           std::any_of(report.outputs.begin(), report.outputs.end(), [](const job::OutputFile& file) {
+           std::ranges::any_of(report.outputs, [](const job::OutputFile& file) {
                const exporters::MeshFormat* const format = exporters::find_mesh_format(file.path);
                return format && format->colours != exporters::ColourStorage::none;
            });
@@ -206,8 +206,8 @@ void apply_export_settings(config::Config& config, const Options& options) {
 }
 
 bool sets_tolerance(const Options& options) {
-    return std::any_of(options.settings.begin(), options.settings.end(),
-                       [](const auto& setting) { return setting.first.starts_with("export.tolerance_"); });
+    return std::ranges::any_of(
+        options.settings, [](const auto& setting) { return setting.first.starts_with("export.tolerance_"); });
 }
 
 job::RunRequest request_of(const FileRequest& files, const Options& options) {

@@ -106,8 +106,8 @@ std::string looks_like(Head head) {
     if (netpbm_kind(head, "12347"))
         return std::string("Netpbm kind P") + static_cast<char>(head[1]) +
                " is not supported, only binary P5 and P6";
-    const bool text = std::all_of(head.begin(), head.end(),
-                                  [](std::uint8_t c) { return is_space(c) || (c >= 0x20 && c != 0x7f); });
+    const bool text =
+        std::ranges::all_of(head, [](std::uint8_t c) { return is_space(c) || (c >= 0x20 && c != 0x7f); });
     return text ? "it is text, or an unknown format (a table of numbers is read as NPY: numpy.save of "
                   "numpy.loadtxt)"
                 : "its format is not recognised";

@@ -216,7 +216,7 @@ DisparityFile disparities_of(codec::Raster raster, const std::filesystem::path& 
     if (config.scale == 0 || config.scale == kStereoSgbmScale) restore_signs(raster);
     DisparityFile file = converted(std::move(raster), path, config, false);
     if (config.flip) codec::flip_rows(file.map.values, file.map.width);
-    if (std::none_of(file.map.values.begin(), file.map.values.end(), DisparityMap::known))
+    if (std::ranges::none_of(file.map.values, DisparityMap::known))
         codec::refuse(path, "no pixel of the map is known, with a disparity of at most a million px" +
                                 std::string(config.beyond_px == 0 ? " and above 0" : "") +
                                 "; check the file, " + config.unknown_option + " and " + config.scale_option +

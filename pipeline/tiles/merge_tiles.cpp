@@ -25,7 +25,7 @@ constexpr double kShareOfChildren = 0.25;  // share of the children's triangles
 void check_solved(const TilePlan& plan, const std::vector<TileNumber>& tiles, int threads) {
     std::vector<char> solved(tiles.size());
     do_jobs(tiles.size(), threads, [&](std::size_t k) { solved[k] = is_solved(plan, tiles[k]); });
-    const auto first = std::find(solved.begin(), solved.end(), 0);
+    const auto first = std::ranges::find(solved, 0);
     if (first == solved.end()) return;
     const auto others = std::count(first + 1, solved.end(), 0);
     throw Error(ErrorKind::input,
@@ -48,12 +48,11 @@ void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int
         const std::lock_guard lock(turn);
         edges.insert(edges.end(), mesh.seam_edges.begin(), mesh.seam_edges.end());
     });
-    std::sort(edges.begin(), edges.end());
-    const bool is_whole =
-        std::adjacent_find(edges.begin(), edges.end()) == edges.end() &&
-        std::all_of(edges.begin(), edges.end(), [&](const SeamEdge& edge) {
-            return std::binary_search(edges.begin(), edges.end(), SeamEdge{edge[1], edge[0]});
-        });
+    std::ranges::sort(edges);
+    const bool is_whole = std::ranges::adjacent_find(edges) == edges.end() &&
+                          std::ranges::all_of(edges, [&](const SeamEdge& edge) {
+                              return std::ranges::binary_search(edges, SeamEdge{edge[1], edge[0]});
+                          });
     if (!is_whole)
         throw Error(ErrorKind::input,
                     plan.folder.string() + ": neighbouring tiles do not fit; solve them again with --force");

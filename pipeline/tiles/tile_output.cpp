@@ -66,9 +66,8 @@ TileScene tile_scene(const TilePlan& plan, const mesh_tiles::TileMesh& mesh,
     const auto can_be_placed = [&](const mesh_tiles::TileCorner& corner) {
         return corner.disparity + camera.doffs_px > 0;
     };
-    if (std::none_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-            return std::all_of(t.begin(), t.end(),
-                               [&](std::uint32_t v) { return can_be_placed(mesh.corners[v]); });
+    if (std::ranges::none_of(mesh.triangles, [&](const Triangle& t) {
+            return std::ranges::all_of(t, [&](std::uint32_t v) { return can_be_placed(mesh.corners[v]); });
         }))
         return scene;
     std::vector<std::uint32_t> corners;
@@ -202,7 +201,7 @@ bool is_solved(const TilePlan& plan, const TileNumber& tile) {
     try {
         const TileReport report = read_tile_report(path);
         return report.plan == plan.stamp &&
-               std::all_of(report.files.begin(), report.files.end(), [&](const files::WrittenFile& file) {
+               std::ranges::all_of(report.files, [&](const files::WrittenFile& file) {
                    const fs::path name = plan.folder / file.path;
                    return fs::is_regular_file(name) && fs::file_size(name) == file.bytes &&
                           files::sha256_of_file(name) == file.sha256;

@@ -40,7 +40,7 @@ std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         std::string argument = argv[i];
         argument.resize(std::min(argument.size(), argument.find('=')));
-        if (std::find(names.begin(), names.end(), argument) != names.end()) continue;
+        if (std::ranges::find(names, argument) != names.end()) continue;
         const bool option = argument.starts_with("--");
         if (!option && i + 1 < argc) continue;  // probably a value
         const std::string near = config::nearest_name(argument, names);

@@ -158,7 +158,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
     for (auto it = fs::recursive_directory_iterator(folder, kSkip, none);
          it != fs::recursive_directory_iterator(); it.increment(none))
         if (it->is_regular_file(none)) files.push_back(it->path());
-    std::sort(files.begin(), files.end());
+    std::ranges::sort(files);
     return files;
 }
 

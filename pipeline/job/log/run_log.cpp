@@ -13,8 +13,8 @@ void RunLog::begin_stage(const std::string& name) const {
 
 void RunLog::end_stage(const std::string& name, double seconds) {
     if (stage_ends) stage_ends(name, seconds);
-    const auto known = std::find_if(stage_seconds_.begin(), stage_seconds_.end(),
-                                    [&](const auto& entry) { return entry.first == name; });
+    const auto known =
+        std::ranges::find_if(stage_seconds_, [&](const auto& entry) { return entry.first == name; });
     if (known == stage_seconds_.end())
         stage_seconds_.emplace_back(name, seconds);
     else

@@ -87,7 +87,7 @@ float median_depth(const SurfaceMesh& mesh) {
     depths.reserve(mesh.positions.size());
     for (const Vec3f& p : mesh.positions) depths.push_back(-p.z);
     const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
+    std::ranges::nth_element(depths, middle);
     return *middle;
 }
 
@@ -205,8 +205,7 @@ Image disparity_picture(const DisparityMap& map) {
 Image density_picture(const DensityMap& density) {
     Image picture{density.width, density.height, 1, {}};
     picture.pixels.resize(density.values.size());
-    const float largest =
-        density.values.empty() ? 0 : *std::max_element(density.values.begin(), density.values.end());
+    const float largest = density.values.empty() ? 0 : *std::ranges::max_element(density.values);
     for (std::size_t i = 0; i < density.values.size() && largest > 0; ++i)
         picture.pixels[i] =
             static_cast<std::uint8_t>(std::lround(255 * std::pow(density.values[i] / largest, 1 / 2.2f)));

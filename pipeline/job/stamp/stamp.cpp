@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 // Erases "section.inner.leaf".
 void erase(Json& json, const std::string& path) {
     std::string pointer = "/" + config::section_of(path);
-    std::replace(pointer.begin(), pointer.end(), '.', '/');
+    std::ranges::replace(pointer, '.', '/');
     json.at(Json::json_pointer(pointer)).erase(path.substr(path.rfind('.') + 1));
 }
 
@@ -64,7 +64,7 @@ using PathsByName = std::map<fs::path, std::vector<fs::path>>;
 // may share a texture.
 std::size_t number_of(const fs::path& path, PathsByName& paths) {
     std::vector<fs::path>& same_name = paths[path.filename()];
-    const auto known = std::find(same_name.begin(), same_name.end(), path);
+    const auto known = std::ranges::find(same_name, path);
     const auto number = static_cast<std::size_t>(known - same_name.begin());
     if (known == same_name.end()) same_name.push_back(path);
     return number;
@@ -90,9 +90,8 @@ bool are_as_written(const RunRequest& request, const Json& outputs) {
     others.outputs.clear();
     const std::vector<WrittenFile> unhashed = written_files(others);
     std::error_code code;
-    return std::all_of(request.outputs.begin(), request.outputs.end(),
-                       [&](const fs::path& file) { return found.contains(file); }) &&
-           std::all_of(unhashed.begin(), unhashed.end(), [&](const WrittenFile& file) {
+    return std::ranges::all_of(request.outputs, [&](const fs::path& file) { return found.contains(file); }) &&
+           std::ranges::all_of(unhashed, [&](const WrittenFile& file) {
                return file.is_rectified || fs::exists(file.path, code);
            });
 }

@@ -32,7 +32,7 @@ std::vector<Words> entries_of(std::string_view text) {
 // True for the name of a model: SIMPLE_RADIAL, OPENCV, THIN_PRISM_FISHEYE, ...
 bool is_model(std::string_view word) {
     return word.size() > 2 &&
-           std::all_of(word.begin(), word.end(), [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; });
+           std::ranges::all_of(word, [](char c) { return (c >= 'A' && c <= 'Z') || c == '_'; });
 }
 
 // The models by their numbers in cameras.bin, and how many parameters each has.

@@ -38,10 +38,10 @@ Entries entries_of(const CalibrationText& text) {
 
 // Returns the entries of both files. If both have a key, the files are those of one camera each.
 Entries merged(Entries first, Entries second, const std::string& second_name) {
-    const bool are_cameras = std::any_of(second.begin(), second.end(), [&](const Entry& entry) {
+    const bool are_cameras = std::ranges::any_of(second, [&](const Entry& entry) {
         return entry.side == Side::none && meaning_of(entry) && meaning_of(entry)->part < Part::width &&
-               std::any_of(first.begin(), first.end(),
-                           [&](const Entry& one) { return one.side == Side::none && one.key == entry.key; });
+               std::ranges::any_of(
+                   first, [&](const Entry& one) { return one.side == Side::none && one.key == entry.key; });
     });
     if (are_cameras)
         for (Entry& entry : first)

@@ -12,7 +12,7 @@ namespace {
 const double kPi = std::acos(-1.0);
 
 auto depth_of(const Entry& entry) {
-    return std::count(entry.key.begin(), entry.key.end(), '.');
+    return std::ranges::count(entry.key, '.');
 }
 
 }  // namespace

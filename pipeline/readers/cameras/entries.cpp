@@ -30,14 +30,13 @@ std::vector<std::string> components_of(const std::string& name) {
 int number_of_camera(const std::string& component) {
     if (component.empty() || component.back() < '0' || component.back() > '9') return -1;
     const std::string_view stem = std::string_view(component).substr(0, component.size() - 1);
-    const bool is_camera =
-        std::find(kNumberedNames.begin(), kNumberedNames.end(), stem) != kNumberedNames.end();
+    const bool is_camera = std::ranges::find(kNumberedNames, stem) != kNumberedNames.end();
     return is_camera ? component.back() - '0' : -1;
 }
 
 template <typename Names>
 bool is_one_of(const Names& names, const std::string& component) {
-    return std::find(names.begin(), names.end(), component) != names.end();
+    return std::ranges::find(names, component) != names.end();
 }
 
 constexpr std::uint64_t kMostBytes = 1u << 20;
@@ -54,7 +53,7 @@ bool has_numbers(const std::vector<std::uint8_t>& bytes) {
 
 bool is_name(std::string_view text) {
     return !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&
-           std::all_of(text.begin(), text.end(), [](char c) {
+           std::ranges::all_of(text, [](char c) {
                return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
            });
 }

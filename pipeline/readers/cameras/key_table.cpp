@@ -180,7 +180,7 @@ std::span<const Family> families() {
 
 const Family* family_of(const Entries& entries) {
     const auto has_part = [&](Part part, Side side) {
-        return std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) {
+        return std::ranges::any_of(entries, [&](const Entry& entry) {
             const auto meaning = meaning_of(entry);
             return meaning && meaning->part == part && meaning->side == side;
         });
@@ -190,7 +190,7 @@ const Family* family_of(const Entries& entries) {
         if (mark == "PAIR") return has_part(Part::matrix, Side::left) || has_part(Part::matrix, Side::right);
         if (mark == "RECTIFIED")
             return has_part(Part::projection, Side::left) && has_part(Part::projection, Side::right);
-        return std::any_of(entries.begin(), entries.end(), [&](const Entry& entry) {
+        return std::ranges::any_of(entries, [&](const Entry& entry) {
             const std::string whole = plain_name(entry.name);
             return ends_with_name(entry.key, mark) || ends_with_name(whole, mark);
         });
@@ -201,7 +201,7 @@ const Family* family_of(const Entries& entries) {
     };
     for (const Family& family : kFamilies) {
         const std::vector<std::string_view> marks = words(family.marks);
-        if (std::any_of(marks.begin(), marks.end(), has_both)) return &family;
+        if (std::ranges::any_of(marks, has_both)) return &family;
     }
     return nullptr;
 }

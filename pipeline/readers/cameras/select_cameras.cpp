@@ -72,8 +72,8 @@ Entries select_zed(const CalibrationText& source, Entries entries) {
         {"fhd1200", 1920, 1200}, {"2k", 2208, 1242}, {"qhdplus", 3200, 1800}, {"4k", 3840, 2160}};
     std::vector<Choice> there;
     for (const Choice& choice : all)
-        if (std::any_of(entries.begin(), entries.end(),
-                        [&](const Entry& entry) { return entry.key == "leftcam" + choice.name + ".fx"; }))
+        if (std::ranges::any_of(
+                entries, [&](const Entry& entry) { return entry.key == "leftcam" + choice.name + ".fx"; }))
             there.push_back(choice);
     if (there.empty()) refuse_key(source, "LEFT_CAM_HD", "is missing");
     const Choice& chosen = choose(source, there);
@@ -221,8 +221,8 @@ bool CameraParts::is_fisheye(const StereoCalibration& pair) {
         const std::optional<Meaning> meaning = meaning_of(entry);
         if (!meaning || meaning->part != Part::model) continue;
         const std::string model = plain_name(entry.values[0]);
-        const bool fisheye = std::find(kFisheyes.begin(), kFisheyes.end(), model) != kFisheyes.end();
-        if (!fisheye && std::find(kPinholes.begin(), kPinholes.end(), model) == kPinholes.end())
+        const bool fisheye = std::ranges::find(kFisheyes, model) != kFisheyes.end();
+        if (!fisheye && std::ranges::find(kPinholes, model) == kPinholes.end())
             refuse_key(
                 source_, entry.name,
                 "is " + excerpt(entry.values[0]) + "; pinhole and fisheye (equidistant) lenses are read");

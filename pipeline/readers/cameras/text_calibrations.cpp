@@ -286,7 +286,7 @@ std::optional<Calibration> parse_matrix(CalibrationText& source) {
 
 std::optional<Calibration> parse_mvsnet(CalibrationText& source) {
     const std::vector<std::string> parts = numbers_of(source.text);
-    const auto found = std::find(parts.begin(), parts.end(), "intrinsic");
+    const auto found = std::ranges::find(parts, "intrinsic");
     if (parts.empty() || parts.front() != "extrinsic" || found == parts.end()) return std::nullopt;
     source.format = "MVSNet";
     if (parts.end() - found < 10) refuse_key(source, "intrinsic", "must be followed by the 9 numbers of K");

@@ -48,7 +48,7 @@ std::vector<float> without(const std::vector<Sample>& raw, std::array<double, 3>
     std::vector<float> values(raw.size());
     std::transform(raw.begin(), raw.end(), values.begin(), [&](Sample sample) {
         const auto value = static_cast<float>(sample);
-        const bool known = std::isfinite(value) && std::find(none.begin(), none.end(), value) == none.end();
+        const bool known = std::isfinite(value) && std::ranges::find(none, value) == none.end();
         return known ? value : static_cast<float>(kNone);
     });
     return values;
@@ -118,7 +118,7 @@ Affine affine_of(const std::vector<float>& samples, const DepthFileConfig& confi
     if (known.empty()) return {1, 0, false};
     const auto cut = static_cast<std::ptrdiff_t>(kOutlierShare * static_cast<double>(known.size()));
     const auto at = [&](std::ptrdiff_t rank) {
-        std::nth_element(known.begin(), known.begin() + rank, known.end());
+        std::ranges::nth_element(known, known.begin() + rank);
         return static_cast<double>(known[rank]);
     };
     const double least = at(cut), largest = at(static_cast<std::ptrdiff_t>(known.size()) - 1 - cut);
@@ -192,7 +192,7 @@ std::string doubt_of_bits(const codec::Raster& raster, const DepthFileConfig& co
         bits |= sample;
         is_there[sample] = true;
     }
-    if (bits % 16 != 8 || std::count(is_there.begin(), is_there.end(), true) < kLeastDifferent) return {};
+    if (bits % 16 != 8 || std::ranges::count(is_there, true) < kLeastDifferent) return {};
     return "all depths are multiples of 8, as those of SUN RGB-D, which has millimetres with their bits "
            "turned by three; if they are its, --depth-unit 8000 reads them (input.depth.unit)";
 }
@@ -247,7 +247,7 @@ DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& pa
     if (config.flip) codec::flip_rows(file.map.values, raster.width);
     file.map.width = raster.width;
     file.map.height = raster.height;
-    if (std::none_of(file.map.values.begin(), file.map.values.end(), DepthMap::known))
+    if (std::ranges::none_of(file.map.values, DepthMap::known))
         codec::refuse(path,
                       "no pixel of the map is known; check the file, --depth-kind (input.depth.kind) and "
                       "--unknown (input.depth.unknown)");

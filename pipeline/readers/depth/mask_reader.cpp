@@ -25,7 +25,7 @@ PixelMask kept_pixels(const codec::Raster& raster, Keeps keeps) {
 }
 
 PixelMask checked(PixelMask mask, const std::filesystem::path& path, const char* advice) {
-    if (std::find(mask.kept.begin(), mask.kept.end(), 1) == mask.kept.end())
+    if (std::ranges::find(mask.kept, 1) == mask.kept.end())
         codec::refuse(path, std::string("it leaves no pixel; ") + advice);
     return mask;
 }
@@ -37,7 +37,7 @@ double full_confidence(const codec::Raster& raster) {
         [](const auto& samples) -> double {
             using Sample = typename std::decay_t<decltype(samples)>::value_type;
             if constexpr (std::is_floating_point_v<Sample>) return 1;
-            const Sample largest = *std::max_element(samples.begin(), samples.end());
+            const Sample largest = *std::ranges::max_element(samples);
             return largest <= levels ? levels : std::numeric_limits<Sample>::max();
         },
         raster.samples);

@@ -93,7 +93,7 @@ void take_type(const SourceFile& source, std::string_view type, NpyHeader& heade
     header.kind = type[1];
     const auto bytes = parse_number(type.substr(2));
     const auto is = [&](char kind, std::initializer_list<int> sizes) {
-        return header.kind == kind && bytes && std::find(sizes.begin(), sizes.end(), *bytes) != sizes.end();
+        return header.kind == kind && bytes && std::ranges::find(sizes, *bytes) != sizes.end();
     };
     if (!is('b', {1}) && !is('u', {1, 2, 4, 8}) && !is('i', {1, 2, 4, 8}) && !is('f', {2, 4, 8}))
         refuse(source.path,
@@ -223,7 +223,7 @@ template <typename Stored>
 Stored stored_at(const std::uint8_t* from, bool swap) {
     std::array<std::uint8_t, sizeof(Stored)> bytes;
     std::memcpy(bytes.data(), from, sizeof(Stored));
-    if (swap) std::reverse(bytes.begin(), bytes.end());
+    if (swap) std::ranges::reverse(bytes);
     return std::bit_cast<Stored>(bytes);
 }
 
@@ -313,7 +313,7 @@ std::vector<double> read_npy_numbers(const SourceFile& source) {
     std::vector<unsigned long long> sides = header.shape;
     std::erase(sides, 1);
     if (sides.size() > 4 || (header.column_major && sides.size() > 2) ||
-        std::any_of(sides.begin(), sides.end(), [](auto side) { return side == 0 || side > 4096; }))
+        std::ranges::any_of(sides, [](auto side) { return side == 0 || side > 4096; }))
         refuse(source.path, "its shape is not of numbers or of a matrix");
     header.width = sides.empty() ? 1 : sides.back();
     header.height = 1;
