@@ -76,7 +76,6 @@ void set_quality(jpeg_compress_struct& jpeg, int quality) {
     }
 }
 
-// Returns the number of values in a row of a float map.
 std::size_t row_of_map(int width, int height, const std::vector<float>& values) {
     const std::size_t row = static_cast<std::size_t>(width < 0 ? 0 : width);
     if (width < 1 || height < 1 || values.size() != row * static_cast<std::size_t>(height))

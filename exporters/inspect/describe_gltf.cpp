@@ -68,7 +68,6 @@ long long integer(const Source& source, const Json& object, const char* key,
     return it->get<long long>();
 }
 
-// Returns the index-th object of a top-level array.
 const Json& item(const Source& source, const char* array, long long index) {
     const auto it = source.json.find(array);
     if (it == source.json.end() || !it->is_array() || index < 0 ||
@@ -109,7 +108,6 @@ std::optional<long long> uri_bytes(const Source& source, const std::string& uri)
     return code ? std::nullopt : std::optional<long long>(static_cast<long long>(size));
 }
 
-// Returns the EXT_meshopt_compression object of a buffer or a buffer view, or null.
 const Json* meshopt_extension(const Json& object) {
     const auto extensions = object.find("extensions");
     if (extensions == object.end() || !extensions->is_object()) return nullptr;

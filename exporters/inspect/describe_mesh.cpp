@@ -40,7 +40,6 @@ std::vector<std::uint8_t> from_base64(std::string_view text) {
 
 namespace fs = std::filesystem;
 
-// The first bytes of a file.
 struct FileHead {
     std::vector<std::uint8_t> bytes;
     std::uintmax_t file_bytes = 0;  // size of the whole file
@@ -57,7 +56,6 @@ std::uintmax_t size_of(const fs::path& path) {
     return size;
 }
 
-// Reads at most `count` bytes.
 FileHead read_head(const fs::path& path, std::uintmax_t count) {
     constexpr std::uintmax_t kLargest = std::uintmax_t{2} << 30;
     FileHead head;

@@ -39,7 +39,6 @@ constexpr NumberType kNumberTypes[] = {
     type_of<std::int32_t>("int", "int32"),   type_of<std::uint32_t>("uint", "uint32"),
     type_of<float>("float", "float32"),      type_of<double>("double", "float64")};
 
-// Returns null for any other name.
 const NumberType* find_type(std::string_view name) {
     const auto found = std::ranges::find_if(
         kNumberTypes, [&](const NumberType& type) { return name == type.name || name == type.other_name; });

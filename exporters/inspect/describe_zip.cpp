@@ -78,7 +78,6 @@ std::vector<ZipEntry> zip_entries(const std::filesystem::path& path, const std::
 
 constexpr std::string_view kModel = "3D/3dmodel.model";
 
-// Returns the attribute of an element's text; empty if there is none.
 std::string_view attribute(std::string_view element, std::string_view name) {
     const std::string start = " " + std::string(name) + "=\"";
     const std::size_t at = element.find(start);

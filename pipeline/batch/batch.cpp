@@ -90,7 +90,6 @@ class Scheduler {
         return std::ranges::any_of(workers_, [](const Worker& w) { return w.is_busy(); });
     }
 
-    // Returns the next unit without an error, or nothing.
     std::optional<std::size_t> next_unit() {
         while (next_ < units_.size() && !units_[next_].wrong.empty()) ++next_;
         return next_ < units_.size() ? std::optional(next_) : std::nullopt;

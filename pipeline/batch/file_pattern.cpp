@@ -44,7 +44,6 @@ std::size_t image_rank(const fs::path& file) {
         known.begin());
 }
 
-// One part of a pattern's path.
 struct Part {
     std::string head, tail;  // before and after {name}; without it, all is in `head`
     bool has_name = false, any_image = false;

@@ -27,7 +27,6 @@ class CsvReader {
         if (rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);  // a byte order mark
     }
 
-    // Returns the next record, skipping empty lines; nothing at the end.
     std::optional<CsvRecord> next() {
         while (!rest_.empty() && (rest_.front() == '\n' || rest_.front() == '\r')) take();
         if (rest_.empty()) return std::nullopt;

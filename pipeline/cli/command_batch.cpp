@@ -159,7 +159,6 @@ void print_warnings(const std::vector<batch::BatchUnit>& units,
                               warning);
 }
 
-// Prints the progress of the batch.
 class BatchTeller {
   public:
     BatchTeller(const BatchCommand& command, const std::vector<batch::BatchUnit>& units)
@@ -191,7 +190,6 @@ class BatchTeller {
         if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", batch::progress_bar(counts_, seconds()).c_str());
     }
 
-    // Prints failures and warnings to standard error and the summary to standard output.
     void batch_ended(const batch::BatchResult& result) {
         clear_bar();
         for (std::size_t i = 0; i < units_.size() && !result.interrupted; ++i)

@@ -63,7 +63,6 @@ int print_commands(const SolveOptions& options, const std::vector<tiles::TileNum
     return 0;
 }
 
-// Prints the progress of the tiles.
 class TileTeller {
   public:
     TileTeller(const tiles::TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)

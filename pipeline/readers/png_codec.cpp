@@ -69,7 +69,6 @@ void transform_step(PngReader& reader) {
     png_read_update_info(reader.png, reader.info);
 }
 
-// Returns the file's colour profile; empty if it has none.
 std::vector<std::uint8_t> profile_of(const PngReader& reader) {
     png_charp name = nullptr;
     png_bytep bytes = nullptr;

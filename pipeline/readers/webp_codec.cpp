@@ -15,7 +15,6 @@ WebPBitstreamFeatures read_features(const SourceFile& source) {
     return features;
 }
 
-// Returns the file's colour profile; empty if it has none.
 std::vector<std::uint8_t> profile_of(const SourceFile& source) {
     const WebPData bytes{source.bytes.data(), source.bytes.size()};
     std::vector<std::uint8_t> profile;

@@ -61,7 +61,6 @@ std::string text_between(const fs::path& path, std::string_view before, std::str
     return after.empty() ? text : std::string();
 }
 
-// Parses a JSON object; returns nothing if the text is not one.
 std::optional<Json> parsed(std::string_view text) {
     if (is_nested_too_deeply(text)) return std::nullopt;
     Json json = Json::parse(text, nullptr, false);
@@ -75,7 +74,6 @@ double page_figure(const Json& facts, const char* name) {
     return kUnknown;
 }
 
-// Reads a page; returns nothing if it is not the page of a relief.
 std::optional<FoundResult> read_page(const fs::path& path) {
     const auto facts = parsed(text_between(path, R"(id="facts">)", "<"));
     if (!facts || !facts->contains("levels") || !(*facts)["levels"].is_array() || (*facts)["levels"].empty())

@@ -44,7 +44,6 @@ std::string text(const char* format, double first, double second = 0) {
     return buffer;
 }
 
-// Returns the width of the sensor's wide side; 0 if unknown.
 double sensor_width_mm(const Exif& exif, double picture_px) {
     const double resolution = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_X_RESOLUTION);
     const double unit = number_of(exif, EXIF_IFD_EXIF, EXIF_TAG_FOCAL_PLANE_RESOLUTION_UNIT);

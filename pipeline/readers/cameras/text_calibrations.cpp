@@ -121,7 +121,6 @@ Calibration from_pair(CalibrationText& source, const Lines& entries, const std::
     return from_projections(l, r);
 }
 
-// Takes the size of the rectified pictures, if the file has it.
 void take_size(const CalibrationText& source, const Lines& entries, int camera, Calibration& calibration) {
     const std::string size = key_of("S_rect_", camera);
     const auto found = entries.find(size);

@@ -65,7 +65,6 @@ class XmlReader {
         return list;
     }
 
-    // Reads one element; `name` receives its name.
     YAML::Node read_element(std::string& name, int depth) {
         if (depth > kDeepestElement || !text_.starts_with('<')) refuse_xml();
         text_.remove_prefix(1);

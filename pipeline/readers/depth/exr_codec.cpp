@@ -73,7 +73,6 @@ void check_attributes(const SourceFile& source) {
     }
 }
 
-// Calls read(), and refuses the file if the library does.
 template <typename Read>
 auto guarded(const SourceFile& source, Read read) {
     try {
@@ -115,7 +114,6 @@ std::vector<Channel> channels_of(const SourceFile& source, const Imf::MultiPartI
     return channels;
 }
 
-// Returns red, green and blue if a part has them; else nothing.
 std::vector<Channel> colors_of(const std::vector<Channel>& channels) {
     for (const Channel& first : channels) {
         std::vector<Channel> colors;
@@ -210,7 +208,6 @@ Layout layout_of(const SourceFile& source, const Imf::MultiPartInputFile& file) 
     return layout;
 }
 
-// Reads bands of rows of the data window.
 class BandReader {
   public:
     BandReader(Imf::MultiPartInputFile& file, const Layout& layout)

@@ -25,7 +25,6 @@ Calibration camera_of(const HeicView& left, const HeicView& right) {
     return camera;
 }
 
-// Returns the number of the file's EXIF item; 0 if it has none.
 std::uint32_t exif_item(Bytes file) {
     std::uint32_t found = 0;
     each_item(file, [&](std::uint32_t item, std::string_view type) {

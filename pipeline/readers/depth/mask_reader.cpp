@@ -30,7 +30,6 @@ PixelMask checked(PixelMask mask, const std::filesystem::path& path, const char*
     return mask;
 }
 
-// Returns the sample value that means a confidence of 1.
 double full_confidence(const codec::Raster& raster) {
     constexpr double levels = 2;
     return std::visit(

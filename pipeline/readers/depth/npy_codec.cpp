@@ -57,7 +57,6 @@ class DictionaryText {
         if (end == std::string_view::npos) refuse_header(source_);
         return take(end, 1);
     }
-    // Takes the next letters and digits.
     std::string_view word() {
         skip_space();
         std::size_t end = 0;
@@ -184,7 +183,6 @@ void read_dictionary(const SourceFile& source, std::string_view header_text, Npy
     header.shape = std::move(*shape);
 }
 
-// Reads a header of any shape.
 NpyHeader read_any_header(const SourceFile& source) {
     const auto& bytes = source.bytes;
     NpyHeader header;

@@ -198,7 +198,6 @@ void check_promise(const SourceFile& archive, const ZipMember& member, std::uint
                                  std::to_string(most_bytes) + " that any map needs");
 }
 
-// Returns where the member's packed bytes begin.
 const std::uint8_t* packed_bytes(const SourceFile& archive, const ZipMember& member) {
     if (archive_number(archive, member.header_at, 4) != kMemberMark) refuse_damaged(archive);
     const std::uint64_t start = member.header_at + kMemberBytes +

@@ -84,7 +84,6 @@ double aspect_difference(const Image& image, int width, int height) {
     return std::fabs(std::log(1.0 * image.width * height / (1.0 * image.height * width)));
 }
 
-// Returns what was done.
 std::string turn(OrientedPicture& picture) {
     picture.image = upright(std::move(picture.image), picture.orientation);
     return picture.path.string() + " is " + orientation_text(picture.orientation) +

@@ -70,7 +70,6 @@ std::optional<std::pair<std::size_t, std::size_t>> find_segment(const std::vecto
     return std::nullopt;
 }
 
-// Returns the index of the picture that begins there.
 std::optional<Index> find_index(const SourceFile& source, std::size_t begin = 0) {
     const auto segment = find_segment(source.bytes, begin, 0xe2, std::string_view("MPF\0", 4));
     if (!segment) return std::nullopt;
@@ -79,7 +78,6 @@ std::optional<Index> find_index(const SourceFile& source, std::size_t begin = 0)
 
 constexpr std::uint32_t kEntries = 0xb002, kViewNumber = 0xb101;
 
-// Returns where the directory's entry with this tag is.
 std::optional<std::uint64_t> find_tag(const Index& index, std::uint64_t directory, std::uint32_t wanted) {
     const std::uint32_t tags = index.number(directory, 2);
     for (std::uint32_t i = 0; i < tags; ++i)
@@ -125,7 +123,6 @@ std::optional<std::size_t> end_of(const std::vector<std::uint8_t>& bytes, std::s
     return std::nullopt;
 }
 
-// Returns where a JPEG file follows the one that begins there.
 std::optional<std::size_t> next_picture(const std::vector<std::uint8_t>& bytes, std::size_t begin) {
     constexpr std::size_t longest_gap = 4096;  // LIF has 36 bytes of its own between the pictures
     const std::optional<std::size_t> end = end_of(bytes, begin);

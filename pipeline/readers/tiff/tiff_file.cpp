@@ -53,7 +53,6 @@ Stored stored_at(const std::uint8_t* row, std::size_t index) {
     return value;
 }
 
-// Returns a sample of 8 to 64 bits as a float.
 float number_at(const std::uint8_t* row, std::size_t index, const TiffLayout& layout) {
     if (layout.format == SAMPLEFORMAT_IEEEFP) {
         if (layout.bits == 16) return float_of_half(stored_at<std::uint16_t>(row, index));
@@ -274,9 +273,8 @@ void check_samples(const TiffLayout& layout, const TiffSource& source) {
                             "; save it as 8 or 16-bit integers or 32-bit float");
 }
 
-// Reads GDAL's tag, a number as text.
 double nodata_of(TIFF* tiff) {
-    constexpr std::uint32_t tag = 42113;
+    constexpr std::uint32_t tag = 42113;  // GDAL's, a number as text
     std::uint32_t count = 0;
     void* text = nullptr;
     if (!TIFFGetField(tiff, tag, &count, &text) || text == nullptr) return kNoData;

@@ -25,7 +25,6 @@ bool is_tiff_name(const std::filesystem::path& path) {
                 "cannot write a map as '" + path.string() + "'; let its name end in .tif, .tiff or .pfm");
 }
 
-// Appends a number, lowest byte first.
 void append(std::string& bytes, std::uint64_t value, int count) {
     for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
 }

@@ -79,7 +79,6 @@ void check_request(const MatchRequest& request) {
                                           "pairs that are rectified already");
 }
 
-// Returns the calibration for the pair's pictures.
 Calibration camera_of(const MatchRequest& request, const readers::PictureWindows& left) {
     const job::ViewSize size{left.width(), left.height()};
     return job::resolve_calibration({request.config.input.calibration, size, size, nullptr, request.left})
