@@ -41,7 +41,7 @@ std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles, std::
     for (std::uint32_t low = 0; low < vertex_count; ++low) {
         halves.clear();
         for (const std::uint32_t index : halves_of_low[low]) halves.push_back(half(index).second);
-        std::sort(halves.begin(), halves.end());
+        std::ranges::sort(halves);
         for (std::size_t i = 0; i + 1 < halves.size(); ++i)
             if (halves[i].high == halves[i + 1].high)
                 edges.push_back({low, halves[i].high, halves[i].tip, halves[i + 1].tip});
@@ -66,7 +66,7 @@ std::int32_t best_cell(std::int32_t own, const CellRange& range, std::span<std::
     if (from_high > half) return range.high;
     const auto middle =
         wanted.begin() + static_cast<std::ptrdiff_t>(below > half ? half : (wanted.size() - 1) / 2);
-    std::nth_element(wanted.begin(), middle, wanted.end());
+    std::ranges::nth_element(wanted, middle);
     return *middle;
 }
 
@@ -225,7 +225,7 @@ std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& r
 
 template <int N>
 int Grid<N>::bits() const {
-    const std::int32_t most = *std::max_element(largest.begin(), largest.end());
+    const std::int32_t most = *std::ranges::max_element(largest);
     return std::max(1, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(most))));
 }
 template int Grid<2>::bits() const;

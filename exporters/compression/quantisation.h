@@ -38,7 +38,7 @@ template <int N>
 struct Grid {
     std::array<double, N> origin{}, step{};
     std::array<std::int32_t, N> largest{};
-    std::vector<std::array<std::int32_t, N>> cells;  // one per vertex
+    std::vector<std::array<std::int32_t, N>> cells;  // one per vertex; the least on each axis is 0
 
     double value(std::size_t vertex, int axis) const {
         return origin[axis] + step[axis] * cells[vertex][axis];

@@ -43,6 +43,15 @@ VertexStream make_stream(std::size_t count, int components, const Value& value) 
     return out;
 }
 
+float component(const Vec3f& v, int k) {
+    return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
+VertexStream float_stream(const std::vector<Vec3f>& values) {
+    return make_stream<float>(values.size(), 3,
+                              [&](std::size_t i, int k) { return component(values[i], k); });
+}
+
 template <int N>
 VertexStream grid_stream(const Grid<N>& grid) {
     const auto cell = [&](std::size_t i, int k) { return grid.cells[i][k]; };
@@ -102,28 +111,17 @@ void add_positions(QuantizedMesh& out, const TexturedMesh& textured, const Calib
     const SurfaceMesh& mesh = textured.mesh;
     const std::optional<Grid<3>> fitting = position_grid(textured, camera, config, meshopt);
     if (!fitting) {
-        const auto& p = mesh.positions;
-        out.positions = make_stream<float>(p.size(), 3, [&](std::size_t i, int k) {
-            return k == 0 ? p[i].x : k == 1 ? p[i].y : p[i].z;
-        });
-        for (int k = 0; k < 3; ++k) {
-            const auto value = [&](const Vec3f& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
-            const auto [low, high] = std::minmax_element(
-                p.begin(), p.end(), [&](const Vec3f& a, const Vec3f& b) { return value(a) < value(b); });
-            out.positions.low.push_back(value(*low));
-            out.positions.high.push_back(value(*high));
-        }
+        out.positions = float_stream(mesh.positions);
+        const auto [low, high] = bounds_of(mesh.positions);
+        out.positions.low = {low.x, low.y, low.z};
+        out.positions.high = {high.x, high.y, high.z};
         return;
     }
     const Grid<3>& grid = *fitting;
     out.transform = {grid.origin, grid.step};
     out.positions = grid_stream(grid);
-    for (int k = 0; k < 3; ++k) {
-        const auto [low, high] = std::minmax_element(
-            grid.cells.begin(), grid.cells.end(), [&](const auto& a, const auto& b) { return a[k] < b[k]; });
-        out.positions.low.push_back((*low)[k]);
-        out.positions.high.push_back((*high)[k]);
-    }
+    out.positions.low = {0, 0, 0};
+    out.positions.high.assign(grid.largest.begin(), grid.largest.end());
 }
 
 // Checks that normals read back from the file, with its scale undone, are within the tolerance
@@ -152,11 +150,6 @@ class NormalCheck {
     double least_cosine_;
 };
 
-float component(const Vec3f& v, int k) {
-    return k == 0 ? v.x : k == 1 ? v.y : v.z;
-}
-
-// Returns normals as normalised integers.
 template <typename T>
 VertexStream rounded_normals(const std::vector<Vec3f>& normals) {
     VertexStream out = make_stream<T>(normals.size(), 3, [&](std::size_t i, int k) {
@@ -198,8 +191,7 @@ void add_normals(QuantizedMesh& out, const SurfaceMesh& mesh, double tolerance_d
     if (serves(out.normals)) return;
     out.normals = rounded_normals<std::int16_t>(stored);
     if (serves(out.normals)) return;
-    out.normals =
-        make_stream<float>(stored.size(), 3, [&](std::size_t i, int k) { return component(stored[i], k); });
+    out.normals = float_stream(stored);
 }
 
 void add_texcoords(QuantizedMesh& out, const TexturedMesh& textured, double tolerance_px) {

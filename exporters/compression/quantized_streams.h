@@ -11,7 +11,7 @@
 
 namespace hexrelief::exporters {
 
-enum class ComponentType { int8, uint8, int16, uint16, float32 };
+enum class ComponentType { int8 = 5120, uint8, int16, uint16, float32 = 5126 };  // numbered as in glTF
 
 // One attribute of all vertices, as it lies in a buffer. Padding bytes up to the stride are 0.
 struct VertexStream {

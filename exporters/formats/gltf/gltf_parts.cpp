@@ -56,22 +56,6 @@ constexpr const char* kExtension = "KHR_draco_mesh_compression";
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 constexpr const char* kQuantization = "KHR_mesh_quantization";
 
-int gltf_component(ComponentType type) {
-    switch (type) {
-        case ComponentType::int8:
-            return TINYGLTF_COMPONENT_TYPE_BYTE;
-        case ComponentType::uint8:
-            return TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
-        case ComponentType::int16:
-            return TINYGLTF_COMPONENT_TYPE_SHORT;
-        case ComponentType::uint16:
-            return TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
-        case ComponentType::float32:
-            break;
-    }
-    return TINYGLTF_COMPONENT_TYPE_FLOAT;
-}
-
 // The encoding by meshoptimizer of `count` items of `size` bytes.
 struct Compressed {
     std::vector<std::uint8_t> bytes;
@@ -143,7 +127,7 @@ int add_indices(GltfParts& parts, std::span<const std::uint32_t> indices, long l
 
 void use_extension(GltfParts& parts, const std::string& name, bool required) {
     const auto add = [&](std::vector<std::string>& names) {
-        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     };
     add(parts.model.extensionsUsed);
     if (required) add(parts.model.extensionsRequired);
@@ -184,7 +168,7 @@ void describe_provenance(tinygltf::Accessor& accessor, const std::vector<Provena
     tinygltf::Value::Object extras;
     for (std::size_t k = 0; k < kProvenanceNames.size(); ++k) {
         const auto kind = static_cast<Provenance>(k);
-        const auto vertices = static_cast<int>(std::count(provenance.begin(), provenance.end(), kind));
+        const auto vertices = static_cast<int>(std::ranges::count(provenance, kind));
         if (vertices > 0 || kind != Provenance::filled)
             extras[kProvenanceNames[k]] = tinygltf::Value(vertices);
     }
@@ -279,7 +263,7 @@ GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const
     const auto add = [&](const char* attribute, const VertexStream& stream, const char* name) {
         if (stream.count == 0) return;
         const int view = add_stream_view(parts, stream, name, meshopt);
-        const int index = add_accessor(parts, view, gltf_component(stream.type),
+        const int index = add_accessor(parts, view, static_cast<int>(stream.type),
                                        stream.components == 1   ? TINYGLTF_TYPE_SCALAR
                                        : stream.components == 2 ? TINYGLTF_TYPE_VEC2
                                                                 : TINYGLTF_TYPE_VEC3,
