@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <future>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -12,13 +13,37 @@
 #include "exporters/images/image_writer.h"
 #include "exporters/images/resize.h"
 #include "exporters/inspect/describe_formats.h"
-#include "exporters/viewer/viewer_page.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
 #include "pipeline/data/start_work.h"
 
+// Embeds a file as bytes between two symbols. The assembler reads it; as an array in C++ it would cost the
+// compiler a gigabyte of memory.
+#define HEXRELIEF_EMBED(symbol, file)                                                       \
+    asm(".pushsection .rodata\n"                                                            \
+        ".hidden " #symbol ", " #symbol                                                     \
+        "_end\n"                                                                            \
+        ".global " #symbol ", " #symbol "_end\n" #symbol ": .incbin \"" file "\"\n" #symbol \
+        "_end: .byte 0\n"                                                                   \
+        ".popsection\n");                                                                   \
+    extern "C" const char symbol[], symbol##_end[]  // NOLINT(bugprone-macro-parentheses): a declared name
+
+#ifdef HEXRELIEF_PAGES
+HEXRELIEF_EMBED(hexrelief_viewer_page, HEXRELIEF_PAGES "/page.html");
+HEXRELIEF_EMBED(hexrelief_empty_gallery, HEXRELIEF_PAGES "/gallery.html");
+#endif
+
 namespace hexrelief::exporters {
 namespace {
+
+// The page templates that build.mjs makes; empty if the program was built without its viewer. In this order
+// they contain the marks "@title@" (twice), and "@facts@" and "@glb@" or "@columns@" and "@rows@".
+#ifdef HEXRELIEF_PAGES
+const std::string_view kViewerPage(hexrelief_viewer_page, hexrelief_viewer_page_end),
+    kEmptyGallery(hexrelief_empty_gallery, hexrelief_empty_gallery_end);
+#else
+constexpr std::string_view kViewerPage, kEmptyGallery;
+#endif
 
 // Longer side in px, and quality; the best first.
 constexpr std::pair<int, int> kSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
@@ -170,39 +195,19 @@ std::string base64(const std::vector<std::uint8_t>& bytes) {
 }
 
 std::string html_escaped(std::string_view text) {
+    static const std::map<char, const char*> kNames = {
+        {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
     std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\'':
-                out += "&#39;";
-                break;
-            default:
-                out += c;
-        }
-    }
+    for (const char c : text)
+        if (const auto name = kNames.find(c); name != kNames.end())
+            out += name->second;
+        else
+            out += c;
     return out;
 }
 
 std::string script_escaped(const std::string& json) {
-    std::string out;
-    for (const char c : json)
-        if (c == '<')
-            out += "\\u003c";
-        else
-            out += c;
-    return out;
+    return replaced(json, '<', "\\u003c");
 }
 
 std::string filled(std::string_view page,
@@ -229,7 +234,7 @@ std::string small_picture(const Image& image) {
 }
 
 bool has_viewer() {
-    return !viewer_page().empty();
+    return !kViewerPage.empty();
 }
 
 namespace {
@@ -244,7 +249,7 @@ double page_tolerance_px(const Scene& scene, const ExportConfig& config, const f
 // is as config says. The page's title is path's stem.
 void write_html(const Scene& scene, const ExportConfig& config, const fs::path& path,
                 FileTransaction& files) {
-    if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
+    if (!has_viewer()) fail_writing(path, kNoViewer);
     if (!scene.camera || scene.image_width <= 0 || scene.image_height <= 0)
         throw std::logic_error("a page needs the scene's camera and the size of its image");
     const auto count = [&](Compression compression) { return mesh_bytes(scene, config, compression, path); };
@@ -255,7 +260,7 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
     const std::string glb = base64(glb_bytes(scene, held, path));
     const Json bytes = {{"plain", count(Compression::none)}, {"draco", draco.get()}, {"meshopt", meshopt}};
     const std::string title = html_escaped(path.stem().string()), facts = facts_json(scene, bytes, path);
-    files.write(path, filled(viewer_page(),
+    files.write(path, filled(kViewerPage,
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
 }
 
@@ -282,7 +287,7 @@ std::string gallery_page(const std::string& title, const std::vector<GalleryColu
     std::string heads = head("Result"), rows;
     for (const GalleryColumn& column : columns) heads += head(column.name);
     for (const GalleryEntry& entry : entries) rows += row(columns, entry);
-    return filled(empty_gallery(),
+    return filled(kEmptyGallery,
                   {{"@title@", text}, {"@title@", text}, {"@columns@", heads}, {"@rows@", rows}});
 }
 
