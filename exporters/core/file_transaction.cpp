@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <list>
 #include <map>
 #include <mutex>
@@ -56,11 +57,7 @@ void unregister_temporary(int slot) noexcept {
 }
 
 [[noreturn]] void fail(const fs::path& path, int code, const std::string& more = {}) {
-    throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + std::strerror(code) + more);
-}
-
-[[noreturn]] void fail_interrupted(const fs::path& path) {
-    throw Error(ErrorKind::output, "cannot write '" + path.string() + "': interrupted");
+    fail_writing(path, std::strerror(code) + more);
 }
 
 // Writes all bytes. Returns 0 or errno.
@@ -177,7 +174,7 @@ void FileTransaction::open_temporary(const fs::path& path, const fs::path& targe
         next.slot = register_temporary(next.temporary);
         if (stopping.load()) {
             unregister_temporary(next.slot);
-            fail_interrupted(path);
+            fail_writing(path, "interrupted");
         }
         next.descriptor = ::open(next.temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         const int code = errno;
@@ -210,7 +207,7 @@ int FileTransaction::prepare(const fs::path& path, const fs::path& target) {
 void FileTransaction::fail_if_stopping(const fs::path& path) const {
     if (!stopping.load()) return;
     ::unlink(pending_.back().temporary.c_str());
-    fail_interrupted(path);
+    fail_writing(path, "interrupted");
 }
 
 int FileTransaction::open(const fs::path& path) {
@@ -218,9 +215,7 @@ int FileTransaction::open(const fs::path& path) {
     const fs::path target = resolve(path);
     std::error_code code;
     if (path == standard_output_ || (fs::exists(target, code) && !fs::is_regular_file(target, code)))
-        throw Error(ErrorKind::output,
-                    "cannot write '" + path.string() +
-                        "': it is no regular file; name one, this file is not written in order");
+        fail_writing(path, "it is no regular file; name one, this file is not written in order");
     const int descriptor = prepare(path, target);
     fail_if_stopping(path);
     paths_.push_back(path);
@@ -350,6 +345,14 @@ void FileTransaction::commit() {
     }
     pending_.clear();
     for (const fs::path& folder : folders) sync_folder(folder);
+}
+
+void fail_writing(const fs::path& path, const std::string& what) {
+    throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + what);
+}
+
+void check_32_bits(const fs::path& path, std::size_t count, const char* limit) {
+    if (count > std::numeric_limits<std::uint32_t>::max()) fail_writing(path, limit);
 }
 
 void write_opened(int descriptor, const fs::path& path, const void* data, std::size_t bytes) {

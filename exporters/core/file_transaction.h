@@ -88,6 +88,12 @@ class FileTransaction {
     bool counting_ = false;
 };
 
+// Throws Error(output): "cannot write 'PATH': WHAT".
+[[noreturn]] void fail_writing(const std::filesystem::path& path, const std::string& what);
+
+// Throws so if a number of bytes or items does not fit into 32 bits; `limit` says that, and what to do.
+void check_32_bits(const std::filesystem::path& path, std::size_t count, const char* limit);
+
 // Writes to a descriptor from FileTransaction::open(), at its position. Throws as FileTransaction::write().
 void write_opened(int descriptor, const std::filesystem::path& path, const void* data, std::size_t bytes);
 

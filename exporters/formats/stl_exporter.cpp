@@ -1,12 +1,10 @@
 // Binary STL, for printing and CAD: only triangles, in export.stl_unit, or a body in mm.
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/inspect/describe_formats.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -24,9 +22,7 @@ Vec3f face_normal(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
 void write_stl(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     const SurfaceMesh& mesh = *scene.mesh;
-    if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorKind::output, "cannot write '" + path.string() +
-                                           "': an STL holds at most 4,294,967,295 triangles; write .ply");
+    check_32_bits(path, mesh.triangles.size(), "an STL holds at most 4,294,967,295 triangles; write .ply");
     const float scale = !scene.is_body && config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
     // The header must not begin with "solid", which would mark the file as text.
     std::string bytes = "binary STL, " + scene.generator;

@@ -8,12 +8,16 @@
 namespace hexrelief::exporters {
 
 // An archive in memory. The bytes of each file begin at a multiple of 64, as USDZ requires, so that a reader
-// can map them. Files are dated 1980-01-01: the same files give the same bytes. The caller must keep the
-// archive below 4 GiB.
+// can map them. Files are dated 1980-01-01: the same files give the same bytes. An archive of 4 GiB or more
+// is not valid.
 class StoredZip {
   public:
     // Adds a file; `name` is ASCII.
     void add(const std::string& name, const void* data, std::size_t bytes);
+    template <typename Bytes>
+    void add(const std::string& name, const Bytes& bytes) {
+        add(name, bytes.data(), bytes.size());
+    }
     // Returns the whole archive, after the last add().
     std::vector<std::uint8_t> finish();
 

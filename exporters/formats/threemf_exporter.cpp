@@ -1,18 +1,19 @@
 // 3MF, for printing: an uncompressed zip of XML, in mm, and its texture.
 #include <charconv>
-#include <limits>
+#include <initializer_list>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "exporters/core/mesh_format.h"
 #include "exporters/formats/stored_zip.h"
 #include "exporters/images/texture.h"
 #include "exporters/inspect/describe_formats.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
 namespace {
 
-constexpr const char* kTypes = R"(<?xml version="1.0" encoding="UTF-8"?>
+constexpr std::string_view kTypes = R"(<?xml version="1.0" encoding="UTF-8"?>
 <Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
 <Default Extension="jpg" ContentType="image/jpeg"/>
 <Default Extension="png" ContentType="image/png"/>
@@ -22,14 +23,13 @@ constexpr const char* kTypes = R"(<?xml version="1.0" encoding="UTF-8"?>
  ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
 </Types>
 )";
-constexpr const char* kRelations = R"(<?xml version="1.0" encoding="UTF-8"?>
+constexpr std::string_view kRelations = R"(<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">
 <Relationship Target="/3D/3dmodel.model" Id="rel0"
  Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
 </Relationships>
 )";
 
-// Returns the relations of the model to a texture.
 std::string texture_relations(const std::string& name) {
     return R"(<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">
@@ -41,10 +41,15 @@ std::string texture_relations(const std::string& name) {
 }
 
 template <typename Number>
-void append_attribute(std::string& text, const char* name, Number value) {
-    char digits[32];
-    text.append(name).append("=\"");
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr).append("\"");
+void append_element(std::string& text, const char* name,
+                    std::initializer_list<std::pair<const char*, Number>> attributes) {
+    text.append("<").append(name);
+    for (const auto& [attribute, value] : attributes) {
+        char digits[32];
+        text.append(" ").append(attribute).append("=\"");
+        text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr).append("\"");
+    }
+    text += "/>\n";
 }
 
 // Appends a texture (resource 1) and each vertex's place on it (resource 2), from the bottom left.
@@ -52,11 +57,7 @@ void append_texture(std::string& text, const EncodedTexture& texture, const std:
                     const std::vector<Vec2f>& texcoords) {
     text += "<m:texture2d id=\"1\" path=\"" + name + "\" contenttype=\"" + texture.mime_type +
             "\" tilestyleu=\"clamp\" tilestylev=\"clamp\"/>\n<m:texture2dgroup id=\"2\" texid=\"1\">\n";
-    for (const Vec2f& t : texcoords) {
-        append_attribute(text += "<m:tex2coord", " u", t.x);
-        append_attribute(text, " v", 1 - t.y);
-        text += "/>\n";
-    }
+    for (const Vec2f& t : texcoords) append_element<float>(text, "m:tex2coord", {{"u", t.x}, {"v", 1 - t.y}});
     text += "</m:texture2dgroup>\n";
 }
 
@@ -78,24 +79,15 @@ std::string model_text(const Scene& scene, const SurfaceMesh& mesh, const Encode
     text += std::string("<object id=\"3\" type=\"model\"") + (is_textured ? " pid=\"2\" pindex=\"0\"" : "") +
             "><mesh>\n<vertices>\n";
     const float scale = scene.is_body ? 1 : 1000;
-    for (const Vec3f& p : mesh.positions) {
-        append_attribute(text += "<vertex", " x", p.x * scale);
-        append_attribute(text, " y", p.y * scale);
-        append_attribute(text, " z", p.z * scale);
-        text += "/>\n";
-    }
+    for (const Vec3f& p : mesh.positions)
+        append_element<float>(text, "vertex", {{"x", p.x * scale}, {"y", p.y * scale}, {"z", p.z * scale}});
     text += "</vertices>\n<triangles>\n";
-    for (const Triangle& t : mesh.triangles) {
-        append_attribute(text += "<triangle", " v1", t[0]);
-        append_attribute(text, " v2", t[1]);
-        append_attribute(text, " v3", t[2]);
-        if (is_textured) {
-            append_attribute(text, " p1", t[0]);
-            append_attribute(text, " p2", t[1]);
-            append_attribute(text, " p3", t[2]);
-        }
-        text += "/>\n";
-    }
+    for (const auto& [a, b, c] : mesh.triangles)
+        if (is_textured)
+            append_element<std::uint32_t>(text, "triangle",
+                                          {{"v1", a}, {"v2", b}, {"v3", c}, {"p1", a}, {"p2", b}, {"p3", c}});
+        else
+            append_element<std::uint32_t>(text, "triangle", {{"v1", a}, {"v2", b}, {"v3", c}});
     return text +
            "</triangles>\n</mesh></object>\n</resources>\n<build><item objectid=\"3\"/></build>\n</model>\n";
 }
@@ -104,22 +96,17 @@ void write_3mf(const Scene& scene, const ExportConfig& config, const std::filesy
                FileTransaction& files) {
     const auto [textured, texture, texture_name] = archived_mesh(scene, config, "/3D/Textures/relief");
     const std::string text = model_text(scene, textured.mesh, texture, texture_name);
-    constexpr std::size_t kHeaders = 4096;  // more than those of all files
-    if (text.size() + texture.bytes.size() + kHeaders > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorKind::output,
-                    "cannot write '" + path.string() + "': a 3MF ends at 4 GiB; write .stl or .ply");
     StoredZip zip;
-    const auto add = [&](const std::string& name, const auto& bytes) {
-        zip.add(name, bytes.data(), bytes.size());
-    };
-    add("[Content_Types].xml", std::string(kTypes));
-    add("_rels/.rels", std::string(kRelations));
-    add("3D/3dmodel.model", text);
+    zip.add("[Content_Types].xml", kTypes);
+    zip.add("_rels/.rels", kRelations);
+    zip.add("3D/3dmodel.model", text);
     if (textured.textured) {
-        add("3D/_rels/3dmodel.model.rels", texture_relations(texture_name));
-        add(texture_name.substr(1), texture.bytes);
+        zip.add("3D/_rels/3dmodel.model.rels", texture_relations(texture_name));
+        zip.add(texture_name.substr(1), texture.bytes);
     }
-    files.write(path, zip.finish());
+    const std::vector<std::uint8_t> bytes = zip.finish();
+    check_32_bits(path, bytes.size(), "a 3MF ends at 4 GiB; write .stl or .ply");
+    files.write(path, bytes);
 }
 
 }  // namespace

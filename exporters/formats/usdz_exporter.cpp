@@ -3,7 +3,6 @@
 #include <charconv>
 #include <initializer_list>
 #include <iterator>
-#include <limits>
 #include <string>
 
 #include "exporters/core/mesh_format.h"
@@ -11,7 +10,6 @@
 #include "exporters/images/texture.h"
 #include "exporters/inspect/describe_formats.h"
 #include "pipeline/data/bounds.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief::exporters {
 namespace {
@@ -165,14 +163,12 @@ void write_usdz(const Scene& scene, const ExportConfig& config, const std::files
                 FileTransaction& files) {
     const auto [textured, texture, texture_name] = archived_mesh(scene, config, "texture");
     const std::string text = usd_text(scene, config, textured, texture_name);
-    constexpr std::size_t kHeaders = 4096;  // more than those of two files
-    if (text.size() + texture.bytes.size() + kHeaders > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorKind::output,
-                    "cannot write '" + path.string() + "': a USDZ ends at 4 GiB; write .glb or .ply");
     StoredZip zip;
-    zip.add("relief.usda", text.data(), text.size());  // viewers show the first file
-    if (!texture_name.empty()) zip.add(texture_name, texture.bytes.data(), texture.bytes.size());
-    files.write(path, zip.finish());
+    zip.add("relief.usda", text);  // viewers show the first file
+    if (!texture_name.empty()) zip.add(texture_name, texture.bytes);
+    const std::vector<std::uint8_t> bytes = zip.finish();
+    check_32_bits(path, bytes.size(), "a USDZ ends at 4 GiB; write .glb or .ply");
+    files.write(path, bytes);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/data/error.h"
@@ -102,7 +101,7 @@ class JoinedDocument {
         for (const char* name : {"extensionsUsed", "extensionsRequired"})
             for (const Json& extension : items(json, name))
                 if (!whole_.contains(name) ||
-                    std::find(whole_[name].begin(), whole_[name].end(), extension) == whole_[name].end())
+                    std::ranges::find(whole_[name], extension) == whole_[name].end())
                     whole_[name].push_back(extension);
         data_bytes_ += padded(json["buffers"][0]["byteLength"].get<std::size_t>());
         if (json["buffers"].size() > 1)
@@ -143,10 +142,9 @@ void join_glb(const std::vector<fs::path>& parts, const std::string& generator, 
     const std::string json = document.text(generator);
     constexpr std::size_t kHeads = 12 + 8 + 8;
     const std::size_t size = kHeads + json.size() + document.data_bytes();
-    if (size > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorKind::output, "cannot write '" + path.string() +
-                                           "': a GLB ends at 4 GiB; write a tileset.json, or set "
-                                           "export.compression to draco in another plan");
+    exporters::check_32_bits(path, size,
+                             "a GLB ends at 4 GiB; write a tileset.json, or set export.compression to draco "
+                             "in another plan");
     const auto write = [&, descriptor = files.open(path)](const void* data, std::size_t bytes) {
         exporters::write_opened(descriptor, path, data, bytes);
     };

@@ -2,7 +2,6 @@
 
 #include <cctype>
 #include <future>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -11,7 +10,6 @@
 #include "exporters/formats/gltf/gltf_parts.h"
 #include "exporters/images/texture.h"
 #include "exporters/inspect/describe_formats.h"
-#include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 
 namespace hexrelief::exporters {
@@ -104,7 +102,6 @@ GltfGeometry add_geometry(GltfParts& parts, const TexturedMesh& textured, const 
     return add_plain(parts, textured);
 }
 
-// Adds a node for a mesh and returns its index.
 int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const std::string& name) {
     tinygltf::Mesh& mesh = model.meshes.emplace_back();
     mesh.name = name;
@@ -286,10 +283,7 @@ std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& conf
     constexpr std::size_t kHeader = 12, kChunkHeader = 8;
     const std::size_t size = kHeader + kChunkHeader + (document.json.size() + 3) / 4 * 4 + kChunkHeader +
                              (document.buffer.size() + 3) / 4 * 4;
-    if (size > std::numeric_limits<std::uint32_t>::max())
-        throw Error(ErrorKind::output,
-                    "cannot write '" + path.string() +
-                        "': a GLB ends at 4 GiB; set export.compression to draco or write .gltf");
+    check_32_bits(path, size, "a GLB ends at 4 GiB; set export.compression to draco or write .gltf");
     std::vector<std::uint8_t> bytes;
     bytes.reserve(size);
     for (const char c : {'g', 'l', 'T', 'F'}) bytes.push_back(static_cast<std::uint8_t>(c));
