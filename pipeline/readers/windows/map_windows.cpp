@@ -69,19 +69,6 @@ std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, con
 
 }  // namespace
 
-FileWindows::FileWindows(std::filesystem::path path, std::unique_ptr<WindowSource> source)
-    : path_(std::move(path)), source_(std::move(source)) {}
-
-FileWindows::~FileWindows() = default;
-
-int FileWindows::width() const {
-    return source_->width;
-}
-
-int FileWindows::height() const {
-    return source_->height;
-}
-
 MapWindows::MapWindows(const std::filesystem::path& path, const MapWindowConfig& config)
     : FileWindows(path, open_source(path, config)), config_(config.disparity) {}
 
@@ -102,14 +89,6 @@ std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path
     std::unique_ptr<PictureWindows> picture(new PictureWindows(path, open_source(path, limits)));
     image_of(no_samples(*picture->source_), path);  // refuses floats, which are not a picture
     return picture;
-}
-
-int PictureWindows::channels() const {
-    return source_->channels;
-}
-
-bool PictureWindows::has_alpha() const {
-    return source_->has_alpha;
 }
 
 Image PictureWindows::read(int x, int y, int width, int height) const {

@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
+#include "pipeline/readers/decoded_raster.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/limits.h"
 
@@ -34,17 +36,31 @@ struct MapWindowConfig {
     std::optional<RawMapLayout> raw = {};  // none = TIFF, BigTIFF or PFM, recognised by content
 };
 
-class WindowSource;
+// What MapWindows and PictureWindows convert to disparities or colours.
+class WindowSource {
+  public:
+    WindowSource() = default;
+    WindowSource(const WindowSource&) = delete;
+    WindowSource& operator=(const WindowSource&) = delete;
+    virtual ~WindowSource() = default;
+
+    int width = 0, height = 0;
+    int channels = 1;  // without alpha
+    bool has_alpha = false;
+    MapSample sample = MapSample::float32;
+    // Reads a window within the file's pixels; a map's has one channel. Any number of threads may read.
+    virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
+};
 
 // A file of pixels of which any window can be read.
 class FileWindows {
   public:
-    ~FileWindows();
-    int width() const;
-    int height() const;
+    int width() const { return source_->width; }
+    int height() const { return source_->height; }
 
   protected:
-    FileWindows(std::filesystem::path path, std::unique_ptr<WindowSource> source);
+    FileWindows(std::filesystem::path path, std::unique_ptr<WindowSource> source)
+        : path_(std::move(path)), source_(std::move(source)) {}
     std::filesystem::path path_;
     std::unique_ptr<WindowSource> source_;
 };
@@ -79,8 +95,8 @@ class PictureWindows : public FileWindows {
     // Error(input) as read_image() does.
     static std::unique_ptr<PictureWindows> open(const std::filesystem::path& path,
                                                 const ReaderLimits& limits = {});
-    int channels() const;    // 1 or 3
-    bool has_alpha() const;  // some pixels may be transparent
+    int channels() const { return source_->channels; }     // 1 or 3
+    bool has_alpha() const { return source_->has_alpha; }  // some pixels may be transparent
     // Returns the same pixels as a crop of read_image()'s picture; alpha is kept if it is below half at some
     // pixel of the window. Memory: the window, its samples, and a tile; for compressed strips a row, and a
     // strip as stored. Throws Error(input) if the window is empty, not within the picture or above

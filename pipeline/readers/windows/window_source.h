@@ -1,4 +1,4 @@
-// Sources of sample windows, which MapWindows and PictureWindows convert to disparities or colours.
+// Sources of sample windows, by format.
 #pragma once
 
 #include <cstdint>
@@ -28,21 +28,6 @@ class MapFile {
     std::filesystem::path path_;
     std::uint64_t bytes_ = 0;
     int descriptor_ = -1;
-};
-
-class WindowSource {
-  public:
-    WindowSource() = default;
-    WindowSource(const WindowSource&) = delete;
-    WindowSource& operator=(const WindowSource&) = delete;
-    virtual ~WindowSource() = default;
-
-    int width = 0, height = 0;
-    int channels = 1;  // without alpha
-    bool has_alpha = false;
-    MapSample sample = MapSample::float32;
-    // Reads a window within the file's pixels; a map's has one channel. Any number of threads may read.
-    virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
 };
 
 // The layout of rows of plain samples, which may begin anywhere in the file.
