@@ -141,6 +141,13 @@ py::array lent(const Value* values, std::vector<py::ssize_t> shape, const py::ob
     return array;
 }
 
+// Returns the array of a mesh's values, `columns` of each vertex or face.
+template <auto values, auto count, py::ssize_t columns>
+py::array rows_of(const py::object& self) {
+    const auto& mesh = self.cast<const Mesh&>();
+    return lent((mesh.*values)(), {static_cast<py::ssize_t>((mesh.*count)()), columns}, self);
+}
+
 // Returns an array of a vector that `holder` holds; the array keeps the whole holder alive.
 template <typename Holder, typename Value>
 py::array owned(std::unique_ptr<Holder> holder, std::vector<Value> Holder::*member,
@@ -198,19 +205,10 @@ std::string key_of(const std::string& flag) {
     return rows.size() == 1 ? rows.front()->path : "";
 }
 
-const char* name_of(ErrorKind kind) {
-    switch (kind) {
-        case ErrorKind::usage:
-            return "usage";
-        case ErrorKind::input:
-            return "input";
-        case ErrorKind::output:
-            return "output";
-        case ErrorKind::device:
-            return "device";
-    }
-    return "bug";
-}
+const std::map<ErrorKind, const char*> kKindNames = {{ErrorKind::usage, "usage"},
+                                                     {ErrorKind::input, "input"},
+                                                     {ErrorKind::output, "output"},
+                                                     {ErrorKind::device, "device"}};
 
 void add_error(py::module_& module) {
     // Never released: an exception may come as long as the process lives.
@@ -222,7 +220,7 @@ void add_error(py::module_& module) {
         } catch (const Error& error) {
             const py::object in_python = py::module_::import("hexrelief._words").attr("in_python");
             py::object object = type(in_python(error.what()));
-            object.attr("kind") = name_of(error.kind());
+            object.attr("kind") = kKindNames.at(error.kind());
             object.attr("exit_code") = static_cast<int>(error.kind());
             PyErr_SetObject(type.ptr(), object.ptr());
         }
@@ -238,21 +236,9 @@ PYBIND11_MODULE(_core, module) {
         .def(py::init([](const std::string& file, double focal_px, double baseline_m, double cx, double cy,
                          double doffs_px) { return Camera{file, focal_px, baseline_m, cx, cy, doffs_px}; }));
     py::class_<Mesh>(module, "Mesh")
-        .def("vertices",
-             [](const py::object& self) {
-                 const auto& mesh = self.cast<const Mesh&>();
-                 return lent(mesh.vertices(), {static_cast<py::ssize_t>(mesh.vertex_count()), 3}, self);
-             })
-        .def("faces",
-             [](const py::object& self) {
-                 const auto& mesh = self.cast<const Mesh&>();
-                 return lent(mesh.faces(), {static_cast<py::ssize_t>(mesh.face_count()), 3}, self);
-             })
-        .def("uv",
-             [](const py::object& self) {
-                 const auto& mesh = self.cast<const Mesh&>();
-                 return lent(mesh.uv(), {static_cast<py::ssize_t>(mesh.vertex_count()), 2}, self);
-             })
+        .def("vertices", rows_of<&Mesh::vertices, &Mesh::vertex_count, 3>)
+        .def("faces", rows_of<&Mesh::faces, &Mesh::face_count, 3>)
+        .def("uv", rows_of<&Mesh::uv, &Mesh::vertex_count, 2>)
         .def("lattice",
              [](const py::object& self) {
                  const auto& mesh = self.cast<const Mesh&>();
