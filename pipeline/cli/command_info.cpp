@@ -173,7 +173,6 @@ void tell_views(const fs::path& path, const readers::FileDescription& raster, co
     tell(foresee(job::StereoFile{path}, {}, options.limits()), text);
 }
 
-// Adds a photograph's focal length, its orientation and its transparent pixels.
 void tell_picture(const fs::path& path, const readers::FileDescription& raster, const RasterOptions& options,
                   Text& text) {
     const int orientation = readers::read_orientation(path);
@@ -196,7 +195,6 @@ void tell_picture(const fs::path& path, const readers::FileDescription& raster, 
                  " % transparent, unknown unless input.mask.alpha is false");
 }
 
-// Adds the depths that a file holds beside a photograph.
 void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& text) {
     try {
         lines(text, "as depth", readers::describe_map(path, {}, options.limits()).as_depth);
@@ -218,8 +216,7 @@ void tell_raster(const fs::path& path, const readers::FileDescription& raster, c
     const unsigned gives = readers::codec::find_codec(path)->gives;
     if (is_matrix(raster, gives) && tell_if_calibration(path, text)) return;
     line(text, "format", raster.format);
-    line(text, "size", size_text(raster.width, raster.height, " x ") + " px",
-         size_json(raster.width, raster.height));
+    size_line(text, raster.width, raster.height);
     line(text, "channels", std::to_string(raster.channels), raster.channels);
     line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""), raster.bits);
     if (raster.format == "heic") {
@@ -274,7 +271,6 @@ void check_file(const fs::path& path) {
         throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
 }
 
-// Tells of two pictures what a run would do with them as a pair.
 std::string information_of_pair(const fs::path& left, const fs::path& right, const RasterOptions& options) {
     for (const fs::path& path : {left, right}) {
         check_file(path);

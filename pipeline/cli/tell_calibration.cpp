@@ -25,15 +25,12 @@ void tell_calibration(const readers::CalibrationFile& file, Text& text) {
                                      ") px, the first pixel's centre is (0.5, 0.5)",
          std::isnan(camera.cx) ? Json() : Json({camera.cx, camera.cy}));
     line(text, "doffs", number(camera.doffs_px) + " px", camera.doffs_px);
-    if (camera.width > 0)
-        line(text, "size", size_text(camera.width, camera.height, " x ") + " px",
-             size_json(camera.width, camera.height));
+    if (camera.width > 0) size_line(text, camera.width, camera.height);
     if (file.depth_per_m > 0) line(text, "depths", number(file.depth_per_m) + " integers in a metre");
     if (!file.other.empty()) line(text, "also", file.other.string());
     lines(text, "note", file.told);
 }
 
-// Adds the calibration of two unrectified cameras.
 void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& text) {
     const StereoCalibration& cameras = file.calibration;
     line(text, "format",
@@ -45,9 +42,7 @@ void tell_stereo_calibration(const readers::StereoCalibrationFile& file, Text& t
     const auto& t = cameras.translation;
     const double baseline_m = std::hypot(t[0], t[1], t[2]);
     line(text, "baseline", number(baseline_m) + " m", baseline_m);
-    if (cameras.width > 0)
-        line(text, "size", size_text(cameras.width, cameras.height, " x ") + " px",
-             size_json(cameras.width, cameras.height));
+    if (cameras.width > 0) size_line(text, cameras.width, cameras.height);
     if (!file.other.empty()) line(text, "also", file.other.string());
     lines(text, "note", file.told);
 }
@@ -64,6 +59,10 @@ void count(Text& text, const std::string& name, long long number) {
     line(text, name, std::to_string(number), number);
 }
 
+void size_line(Text& text, int width, int height) {
+    line(text, "size", size_text(width, height, " x ") + " px", {{"width", width}, {"height", height}});
+}
+
 void lines(Text& text, const std::string& name, const std::vector<std::string>& values) {
     for (const std::string& value : values) text.push_back({name, value, value, true});
 }
@@ -75,7 +74,7 @@ std::string told(const Text& text, bool json) {
         std::string label = is_of_list && name == above ? "" : name, key = name;
         label.resize(std::max<std::size_t>(label.size(), 14), ' ');
         words += label + printable(value_words) + "\n";
-        std::replace(key.begin(), key.end(), ' ', '_');
+        std::ranges::replace(key, ' ', '_');
         if (is_of_list)
             object[key].push_back(value);
         else
@@ -83,10 +82,6 @@ std::string told(const Text& text, bool json) {
         above = name;
     }
     return json ? object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n" : words;
-}
-
-Json size_json(int width, int height) {
-    return {{"width", width}, {"height", height}};
 }
 
 void tell_calibration_of(const std::filesystem::path& path, Text& text) {

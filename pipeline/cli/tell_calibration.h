@@ -24,14 +24,13 @@ using Text = std::vector<Line>;
 void line(Text& text, const std::string& name, const std::string& words);
 void line(Text& text, const std::string& name, const std::string& words, Json value);
 void count(Text& text, const std::string& name, long long number);
+void size_line(Text& text, int width, int height);  // px
 // Adds a list of values.
 void lines(Text& text, const std::string& name, const std::vector<std::string>& values);
 
 // Returns the lines in words, a list's name before its first value only, or as an object of JSON.
 std::string told(const Text& text, bool json);
 
-// Returns {"width", "height"}.
-Json size_json(int width, int height);
 // Returns up to six digits.
 inline std::string number(double value) {
     return number_text(value, 6);
