@@ -161,15 +161,6 @@ class Decoded {
 
 }  // namespace
 
-DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads) {
-    return encode_draco(
-        mesh, quantisation.level,
-        [&] {
-            return DracoValues{&mesh, &quantisation};
-        },
-        threads);
-}
-
 DracoMesh encode_draco(const SurfaceMesh& mesh, int level, const std::function<DracoValues()>& find,
                        int threads) {
     draco::Mesh input;  // can be neither copied nor moved

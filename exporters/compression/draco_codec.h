@@ -41,20 +41,17 @@ struct DracoMesh {
     int texcoord_id = -1;
 };
 
-// Compresses a mesh. Normals and texture coordinates that the mesh does not have are left out; texture
-// coordinates keep their origin at the top left. The bytes are the same for any number of threads. Throws
-// Error(output) if libdraco refuses the mesh.
-DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads = 1);
-
 // The attribute values of a mesh and their quantisation.
 struct DracoValues {
     const SurfaceMesh* mesh;
     const DracoQuantisation* quantisation;
 };
 
-// As encode_draco() above, for values that are not known yet: find() is called while the triangles are being
-// encoded. `mesh` has the triangles and the attributes, with arbitrary values; `level` must be the level of
-// the quantisation that find() returns.
+// Compresses a mesh whose values are not known yet: find() is called while the triangles are being encoded.
+// `mesh` has the triangles and the attributes, with arbitrary values; `level` must be the level of the
+// quantisation that find() returns. Normals and texture coordinates that the mesh does not have are left out;
+// texture coordinates keep their origin at the top left. The bytes are the same for any number of threads.
+// Throws Error(output) if libdraco refuses the mesh.
 DracoMesh encode_draco(const SurfaceMesh& mesh, int level, const std::function<DracoValues()>& find,
                        int threads);
 

@@ -1,4 +1,4 @@
-// Decodes Draco meshes, for tests of what readers get.
+// Encodes Draco meshes, and decodes them, for tests of what readers get.
 #pragma once
 
 #include <draco/compression/decode.h>
@@ -8,10 +8,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "exporters/compression/draco_codec.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::exporters {
+
+inline DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation,
+                              int threads = 1) {
+    const auto values = [&] { return DracoValues{&mesh, &quantisation}; };
+    return encode_draco(mesh, quantisation.level, values, threads);
+}
 
 struct DracoGeometry {
     std::vector<Vec3f> positions;  // dequantised

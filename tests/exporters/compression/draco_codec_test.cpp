@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "exporters/compression/draco_codec.h"
+#include "tests/exporters/draco_decode.h"
 #include "tests/exporters/sample_scene.h"
 
 namespace hexrelief::exporters {
