@@ -31,11 +31,6 @@ RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config,
 // Rounds up to a multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
 
-// Unmatches every pixel of `left` whose match lies outside the right image, is unmatched there, or has a
-// disparity that differs by more than `limit_px`. A sub-pixel match falls between two pixels of the right
-// view, of which one has to agree.
-void check_left_right(RawDisparities& left, const RawDisparities& right, double limit_px);
-
 // Unmatches speckles: patches of at most window_px connected pixels, in which neighbours differ by at most
 // range_px. window_px = 0 removes none.
 void remove_speckles(RawDisparities& map, int window_px, int range_px);
