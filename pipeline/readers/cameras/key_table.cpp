@@ -26,7 +26,6 @@ constexpr KeyRow kKeys[] = {
     {Part::cx, 1, 1, "cx ppx u0 mxdepth"},
     {Part::cy, 1, 1, "cy ppy v0 mydepth"},
     {Part::fov_x, 1, 1, "fovx"},
-    {Part::fov_y, 1, 1, "fovy"},
     {Part::angle_x, 1, 1, "cameraanglex"},
     {Part::distortion, 2, 14,
      "d dist distcoeffs distcoeff distortion distortioncoefficients distortioncoeffs distortioncoeff kc "

@@ -18,9 +18,8 @@ enum class Part {
     fx,
     fy,
     cx,
-    cy,  // px
-    fov_x,
-    fov_y,       // degrees
+    cy,          // px
+    fov_x,       // degrees
     angle_x,     // radians
     distortion,  // in OpenCV's order
     radial,      // k1 k2, or k1 k2 k3
