@@ -23,20 +23,8 @@ std::size_t CudaMatcher::device_bytes() const {
     return state_->work.arena.peak_bytes();
 }
 
-double CudaMatcher::kernel_seconds() const {
-    return state_->work.clock.seconds();
-}
-
-matching::MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const matching::MatchingConfig& config,
-                                             std::vector<CudaMatchingTime>* times) {
-    state_->work.clock.enable(times != nullptr);
-    matching::MatchedMap map = state_->match_pair(pair, config);
-    if (times) {
-        times->clear();
-        for (const cuda::StageClock::Stage& stage : state_->work.clock.stages())
-            times->push_back({stage.name, stage.seconds});
-    }
-    return map;
+matching::MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const matching::MatchingConfig& config) {
+    return state_->match_pair(pair, config);
 }
 
 }  // namespace hexrelief::cuda

@@ -7,17 +7,10 @@
 
 #include <cstddef>
 #include <memory>
-#include <vector>
 
 #include "pipeline/matching/matcher.h"
 
 namespace hexrelief::cuda {
-
-// Time that the kernels of a stage took on the device, without transfers.
-struct CudaMatchingTime {
-    const char* stage;
-    double seconds;
-};
 
 // A context on the first device: a stream, memory that is kept from call to call, and the recorded launches
 // of the last call, which are reused for a pair of the same size and configuration. Needs some 250 bytes of
@@ -30,16 +23,11 @@ class CudaMatcher {
     ~CudaMatcher();
 
     // Runs matching::match_pair on the device. Also throws Error(device) if memory is too small, for more
-    // than 2048 disparities, and for images of more than 32,767 px a side. times: receives the stages' times
-    // in their order; null = not measured, which makes the call a little faster.
-    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config,
-                                    std::vector<CudaMatchingTime>* times = nullptr);
+    // than 2048 disparities, and for images of more than 32,767 px a side.
+    matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config);
 
     // Returns the peak device memory of the last call.
     std::size_t device_bytes() const;
-    // Returns the time on the device from the last call's first kernel to its last one, without the transfers
-    // of pictures and maps.
-    double kernel_seconds() const;
 
   private:
     struct State;

@@ -141,7 +141,6 @@ void match_levels(Workspace& work, const matching::MatchingConfig& config, std::
     for (std::size_t i = levels.size(); i-- > 0;) {
         const PairLevel& level = levels[i];
         work.side.let_wait_for_mark(work.stream);
-        work.clock.ended("colours, census");
         if (i > 0) prepare(levels[i - 1]);
         if (i == 1) blur_colors(side, reading(levels[0].colors.left), hole_colors);
         match_views(work, level.pair, {level.range, config.penalties},
@@ -149,9 +148,7 @@ void match_levels(Workspace& work, const matching::MatchingConfig& config, std::
                     {level.left, i <= 1 ? level.right : matching::RasterView<std::int16_t>{}});
         if (i != 1) continue;
         work.side.begin_after(work.stream);
-        StageClock not_timed;
-        check_views(side, check_half, consistency_of(matching::at_half_size(config.consistency), level),
-                    not_timed);
+        check_views(side, check_half, consistency_of(matching::at_half_size(config.consistency), level));
     }
     work.side.mark();
     work.side.let_wait_for_mark(work.stream);
@@ -210,12 +207,6 @@ matching::MatchedMap DeviceMatcher::match_pair(const StereoPair& pair,
         arena.reset();
         plan = std::make_unique<Plan>(arena, pair, config);
     }
-    const auto run = [&](Recording& recording, const auto& launch) {
-        if (work.clock.enabled())
-            launch();
-        else
-            recording.run(stream, launch);
-    };
     // Runs on the host beside the launches, and while the device matches.
     std::future<matching::FrameSegments> frame_segments = std::async(std::launch::async, [&] {
         return matching::find_frame_segments(pair.left, config.range.min_px + config.range.count);
@@ -223,8 +214,7 @@ matching::MatchedMap DeviceMatcher::match_pair(const StereoPair& pair,
     PairLevel& full = plan->levels[0];
     const RefineInput refine_input = plan->refine_input();
     upload(work, pair, full.pixels);
-    work.clock.begin(stream);
-    run(plan->until_filled, [&] {
+    plan->until_filled.run(stream, [&] {
         arena.release(plan->taken);
         work.side.begin_after(stream);
         fill_borders_of(stream, plan->levels, plan->check_half);
@@ -235,9 +225,7 @@ matching::MatchedMap DeviceMatcher::match_pair(const StereoPair& pair,
     });
     const RefineArrays& refined = plan->refined;
     raise_frame_segments(work, frame_segments.get(), refined);
-    work.clock.ended("fill");
-    run(plan->to_the_end, [&] { smooth(work, refined, refine_input); });
-    work.clock.end();
+    plan->to_the_end.run(stream, [&] { smooth(work, refined, refine_input); });
 
     const int width = full.width, height = full.height;
     const std::size_t pixels = static_cast<std::size_t>(width) * height;

@@ -14,7 +14,7 @@ class DeviceMatcher {
     DeviceMatcher();
     ~DeviceMatcher();
 
-    // Returns the same bytes as matching::match_pair(). The clock runs between the transfers.
+    // Returns the same bytes as matching::match_pair().
     matching::MatchedMap match_pair(const StereoPair& pair, const matching::MatchingConfig& config);
 
     Workspace work;

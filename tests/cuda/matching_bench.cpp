@@ -1,14 +1,13 @@
 // bench_matching [RUNS [WIDTH HEIGHT DISPARITIES | LEFT.ppm RIGHT.ppm DISPARITIES]]: measures match_pair() on
-// the device, with transfers and for the kernels only (medians, in ms; then the single stages, which take
-// longer when they are timed), and prints the time of writing and reading the sums of path costs once at 4.8
-// TB/s for comparison. Checks at the smallest size that the bytes equal the CPU's.
+// the device, with transfers (the median, in ms), and prints the time of writing and reading the sums of path
+// costs once at 4.8 TB/s for comparison. Nsight Systems shows the single kernels. Checks at the smallest size
+// that the bytes equal the CPU's.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,33 +60,18 @@ bool measure(cuda::CudaMatcher& matcher, const Size& size, int runs, const Stere
     matching::MatchingConfig config;
     config.range = {0, size.disparities};
     matching::MatchedMap map = matcher.match_pair(pair, config);
-    std::vector<double> whole, kernels;
+    std::vector<double> whole;
     for (int i = 0; i < runs; ++i) {
         const auto begin = std::chrono::steady_clock::now();
         map = matcher.match_pair(pair, config);
         whole.push_back(
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
-        kernels.push_back(matcher.kernel_seconds() * 1e3);
-    }
-    std::vector<std::string> order;
-    std::map<std::string, std::vector<double>> stages;
-    for (int i = 0; i < runs; ++i) {
-        std::vector<cuda::CudaMatchingTime> times;
-        matcher.match_pair(pair, config, &times);
-        std::map<std::string, double> once;
-        for (const cuda::CudaMatchingTime& time : times) {
-            if (!once.contains(time.stage) && i == 0) order.emplace_back(time.stage);
-            once[time.stage] += time.seconds * 1e3;
-        }
-        for (const auto& [name, ms] : once) stages[name].push_back(ms);
     }
     const double entries = static_cast<double>(size.width) * size.height * size.disparities;
     const double floor_ms = entries * 2 * sizeof(std::uint16_t) / 4.8e12 * 1e3;
-    std::printf("%5dx%d x%d: %.3f ms, kernels %.3f ms, floor %.3f ms, ratio %.2f, device %zu MiB\n",
-                size.width, size.height, size.disparities, median(whole), median(kernels), floor_ms,
-                median(kernels) / floor_ms, matcher.device_bytes() >> 20);
-    for (const std::string& name : order)
-        std::printf("    %-26s %9.3f\n", name.c_str(), median(stages[name]));
+    std::printf("%5dx%d x%d: %.3f ms, floor %.3f ms, ratio %.2f, device %zu MiB\n", size.width, size.height,
+                size.disparities, median(whole), floor_ms, median(whole) / floor_ms,
+                matcher.device_bytes() >> 20);
     std::fflush(stdout);
     if (size.width > 450) return true;
     const matching::MatchedMap cpu = matching::match_pair(pair, config, 4);

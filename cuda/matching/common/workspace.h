@@ -7,7 +7,6 @@
 #include "cuda/common/arena.h"
 #include "cuda/common/check.h"
 #include "cuda/common/staging.h"
-#include "cuda/matching/common/stage_clock.h"
 
 namespace hexrelief::cuda {
 
@@ -60,7 +59,6 @@ struct Workspace {
     SideStream side;
     Arena arena;
     Staging staging;
-    StageClock clock;  // measures `stream`
 
     // Creates the streams on the current device.
     Workspace() { check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "creating a stream"); }

@@ -64,27 +64,22 @@ RefineArrays take_refine_arrays(Arena& arena, const matching::RasterView<std::in
     return arrays;
 }
 
-void check_views(cudaStream_t stream, const CheckArrays& arrays, const matching::ConsistencyConfig& config,
-                 StageClock& clock) {
+void check_views(cudaStream_t stream, const CheckArrays& arrays, const matching::ConsistencyConfig& config) {
     filter_medians(stream, {reading(arrays.left), arrays.left_medians},
                    {reading(arrays.right), arrays.right_medians});
     check_left(stream, reading(arrays.left_medians), reading(arrays.right_medians), config, arrays.checked);
-    clock.ended("medians, check");
     if (config.speckle_pixels > 0) remove_speckles(stream, config, arrays.speckles, arrays.checked);
-    clock.ended("speckles");
 }
 
 void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
     const cudaStream_t stream = work.stream;
-    StageClock& clock = work.clock;
     const matching::ConsistencyConfig& config = input.config;
     const PackedColors left = reading(input.colors.left);
     const matching::RasterView<std::int16_t>& checked = arrays.left;
     work.side.begin_after(stream);
     prepare(work.side.get(), arrays);
     work.side.mark();
-    check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config,
-                clock);
+    check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config);
     work.side.let_wait_for_mark(stream);
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
@@ -95,7 +90,6 @@ void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input)
     find_slopes(stream, {reading(checked), left, {}, {}, RecordsOf::beside_unknown, step::kFarSlopes_px, {}},
                 {arrays.slopes.fitted, {}}, arrays.records);
     work.side.let_wait_for_mark(stream);
-    clock.ended("trusted, slopes, known");
     fill_unknown(stream,
                  {arrays.trusted.holes, reading(arrays.trusted.right), reading(arrays.records),
                   reading(arrays.trusted.nearest_seen), left, reading(input.colors.right), config.min_px},
@@ -109,7 +103,6 @@ void raise_frame_segments(Workspace& work, const matching::FrameSegments& segmen
 
 void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
     const cudaStream_t stream = work.stream;
-    StageClock& clock = work.clock;
     const DeviceColors& colors = input.colors;
     const matching::ConsistencyConfig& config = input.config;
     const PackedColors left = reading(colors.left);
@@ -130,7 +123,6 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
                {reading(arrays.left), records, discontinuous, nearest_seen, weights, arrays.trusted.holes,
                 config.min_px},
                arrays.votes[0], arrays.a);
-    clock.ended("slopes, votes, first round");
     matching::RasterView<std::int16_t> map = arrays.a, changed = arrays.b;
     for (int round = 1; round < step::kVoteRounds; ++round) {
         find_slopes(stream,
@@ -148,20 +140,16 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
                    arrays.votes[round], changed);
         std::swap(map, changed);
     }
-    clock.ended("slopes, votes, later rounds");
     for (int round = 0; round < step::kSideRounds; ++round) {
         choose_sides(stream, {reading(map), left, reading(colors.right), nearest_seen, config.min_px},
                      changed);
         std::swap(map, changed);
     }
-    clock.ended("sides");
 
     filter_median(stream, {reading(map), changed});
     find_slopes(stream, {reading(changed), left, {}, {}, RecordsOf::all, step::kNearSlopes_px, {}},
                 {arrays.slopes.fitted, {}}, arrays.planes[0]);
-    clock.ended("median, slopes");
     smooth(stream, arrays.planes[0], arrays.planes[1], arrays.result);
-    clock.ended("smoothing");
 }
 
 }  // namespace hexrelief::cuda

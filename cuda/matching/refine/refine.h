@@ -23,8 +23,7 @@ struct CheckArrays {
     matching::RasterView<std::int16_t> checked;
 };
 // Filters and compares the views and removes speckles; sets `checked`.
-void check_views(cudaStream_t stream, const CheckArrays& arrays, const matching::ConsistencyConfig& config,
-                 StageClock& clock);
+void check_views(cudaStream_t stream, const CheckArrays& arrays, const matching::ConsistencyConfig& config);
 
 // Trusted matches of the left view at half size, in 1/16 px above min_px.
 struct DeviceHalfSizeMatches {

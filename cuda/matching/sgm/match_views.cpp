@@ -8,7 +8,6 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
                  const matching::RasterView<std::int16_t>& half, const DeviceViews& views) {
     const cudaStream_t stream = work.stream;
     Arena& arena = work.arena;
-    StageClock& clock = work.clock;
     const Arena::Mark before = arena.mark();
     const int width = pair.width, height = pair.height, rows = matching::band_rows(width, height);
     DeviceVolume volume{};
@@ -16,7 +15,6 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
     volume.range = config.range;
     volume.pixels = take_path_pixels(arena, width, height);
     find_path_pixels(stream, reading(pair.colors[0]), half, config.range, config.penalties, volume.pixels);
-    clock.ended("windows");
     const int searched = 2 * run_length(volume.range);
     const std::size_t pixels = static_cast<std::size_t>(width) * rows, entries = pixels * searched;
     volume.costs = arena.take<std::uint8_t>(entries);
@@ -27,11 +25,8 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
     for (const matching::Band& band : matching::bands_of(width, height)) {
         volume.band = band;
         find_costs(stream, pair, volume);
-        clock.ended("costs");
         walk_paths(stream, volume, config.penalties.p1, kept_costs);
-        clock.ended("paths");
         find_winners(stream, volume, views.left, views.right);
-        clock.ended("winners");
     }
     arena.release(before);
 }
