@@ -26,7 +26,8 @@ namespace {
 using stages::OtherView;
 using stages::ViewPlace;
 
-constexpr int kReduced = 2;       // of the left texture: nobody saw what continues there
+// Nobody saw what continues: of rectified pairs and maps it is shown at less than the texture's size.
+constexpr int kReduced = 2;
 constexpr double kCoarser = 3.5;  // spacing of the other views: what has no match has little detail
 constexpr double kHiddenStepShare = 1. / 70;  // of a view's width: a higher one is cut in what no camera saw
 constexpr double kBlade_px = 20;              // what moving made step by more is dropped
@@ -72,7 +73,8 @@ OtherView copy_of_left(const LeftView& view, int threads) {
     OtherView left{left_place(view), {}, {}, view.color};
     left.missing = {left.place.width, left.place.height,
                     std::vector<float>(view.disparity.values.size(), kUnknownDisparity)};
-    const int width = view.texture.width / kReduced, height = view.texture.height / kReduced;
+    const int reduced = view.is_by_points ? 1 : kReduced, width = view.texture.width / reduced,
+              height = view.texture.height / reduced;
     if (width < view.color.width && std::min(width, height) > 0)
         left.picture = exporters::resized(view.color, width, height, threads);
     return left;
@@ -254,6 +256,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const stages::Frame frame = frame_for(view, visible, config);
     const auto add = [&](OtherView other) {
+        if (other.is_backing) visible.least_px *= kFarther;
         const SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (sheet.empty()) return;
         stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
@@ -285,7 +288,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     }
     if (behind > 0) {
         const stages::SeenSurface& here = visible.seen[0];
-        auto backing = start_work(threads, [&] { return stages::backing_of(here, view.color, behind); });
+        auto backing = start_work(
+            threads, [&] { return stages::backing_of(here, view.color, behind, visible.least_px); });
         OtherView left = copy_of_left(view, threads), behind_all = backing.get();
         stages::continue_behind(left, here,
                                 {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &behind_all},
@@ -316,6 +320,7 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
     const stages::Frame frame = frame_for(view, visible, config);
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
+        if (other.is_backing) visible.least_px *= kFarther;
         SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
         stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);

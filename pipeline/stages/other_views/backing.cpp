@@ -106,7 +106,7 @@ void meet_ends(Values& surface, const Values& ends, const Grid& grid, int reach,
 
 }  // namespace
 
-OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines) {
+OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines, double least_px) {
     const int longer = std::max(here.place.width, here.place.height);
     const int by = std::min({(longer + kSide_px - 1) / kSide_px, here.place.width, here.place.height}),
               radius = longer / by / kReachShare;
@@ -118,6 +118,7 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
     view.place.scale = by;
     view.place.width = grid.width;
     view.place.height = grid.height;
+    view.is_backing = true;
     view.map = view.missing = {grid.width, grid.height, std::vector<float>(count, kUnknownDisparity)};
 
     const Values behind = farthest(small.nearest, grid, radius);
@@ -132,7 +133,8 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
         return values;
     };
     Values surface = smoothed(behind, radius / 2);
-    for (double& d : surface) d -= kBehindFarthest_px;
+    for (double& d : surface)
+        if (d != kNotCovered) d = std::max(d - kBehindFarthest_px, least_px);
     meet_ends(surface, farthest(small.nearest, grid, kRim_px), grid, radius, baselines / by);
     surface = smoothed(surface, kRim_px);
     const Values in_front = largest(small.nearest, grid, kOverlap_px),

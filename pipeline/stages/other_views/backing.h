@@ -10,7 +10,7 @@ namespace hexrelief::stages {
 // the view's map shows that surface, smoothed, and its picture the mean colour of what is far there. So what
 // nothing continues behind silhouettes is closed. Near the view's border it comes forward to the surface
 // there, so that cameras up to `baselines` beside the left one do not see it beyond. here: the surface as the
-// left view shows it. picture: the left one, of its size; empty = none.
-OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines);
+// left view shows it. picture: the left one, of its size; empty = none. It is no farther than least_px.
+OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines, double least_px);
 
 }  // namespace hexrelief::stages

@@ -11,6 +11,8 @@
 namespace hexrelief::stages {
 namespace {
 
+constexpr float kBehindContinued_px = 0.3F;  // of the left view
+
 // Calls take(pixel, d) for the pixels of a view in front of the backing, which has the disparity d there.
 template <class Take>
 void for_backing(const OtherView& backing, const Disparities& front, const ViewPlace& place,
@@ -25,6 +27,18 @@ void for_backing(const OtherView& backing, const Disparities& front, const ViewP
 }
 
 }  // namespace
+
+void keep_behind_continued(OtherView& backing, const DisparityMap& missing) {
+    const auto scale = static_cast<float>(backing.place.scale);
+    const int by = static_cast<int>(backing.place.scale);
+    for (int y = 0; y < backing.place.height * by; ++y)
+        for (int x = 0; x < backing.place.width * by; ++x) {
+            float& d = backing.missing.at(x / by, y / by);
+            if (const float continued = missing.at(x, y);
+                DisparityMap::known(d) && DisparityMap::known(continued))
+                d = std::min(d, (continued - kBehindContinued_px) / scale);
+        }
+}
 
 Continued backing_behind(const Continued& continued, const OtherView& backing, const Disparities& front,
                          const ViewPlace& place) {

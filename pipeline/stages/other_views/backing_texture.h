@@ -1,4 +1,4 @@
-// The texture of a backing, which goes on behind what continues in front of it.
+// A backing behind what continues in front of it, and its texture.
 #pragma once
 
 #include "pipeline/base/thread_pool.h"
@@ -7,6 +7,9 @@
 #include "pipeline/stages/other_views/other_view.h"
 
 namespace hexrelief::stages {
+
+// Moves a backing behind what continues in the view, `missing`.
+void keep_behind_continued(OtherView& backing, const DisparityMap& missing);
 
 // Returns the part of a backing that is to get a texture of its own, without colours: behind what the view
 // shows, unless the same surface continues there. front: the disparities of the view, whose place is as large

@@ -321,6 +321,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
+    if (beyond.backing) keep_behind_continued(*beyond.backing, view.missing);
     spread_colours(continued, view.missing, front,
                    std::max(kSpread_px, std::max(place.width, place.height) / kSpreadShare));
     Image& texture = view.picture.empty() ? view.color : view.picture;

@@ -19,6 +19,7 @@ struct OtherView {
     Image color = {};           // of the whole view; empty = none
     Image picture = {};         // the same at another size; empty = `color` is it
     std::vector<std::uint8_t> kept = {};  // 1 = the picture shows the pixel; empty = all
+    bool is_backing = false;              // it is behind what continues, too
     const Image& texture() const { return picture.empty() ? color : picture; }
 };
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -266,32 +265,6 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
     return std::move(levels.front());
 }
 
-// What the colours of a cell's pixels are mixed of, so that they change smoothly between cells of different
-// offsets.
-class Blend {
-  public:
-    struct Part {
-        Offset offset;
-        float weight;
-        TextureLevel::Light light;  // times the weight
-        int u = 0, v = 0;           // the offset in the picture's pixels
-    };
-
-    void add(Offset offset, float weight, const TextureLevel::Light& light) {
-        std::size_t k = 0;
-        while (k < count_ && parts_[k].offset != offset) ++k;
-        if (k == count_) parts_[count_++] = {offset, 0, {}};
-        parts_[k].weight += weight;
-        for (int c = 0; c < 3; ++c) parts_[k].light[c] += weight * light[c];
-    }
-    std::span<Part> parts() { return {parts_.data(), count_}; }
-    std::span<const Part> parts() const { return {parts_.data(), count_}; }
-
-  private:
-    std::array<Part, 9> parts_;
-    std::size_t count_ = 0;
-};
-
 }  // namespace
 
 Image with_texture(const Image& seen, const ViewPlace& place, Continued& continued, const Disparities& front,
@@ -307,34 +280,40 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
                   y = (2 * v + 1) * place.height / (2 * picture.height) / level.cell_px;
         return level.is_source[level.at(x, y)] != 0;
     };
-    // The picture's pixels in so many of the view, to the nearest.
-    const auto scaled = [](int view_px, int picture_side, int view_side) {
-        return static_cast<int>(std::lround(1.0 * view_px * picture_side / view_side));
+    // The cells' offsets in the picture's pixels, to the nearest.
+    std::vector<std::array<int, 2>> shifts(level.offsets.size());
+    const auto scaled = [&](int cells, int picture_side, int view_side) {
+        return static_cast<int>(std::lround(1.0 * cells * level.cell_px * picture_side / view_side));
     };
-    const auto blend_at = [&](int x, int y) {
-        Blend blend;
-        for_square(level, x, y, 1, [&](int a, int b) {
-            const Offset offset = level.offsets[level.at(a, b)];
-            if (offset.is_none() || !level.are_one(level.at(x, y), level.at(a, b))) return;
-            blend.add(offset, static_cast<float>((2 - std::abs(a - x)) * (2 - std::abs(b - y))),
-                      level.light[level.at(a, b)]);
-        });
-        for (Blend::Part& part : blend.parts()) {
-            part.u = scaled(part.offset.x * level.cell_px, picture.width, place.width);
-            part.v = scaled(part.offset.y * level.cell_px, picture.height, place.height);
-        }
-        return blend;
-    };
-    const auto paint_at = [&](int u, int v, const Blend& blend) {
+    std::ranges::transform(level.offsets, shifts.begin(), [&](Offset offset) {
+        return std::array{scaled(offset.x, picture.width, place.width),
+                          scaled(offset.y, picture.height, place.height)};
+    });
+    // Colours are interpolated between the four cells around, so that they change smoothly between offsets.
+    const auto paint_at = [&](int u, int v, int own) {
+        const auto in_cells = [&](int at, int picture_side, int view_side) {
+            return (static_cast<float>(at) + 0.5F) * static_cast<float>(view_side) /
+                       static_cast<float>(picture_side * level.cell_px) -
+                   0.5F;
+        };
+        const float x = in_cells(u, picture.width, place.width),
+                    y = in_cells(v, picture.height, place.height);
+        const int first_x = static_cast<int>(std::floor(x)), first_y = static_cast<int>(std::floor(y));
         TextureLevel::Light sums = {};
         float weights = 0;
-        for (const Blend::Part& part : blend.parts()) {
-            if (!is_source(u + part.u, v + part.v)) continue;
-            const std::uint8_t* const colour = seen.at(u + part.u, v + part.v);
-            for (int c = 0; c < picture.channels; ++c)
-                sums[c] += part.weight * static_cast<float>(colour[c]) + part.light[c];
-            weights += part.weight;
-        }
+        for (int b = first_y; b <= first_y + 1; ++b)
+            for (int a = first_x; a <= first_x + 1; ++a) {
+                if (!level.has(a, b)) continue;
+                const int cell = level.at(a, b), from_u = u + shifts[cell][0], from_v = v + shifts[cell][1];
+                if (level.offsets[cell].is_none() || !level.are_one(own, cell) || !is_source(from_u, from_v))
+                    continue;
+                const float weight =
+                    (1 - std::abs(x - static_cast<float>(a))) * (1 - std::abs(y - static_cast<float>(b)));
+                for (int c = 0; c < picture.channels; ++c)
+                    sums[c] +=
+                        weight * (static_cast<float>(seen.at(from_u, from_v)[c]) + level.light[cell][c]);
+                weights += weight;
+            }
         for (int c = 0; c < picture.channels && weights > 0; ++c)
             picture.at(u, v)[c] =
                 static_cast<std::uint8_t>(std::clamp(sums[c] / weights, 0.0F, 255.0F) + 0.5F);
@@ -342,15 +321,12 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
     };
     std::vector<char> is_painted(continued.pixels.size(), 1);
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
-        Blend blend;
-        int blended = -1;
         for (std::size_t i = begin; i < end; ++i) {
             const int x = static_cast<int>(continued.pixels[i] % place.width),
-                      y = static_cast<int>(continued.pixels[i] / place.width);
-            const int cell = level.at(x / level.cell_px, y / level.cell_px);
-            if (std::exchange(blended, cell) != cell) blend = blend_at(x / level.cell_px, y / level.cell_px);
+                      y = static_cast<int>(continued.pixels[i] / place.width),
+                      own = level.at(x / level.cell_px, y / level.cell_px);
             for (int v = row(y); v < row(y + 1); ++v)
-                for (int u = column(x); u < column(x + 1); ++u) is_painted[i] &= paint_at(u, v, blend);
+                for (int u = column(x); u < column(x + 1); ++u) is_painted[i] &= paint_at(u, v, own);
         }
     });
     std::size_t left = 0;

@@ -61,8 +61,8 @@ float behind(ViewPoint point, const ViewPlace& place, const VisibleSurface& surf
 // Moves the vertices of a cut mesh of this view so, and those of triangles that are in front of the surface
 // by at most 1 px; splits the other triangles in front of it, and drops their parts that still are, those
 // that are too far, those that step by more than most_step_px of the left view beyond a steep slope, and
-// pieces of less than 20 square pixels of this view; those where a camera sees nothing else count seven
-// times.
+// pieces of less than a two-thousandth of this view, unless a camera sees 3 square pixels of it and nothing
+// else there.
 void keep_behind(DisparityMesh& cut_mesh, const ViewPlace& place, const VisibleSurface& surface,
                  double most_step_px, int threads);
 

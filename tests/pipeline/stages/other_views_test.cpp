@@ -159,9 +159,9 @@ TEST(OtherView, ContinuedBehindTheBoxIsTheWallInItsColours) {
     OtherView view = left_view(visible.seen[0]);
     continue_behind(view, visible.seen[0], {.left = 0.5}, visible, kThreads);
     // From half a baseline to the left the box is 8 px farther to the right of the wall than from the left
-    // camera.
+    // camera. A sixteenth of the view continues at most.
     for (int x = 0; x < kWidth; ++x) {
-        const bool is_continued = x >= kBoxBegin && x < kBoxBegin + 9;
+        const bool is_continued = x >= kBoxBegin && x < kBoxBegin + kWidth / 16;
         EXPECT_EQ(DisparityMap::known(view.missing.at(x, 20)), is_continued) << x;
         if (!is_continued) continue;
         EXPECT_NEAR(view.missing.at(x, 20), kWall, 0.5) << x;
@@ -202,15 +202,19 @@ TEST(OtherView, AWallWithoutAnOutlineKeepsItsColours) {
     for (int x = 0; x < kBoxBegin; ++x) EXPECT_EQ(*view.color.at(x, 20), *before.at(x, 20)) << x;
 }
 
-TEST(OtherView, NoSurfaceContinuesFartherThanAnEighthOfTheView) {
+TEST(OtherView, NoSurfaceContinuesFartherThanASixteenthOfTheView) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, kWall - 1, kThreads);
     OtherView view = left_view(visible.seen[0]);
     continue_behind(view, visible.seen[0], {.left = 8, .right = 8, .up = 8, .down = 8}, visible, kThreads);
-    for (int x = 0; x < kWidth; ++x)  // above and below the box there is no wall
-        EXPECT_EQ(DisparityMap::known(view.missing.at(x, 20)), x >= kBoxBegin && x < kBoxEnd) << x;
+    for (int x = 0; x < kWidth; ++x) {  // above and below the box there is no wall
+        const bool is_near_its_end = std::min(x - kBoxBegin, kBoxEnd - 1 - x) < kWidth / 16;
+        EXPECT_EQ(DisparityMap::known(view.missing.at(x, 20)),
+                  x >= kBoxBegin && x < kBoxEnd && is_near_its_end)
+            << x;
+    }
     OtherView wide = left_view(visible.seen[0]);
     continue_behind(wide, visible.seen[0], {.left = 8}, visible, kThreads);
-    EXPECT_EQ(wide.missing.at(kBoxBegin + kWidth / 8, 20), kUnknownDisparity);
+    EXPECT_EQ(wide.missing.at(kBoxBegin + kWidth / 16, 20), kUnknownDisparity);
 }
 
 TEST(OtherView, NothingContinuesBehindABorderWithoutASurfaceBehindIt) {
@@ -227,7 +231,7 @@ TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) 
     Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)};
     for (int y = 0; y < kHeight; ++y)
         for (int x = kBoxBegin; x < kBoxEnd; ++x) *picture.at(x, y) = 200;
-    const OtherView view = backing_of(here, picture, 1);
+    const OtherView view = backing_of(here, picture, 1, 1);
     ASSERT_EQ(view.place.scale, 1);
     for (int x = 0; x < kWidth; ++x) {
         const bool is_missing = x >= kBoxBegin - 2 && x < kBoxEnd + 2;
@@ -240,7 +244,7 @@ TEST(OtherView, ABackingMeetsTheSurfaceAtTheBorderOfTheView) {
     SurfaceMesh mesh;
     add_rectangle(mesh, 0, kWidth - 20, kWall);
     add_rectangle(mesh, kWidth - 20, kWidth, kBox);
-    const OtherView view = backing_of(see(mesh, place_at(0), kThreads), {}, 1);
+    const OtherView view = backing_of(see(mesh, place_at(0), kThreads), {}, 1, 1);
     EXPECT_EQ(view.map.at(20, 20), kWall - 1);
     EXPECT_GT(view.map.at(kWidth - 1, 20), (kWall + kBox) / 2);
     for (int x = 60; x + 1 < kWidth; ++x) EXPECT_LE(view.map.at(x, 20), view.map.at(x + 1, 20)) << x;
@@ -248,7 +252,7 @@ TEST(OtherView, ABackingMeetsTheSurfaceAtTheBorderOfTheView) {
 
 TEST(OtherView, ABackingOfALargeViewHas320PxAtMost) {
     const SeenSurface here{{0, 0, 0, 1, 1000, 400}, Disparities(400000, 7.0)};
-    const OtherView view = backing_of(here, {}, 1);
+    const OtherView view = backing_of(here, {}, 1, 1);
     EXPECT_EQ(view.place.scale, 4);
     EXPECT_EQ(view.place.width, 250);
     for (const float d : view.missing.values) EXPECT_FALSE(DisparityMap::known(d));
@@ -319,6 +323,13 @@ TEST(OtherView, ATriangleThatMovingMakesStepIsDropped) {
     }
 }
 
+// A place of a view of 40,000 px: pieces of 20 px and more stay.
+ViewPlace large_place_at(double right) {
+    ViewPlace place = place_at(right);
+    place.height = 40000 / place.width;
+    return place;
+}
+
 TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
     const VisibleSurface visible = visible_surface(left_surface(), {place_at(0)}, 1, kThreads);
     DisparityMesh sheet;  // behind all: pieces of 18, of twice 12.5 and of 24.5 square pixels
@@ -326,7 +337,7 @@ TEST(OtherView, PiecesThatNobodyWouldMissAreDropped) {
                     {15, 10}, {20, 10}, {25, 5}, {32, 5}, {25, 12}};
     sheet.disparities.assign(sheet.points.size(), 2);
     sheet.triangles = {{0, 2, 1}, {3, 5, 4}, {4, 5, 6}, {7, 9, 8}};
-    keep_behind(sheet, place_at(0), visible, kAnyStep_px, 2);
+    keep_behind(sheet, large_place_at(0), visible, kAnyStep_px, 2);
     EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}, {4, 5, 6}, {7, 9, 8}}));
 }
 
@@ -336,7 +347,7 @@ TEST(OtherView, SmallPiecesThatFillAHoleAreKept) {
     sheet.points = {{5, 5}, {11, 5}, {5, 11}, {42, 5}, {48, 5}, {42, 11}, {42, 20}, {44, 20}, {42, 22}};
     sheet.disparities.assign(sheet.points.size(), 2);
     sheet.triangles = {{0, 2, 1}, {3, 5, 4}, {6, 8, 7}};
-    keep_behind(sheet, place_at(1), visible, kAnyStep_px, 2);
+    keep_behind(sheet, large_place_at(1), visible, kAnyStep_px, 2);
     EXPECT_EQ(sheet.triangles, (std::vector<Triangle>{{3, 5, 4}}));
 }
 

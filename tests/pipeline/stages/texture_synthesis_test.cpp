@@ -124,7 +124,7 @@ TEST(TextureSynthesis, SeamsHaveTheLightOfWhatIsBeside) {
     StripedWall scene(24);
     for (int y = 0; y < kHeight; ++y)  // brighter all around the hidden part than its sources are
         for (int x = 0; x < kThingBegin; ++x)
-            *scene.picture.at(x, y) = static_cast<std::uint8_t>(20 + 2 * x + (x + y) % 2);
+            *scene.picture.at(x, y) = static_cast<std::uint8_t>(60 + x + (x + y) % 2);
     const Image painted = scene.painted(2);
     int steps = 0;
     for (int y = 10; y < kHeight - 10; ++y)
@@ -175,7 +175,7 @@ TEST(TextureSynthesis, ABackingHasItsOwnTextureBehindAnotherSurfaceThatContinues
     const SeenSurface here{scene.place, scene.front};
     OtherView view{scene.place, {}, {}, scene.picture};
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
-    OtherView backing = backing_of(here, scene.picture, 1);
+    OtherView backing = backing_of(here, scene.picture, 1, 1);
     continue_behind(view, here, {1, 1, 0, 0, Beyond::kMixedOfPhotographs_px, &backing}, {{here}, kWall - 10},
                     2);
     const int x = kOther - 4;
@@ -189,7 +189,7 @@ TEST(TextureSynthesis, ABackingGoesOnBehindWhatContinues) {
     const SeenSurface here{scene.place, scene.front};
     OtherView view{scene.place, {}, {}, scene.picture};
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
-    OtherView backing = backing_of(here, scene.picture, 1);
+    OtherView backing = backing_of(here, scene.picture, 1, 1);
     const VisibleSurface visible{{here}, kWall - 10};
     continue_behind(view, here, {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px, .backing = &backing},
                     visible, 2);
@@ -202,6 +202,25 @@ TEST(TextureSynthesis, ABackingGoesOnBehindWhatContinues) {
     for (int x = kThingBegin; x + 1 < end; ++x)
         rough += std::abs(*painted.at(x, 60) - *painted.at(x + 1, 60));
     EXPECT_GT(rough, 4 * (end - kThingBegin)) << "the stripes are there";
+}
+
+TEST(TextureSynthesis, ABackingIsBehindWhatContinuesAndNoFartherThanAnything) {
+    const StripedWall scene(0);
+    const SeenSurface here{scene.place, scene.front};
+    OtherView view{scene.place, {}, {}, scene.picture};
+    view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
+    constexpr double kLeast = kWall - 0.25;
+    OtherView backing = backing_of(here, scene.picture, 1, kLeast);
+    for (const float d : backing.missing.values)
+        if (DisparityMap::known(d)) EXPECT_GE(d, kLeast);
+    continue_behind(view, here, {.left = 1, .backing = &backing}, {{here}, kLeast}, 2);
+    int both = 0;
+    for (std::size_t i = 0; i < scene.front.size(); ++i)
+        if (DisparityMap::known(view.missing.values[i]) && DisparityMap::known(backing.missing.values[i])) {
+            EXPECT_LT(backing.missing.values[i], view.missing.values[i]);
+            ++both;
+        }
+    EXPECT_GT(both, 100);
 }
 
 }  // namespace
