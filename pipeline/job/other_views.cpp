@@ -294,11 +294,9 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         stages::continue_behind(left, here,
                                 {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &behind_all},
                                 visible, threads);
-        if (const Image& whole = behind_all.picture; std::min(whole.width, whole.height) >= kReduced)
-            behind_all.picture =
-                exporters::resized(whole, whole.width / kReduced, whole.height / kReduced, threads);
         stages::join_to_surface(left, here, border_px, least, threads);
         if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px);
+        if (is_rectified) stages::join_backing(behind_all, kLeastAlone, kBridge_px);
         add(std::move(left));
         add(std::move(behind_all));
     }

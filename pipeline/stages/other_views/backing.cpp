@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/base/opencv_squares.h"
+#include "pipeline/stages/other_views/bridges.h"
 
 namespace hexrelief::stages {
 namespace {
@@ -182,6 +183,15 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
                 std::lround(far_count[i] > 0 ? total[i] / far_count[i] : levels[i]));
     }
     return view;
+}
+
+void join_backing(OtherView& backing, std::size_t least, int reach_px) {
+    SeenSurface whole{backing.place, Disparities(backing.map.values.size())};
+    std::ranges::transform(backing.map.values, whole.disparities.begin(), [](float d) {
+        return DisparityMap::known(d) ? static_cast<double>(d) : kNotCovered;
+    });
+    const auto by = static_cast<std::size_t>(backing.place.scale);
+    join_regions(backing, whole, least / (by * by), reach_px, kOneSurface_px);
 }
 
 }  // namespace hexrelief::stages

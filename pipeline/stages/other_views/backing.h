@@ -1,5 +1,7 @@
-// A coarse surface behind all silhouettes of a photograph.
+// A coarse surface behind all silhouettes of a view.
 #pragma once
+
+#include <cstddef>
 
 #include "pipeline/stages/other_views/other_view.h"
 
@@ -12,5 +14,8 @@ namespace hexrelief::stages {
 // there, so that cameras up to `baselines` beside the left one do not see it beyond. here: the surface as the
 // left view shows it. picture: the left one, of its size; empty = none. It is no farther than least_px.
 OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines, double least_px);
+// Joins its parts of fewer than `least` px of the left view to others by bridges along the surface of its map
+// (join_regions()), at most reach_px of its own long.
+void join_backing(OtherView& backing, std::size_t least, int reach_px);
 
 }  // namespace hexrelief::stages

@@ -26,6 +26,19 @@ void for_backing(const OtherView& backing, const Disparities& front, const ViewP
         }
 }
 
+// Returns a picture of half the size, whose pixels are means of 2x2.
+Image halved(const Image& picture) {
+    Image half{picture.width / 2, picture.height / 2, picture.channels, {}};
+    for (int y = 0; y < half.height; ++y)
+        for (int x = 0; x < half.width; ++x)
+            for (int c = 0; c < half.channels; ++c)
+                half.pixels.push_back(static_cast<std::uint8_t>(
+                    (picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
+                     picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
+                    4));
+    return half;
+}
+
 }  // namespace
 
 void keep_behind_continued(OtherView& backing, const DisparityMap& missing) {
@@ -33,10 +46,11 @@ void keep_behind_continued(OtherView& backing, const DisparityMap& missing) {
     const int by = static_cast<int>(backing.place.scale);
     for (int y = 0; y < backing.place.height * by; ++y)
         for (int x = 0; x < backing.place.width * by; ++x) {
-            float& d = backing.missing.at(x / by, y / by);
-            if (const float continued = missing.at(x, y);
-                DisparityMap::known(d) && DisparityMap::known(continued))
-                d = std::min(d, (continued - kBehindContinued_px) / scale);
+            const float continued = missing.at(x, y);
+            if (!DisparityMap::known(continued)) continue;
+            for (DisparityMap* map : {&backing.map, &backing.missing})
+                if (float& d = map->at(x / by, y / by); DisparityMap::known(d))
+                    d = std::min(d, (continued - kBehindContinued_px) / scale);
         }
 }
 
@@ -61,7 +75,9 @@ void paint_backing(OtherView& backing, const Image& picture, const ViewPlace& pl
         shown[i] = d;
         if (!behind.is_mixed.empty()) behind.is_mixed[i] = 0;
     });
-    Image& painted = backing.picture = with_texture(picture, place, behind, shown, pool);
+    const bool is_small = std::min(picture.width, picture.height) < 2;
+    Image& painted = backing.picture =
+        with_texture(is_small ? picture : halved(picture), place, behind, shown, pool);
     const int by = static_cast<int>(backing.place.scale);
     for (const std::uint32_t pixel : behind.pixels) {
         const int x = static_cast<int>(pixel % place.width), y = static_cast<int>(pixel / place.width);

@@ -17,8 +17,9 @@ void keep_behind_continued(OtherView& backing, const DisparityMap& missing);
 Continued backing_behind(const Continued& continued, const OtherView& backing, const Disparities& front,
                          const ViewPlace& place);
 
-// Gives the backing the view's picture, with what continues painted, and in its part `behind` the texture of
-// the farther surfaces, or its own colours if there is none. The same for any number of threads.
+// Gives the backing the view's picture at half its size, as it is seen through gaps only, with what continues
+// painted, and in its part `behind` the texture of the farther surfaces, or its own colours if there is none.
+// The same for any number of threads.
 void paint_backing(OtherView& backing, const Image& picture, const ViewPlace& place, Continued behind,
                    const Disparities& front, ThreadPool& pool);
 

@@ -32,9 +32,7 @@ constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
 constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
-// Pixels beside what is shown that have its colours as well, for triangles that reach as far and for the
-// backing: at least so many, and a share of a view's side.
-constexpr int kSpread_px = 16, kSpreadShare = 32;
+constexpr int kSpread_px = 16;  // beside what is shown: triangles that reach as far have its colours
 
 // What the colours of a pixel are of. An outline is a narrow line unlike the surface that it seems to end.
 enum class Purity : std::uint8_t { clean, mixed, of_nearer, outline };
@@ -322,8 +320,7 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
     if (beyond.backing) keep_behind_continued(*beyond.backing, view.missing);
-    spread_colours(continued, view.missing, front,
-                   std::max(kSpread_px, std::max(place.width, place.height) / kSpreadShare));
+    spread_colours(continued, view.missing, front, kSpread_px);
     Image& texture = view.picture.empty() ? view.color : view.picture;
     const Continued behind =
         beyond.backing ? backing_behind(continued, *beyond.backing, front, place) : Continued(0);

@@ -56,7 +56,7 @@ struct TextureLevel {
         return std::abs(hidden_at[target] - seen_at[source]) / tolerances[target];
     }
     bool is_source_of(std::size_t target, std::size_t cell) const {
-        return is_target(target) && is_source[cell] && apart(target, cell) <= 1;
+        return is_source[cell] && std::abs(hidden_at[target] - seen_at[cell]) <= tolerances[target];
     }
 };
 

@@ -18,10 +18,10 @@ using Colour = TextureLevel::Colour;
 
 // Cells along the longer side: of the finest level about, of the coarsest at most.
 constexpr int kFinest = 320, kCoarsest = 128, kLeastCell_px = 3;
-constexpr int kRadius = 2;  // of the squares that are compared, cells
-constexpr int kReach = 14;  // of the search at the coarsest level, cells
-constexpr int kAround = 8;  // the same at the others, around the sources so far
-constexpr int kRounds = 2, kRoundsOfFinest = 1;
+constexpr double kLeastTexels = 1.5;  // along a cell
+constexpr int kRadius = 2;            // of the squares that are compared, cells
+constexpr int kReach = 14;            // of the search at the coarsest level, cells
+constexpr int kAround = 8;            // the same at the others, around the sources so far
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
 // neighbours that has another offset; of the distance to the source, for each cell; of a source whose depth
 // is off by the tolerance, so that of two surfaces within it the one goes on.
@@ -54,7 +54,8 @@ class Search {
             const bool is_painted = !level.offsets[i].is_none() && level.are_one(target, i);
             if (!is_painted && !level.is_source_of(target, i)) return;
             is_beside_known_ |= std::abs(u - x_) <= 1 && std::abs(v - y_) <= 1;
-            known_[count_++] = {u - x_, v - y_, is_painted ? level.hidden[i] : level.seen[i]};
+            known_[count_++] = {u - x_, v - y_, (v - y_) * level.width + u - x_,
+                                is_painted ? level.hidden[i] : level.seen[i]};
         });
         for_neighbours(1, [&](Offset offset) { beside_[neighbours_++] = offset; });
     }
@@ -64,31 +65,39 @@ class Search {
     void consider(Offset offset, int extra = 0) {
         const int x = x_ + offset.x, y = y_ + offset.y;
         if (offset.is_none() || offset == best_ || !level_.has(x, y)) return;
-        if (!level_.is_source_of(target_, level_.at(x, y))) return;
+        if (extra * count_ >= cost_ || !level_.is_source_of(target_, level_.at(x, y))) return;
         for (int k = 0; k < neighbours_; ++k)
             if (!beside_[k].is_none() && beside_[k] != offset) extra += kUnlikeNeighbour;
+        if (extra * count_ >= cost_) return;
         extra += static_cast<int>(kOffDepth * level_.apart(target_, level_.at(x, y)));
+        const bool has_all = level_.has(x - kRadius, y - kRadius) && level_.has(x + kRadius, y + kRadius);
+        const Colour* const seen = &level_.seen[level_.at(x, y)];
         int cost = extra * count_;
         for (int k = 0; k < count_ && cost < cost_; ++k) {
             const Known& known = known_[k];
-            const int u = x + known.dx, v = y + known.dy;
-            const bool is_source = level_.has(u, v) && level_.is_source[level_.at(u, v)];
-            cost += is_source ? difference(known.colour, level_.seen[level_.at(u, v)]) : kNoSource;
+            const bool is_source = (has_all || level_.has(x + known.dx, y + known.dy)) && seen[known.step][3];
+            cost += is_source ? difference(known.colour, seen[known.step]) : kNoSource;
         }
         if (cost >= cost_) return;
         cost_ = cost;
         best_ = offset;
     }
-    // Looks everywhere up to `reach` cells away. soft_seen, soft_guides: as the level's, softened.
+    // Looks everywhere up to `reach` cells away, the nearest first: what is farther soon costs more.
+    // soft_seen, soft_guide: as the level's, softened.
     void consider_all(int reach, const std::vector<Colour>& soft_seen, const Colour& soft_guide) {
-        for_square(level_, x_, y_, reach, [&](int u, int v) {
-            const int unlike = soft_guide[3]
-                                   ? difference(soft_guide, soft_seen[level_.at(u, v)]) / kGuideShare
-                                   : 0,
-                      apart = std::max(std::abs(u - x_), std::abs(v - y_));
-            consider({static_cast<std::int16_t>(u - x_), static_cast<std::int16_t>(v - y_)},
-                     unlike + kApart * apart);
-        });
+        const auto look = [&](int dx, int dy, int extra) {
+            if (!level_.has(x_ + dx, y_ + dy)) return;
+            if (soft_guide[3])
+                extra += difference(soft_guide, soft_seen[level_.at(x_ + dx, y_ + dy)]) / kGuideShare;
+            consider({static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)}, extra);
+        };
+        for (int apart = 1; apart <= reach && kApart * apart * count_ < cost_; ++apart)
+            for (int along = -apart; along < apart; ++along) {
+                look(along, -apart, kApart * apart);
+                look(apart, along, kApart * apart);
+                look(-along, apart, kApart * apart);
+                look(-apart, -along, kApart * apart);
+            }
     }
     void consider_neighbours(int step) {
         for_neighbours(step, [&](Offset offset) { consider(offset); });
@@ -96,7 +105,7 @@ class Search {
 
   private:
     struct Known {
-        int dx, dy;
+        int dx, dy, step;  // from the target; step: along the level's cells
         Colour colour;
     };
 
@@ -150,28 +159,31 @@ void make_lenient(TextureLevel& level, std::uint32_t target) {
 // Fills a level from its sources inwards. Targets that find no source become lenient and look again.
 void fill(TextureLevel& level, ThreadPool& pool) {
     const std::vector<Colour> seen = softened(level, level.seen), guides = softened(level, level.guides);
-    std::vector<std::uint32_t> open = level.targets;
-    bool is_second = false;
-    while (!open.empty()) {
-        const std::vector<Offset> offsets = found_for(open, pool, [&](std::uint32_t target) {
+    std::vector<std::uint32_t> open = level.targets, without_source;
+    for (bool is_second = false;;) {
+        const auto found = found_for(open, pool, [&](std::uint32_t target) {
             Search search(level, target);
             if (search.is_beside_known()) search.consider_all(kReach, seen, guides[target]);
-            return search.best();
+            return std::pair(search.is_beside_known(), search.best());
         });
         std::vector<std::uint32_t> still;
+        bool has_any = false;
         for (std::size_t i = 0; i < open.size(); ++i) {
-            const Offset offset = offsets[i];
+            const auto& [has_looked, offset] = found[i];
             level.offsets[open[i]] = offset;
-            if (offset.is_none())
-                still.push_back(open[i]);
-            else
-                level.hidden[open[i]] = level.seen[open[i] + offset.y * level.width + offset.x];
-        }
-        if (still.size() == open.size()) {
-            if (std::exchange(is_second, true)) return;
-            for (const std::uint32_t target : open) make_lenient(level, target);
+            if (offset.is_none()) {
+                (has_looked ? without_source : still).push_back(open[i]);
+                continue;
+            }
+            level.hidden[open[i]] = level.seen[open[i] + offset.y * level.width + offset.x];
+            has_any = true;
         }
         open = std::move(still);
+        if (has_any) continue;
+        open.insert(open.end(), without_source.begin(), without_source.end());
+        without_source.clear();
+        if (open.empty() || std::exchange(is_second, true)) return;
+        for (const std::uint32_t target : open) make_lenient(level, target);
     }
 }
 
@@ -242,7 +254,8 @@ void take_offsets(TextureLevel& fine, const TextureLevel& coarse) {
 
 TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, const Continued& continued,
                                 const Disparities& front, ThreadPool& pool) {
-    const int cell_px = std::max(kLeastCell_px, std::max(place.width, place.height) / kFinest);
+    const int least_px = static_cast<int>(kLeastTexels * place.width / picture.width),
+              cell_px = std::max({kLeastCell_px, least_px, std::max(place.width, place.height) / kFinest});
     std::vector<TextureLevel> levels = {finest_level(picture, place, continued, front, cell_px, pool)};
     while (std::max(levels.back().width, levels.back().height) > kCoarsest)
         levels.push_back(coarser_level(levels.back(), pool));
@@ -256,10 +269,7 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
             take_offsets(level, levels[k + 1]);
             vote(level, pool);
         }
-        for (int round = 0; round < (k == 0 ? kRoundsOfFinest : kRounds); ++round) {
-            for (const int half : {0, 1}) improve(level, 2 * round + half, k == 0 ? 1 : kAround, pool);
-            vote(level, pool);
-        }
+        for (const int round : {0, 1}) improve(level, round, k == 0 ? 1 : kAround, pool);
         match_light(level, k + 1 == levels.size() ? nullptr : &levels[k + 1]);
     }
     return std::move(levels.front());
@@ -274,11 +284,18 @@ Image with_texture(const Image& seen, const ViewPlace& place, Continued& continu
     const TextureLevel level = level_with_offsets(seen, place, continued, front, pool);
     const auto column = [&](int x) { return x * picture.width / place.width; };
     const auto row = [&](int y) { return y * picture.height / place.height; };
+    // The cells' columns or rows of the picture's.
+    const auto cells_along = [&](int picture_side, int view_side) {
+        std::vector<int> cells(static_cast<std::size_t>(picture_side));
+        for (int i = 0; i < picture_side; ++i)
+            cells[i] = (2 * i + 1) * view_side / (2 * picture_side) / level.cell_px;
+        return cells;
+    };
+    const std::vector<int> cell_columns = cells_along(picture.width, place.width),
+                           cell_rows = cells_along(picture.height, place.height);
     const auto is_source = [&](int u, int v) {
         if (u < 0 || u >= picture.width || v < 0 || v >= picture.height) return false;
-        const int x = (2 * u + 1) * place.width / (2 * picture.width) / level.cell_px,
-                  y = (2 * v + 1) * place.height / (2 * picture.height) / level.cell_px;
-        return level.is_source[level.at(x, y)] != 0;
+        return level.is_source[level.at(cell_columns[u], cell_rows[v])] != 0;
     };
     // The cells' offsets in the picture's pixels, to the nearest.
     std::vector<std::array<int, 2>> shifts(level.offsets.size());

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::stages {
@@ -99,6 +100,17 @@ TEST(Bridges, RegionsThatDifferStayApart) {
         std::fill_n(&scene.view.missing.at(72, y), 16, static_cast<float>(kWall + 5));
     scene.join();
     EXPECT_FALSE(scene.is_joined());
+}
+
+TEST(Bridges, JoinPartsOfABackingAlongItsSurface) {
+    Scene scene(true);
+    scene.view.map = {kWidth, kHeight, std::vector<float>(kWidth * kHeight, static_cast<float>(kWall))};
+    join_backing(scene.view, kLeast, kReach_px);
+    EXPECT_TRUE(scene.is_joined());
+    scene = Scene(true);
+    scene.view.map = {kWidth, kHeight, std::vector<float>(kWidth * kHeight, kUnknownDisparity)};
+    join_backing(scene.view, kLeast, kReach_px);
+    EXPECT_FALSE(scene.is_joined()) << "it has no surface there";
 }
 
 // The values of a floor 12 px wide under a wall that rises in steps of step_px, 3 rows each, once merged.
