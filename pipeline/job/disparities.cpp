@@ -16,6 +16,7 @@
 #include "pipeline/job/pairs/working_size.h"
 #include "pipeline/stages/by_colour/bare_borders.h"
 #include "pipeline/stages/by_colour/bare_patches.h"
+#include "pipeline/stages/by_colour/filled_rims.h"
 #include "pipeline/stages/by_colour/frame_pieces.h"
 #include "pipeline/stages/by_colour/mixed_pixels.h"
 #include "pipeline/stages/by_colour/rim_strips.h"
@@ -139,6 +140,7 @@ void refine_noisy(DisparityResult& disparity, const InputPair& pair, int threads
         stages::find_noise_px(disparity.map, threads),
         pair.alignment->is_relief() ? stages::kLeastNoiseOfRelief_px : stages::kLeastNoise_px);
     if (noise.noise_px > 0) disparity.map = stages::refine_by_pictures(disparity.map, pair.views, threads);
+    disparity.map = stages::with_filled_rims_joined(std::move(disparity.map), pair.views.left, threads);
     disparity.map = stages::without_mixed_pixels(
         stages::with_rims_by_colour(std::move(disparity.map), pair.views.left, threads), pair.views.left,
         stages::Scraps::go);
