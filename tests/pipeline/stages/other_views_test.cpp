@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <tuple>
 
-#include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/other_view.h"
 #include "pipeline/stages/other_views/small_regions.h"
@@ -224,38 +223,6 @@ TEST(OtherView, NothingContinuesBehindABorderWithoutASurfaceBehindIt) {
     OtherView view = left_view(visible.seen[0]);
     continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1}, visible, kThreads);
     for (const float d : view.missing.values) EXPECT_EQ(d, kUnknownDisparity);
-}
-
-TEST(OtherView, ABackingBehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) {
-    const SeenSurface here = see(left_surface(), place_at(0), kThreads);
-    Image picture{kWidth, kHeight, 1, std::vector<std::uint8_t>(kWidth * kHeight, 50)};
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = kBoxBegin; x < kBoxEnd; ++x) *picture.at(x, y) = 200;
-    const OtherView view = backing_of(here, picture, 1, 1);
-    ASSERT_EQ(view.place.scale, 1);
-    for (int x = 0; x < kWidth; ++x) {
-        const bool is_missing = x >= kBoxBegin - 2 && x < kBoxEnd + 2;
-        EXPECT_EQ(view.missing.at(x, 20), is_missing ? kWall - 1 : kUnknownDisparity) << x;
-        EXPECT_EQ(*view.color.at(x, 20), 50) << x;
-    }
-}
-
-TEST(OtherView, ABackingMeetsTheSurfaceAtTheBorderOfTheView) {
-    SurfaceMesh mesh;
-    add_rectangle(mesh, 0, kWidth - 20, kWall);
-    add_rectangle(mesh, kWidth - 20, kWidth, kBox);
-    const OtherView view = backing_of(see(mesh, place_at(0), kThreads), {}, 1, 1);
-    EXPECT_EQ(view.map.at(20, 20), kWall - 1);
-    EXPECT_GT(view.map.at(kWidth - 1, 20), (kWall + kBox) / 2);
-    for (int x = 60; x + 1 < kWidth; ++x) EXPECT_LE(view.map.at(x, 20), view.map.at(x + 1, 20)) << x;
-}
-
-TEST(OtherView, ABackingOfALargeViewHas320PxAtMost) {
-    const SeenSurface here{{0, 0, 0, 1, 1000, 400}, Disparities(400000, 7.0)};
-    const OtherView view = backing_of(here, {}, 1, 1);
-    EXPECT_EQ(view.place.scale, 4);
-    EXPECT_EQ(view.place.width, 250);
-    for (const float d : view.missing.values) EXPECT_FALSE(DisparityMap::known(d));
 }
 
 TEST(OtherView, PartsOverlapWithTheSurfaceAndSmallOnesJoinThoseAroundThem) {
