@@ -29,9 +29,10 @@ using stages::ViewPlace;
 // Nobody saw what continues: of rectified pairs and maps it is shown at less than the texture's size.
 constexpr int kReduced = 2;
 constexpr double kCoarser = 3.5;  // spacing of the other views: what has no match has little detail
-constexpr double kHiddenStepShare = 1. / 70;  // of a view's width: a higher one is cut in what no camera saw
+constexpr double kHiddenStepShare = 1. / 70;  // of the left view's width: hidden_step_px()
 constexpr double kBlade_px = 20;              // what moving made step by more is dropped
-constexpr double kShownStep_px = 6;  // the same if the right camera, which has no view, sees some of it
+// A higher step is cut in what the right camera sees some of, but has no view of.
+constexpr double kShownStep_px = 6;
 // So far sheets overlap with what is around them; more joins those of a pair's view on one surface.
 constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
 // Pairs: pixels of about one triangle of a sheet, which is no surface of its own; and of a part that stands
@@ -44,6 +45,11 @@ constexpr double kFarther = 63. / 64;     // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kLeastSpacing_px = 4;
 constexpr double kFittingSpacings = 4;  // of solve_mesh() in the shorter side
+
+// A higher step is cut in what no camera saw. In a backing, which is smooth, it is much higher.
+double hidden_step_px(const LeftView& view) {
+    return std::max(kShownStep_px, kHiddenStepShare * view.disparity.width);
+}
 
 ViewPlace left_place(const LeftView& view) {
     return {0, 0, 0, 1, view.disparity.width, view.disparity.height};
@@ -91,7 +97,6 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
                      const stages::Frame& frame, const config::Config& config, Backend& backend,
                      const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
-    const double hidden_step_px = kHiddenStepShare * left.disparity.width;
     const int width = other.place.width, height = other.place.height;
     // Without a density the lattice stays regular.
     const DensityMap even{width, height, std::vector<float>(other.missing.values.size(), 0)};
@@ -105,7 +110,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
     SurfaceConfig surface = config.surface;
     if (other.place.right == 0 || left.is_by_points)
-        surface.least_discontinuity_px = left.right ? hidden_step_px : kShownStep_px;
+        surface.least_discontinuity_px = left.right ? hidden_step_px(left) : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
     if (left.is_by_points)
         stages::move_into_frame(cut, other.place, frame, visible.seen[0],
@@ -242,7 +247,6 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const int mixed_px =
         view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
     const bool is_rectified = right && !view.is_by_points;
-    const double hidden_step_px = kHiddenStepShare * view.disparity.width;
     const int border_px = is_rectified ? kBorderOfPairs_px : kBorder_px;
     const std::size_t least = is_rectified ? kLeastOfPairs : stages::kLeastSurface;
     SurfaceMesh& mesh = result.mesh;
@@ -281,7 +285,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (view.is_by_points) stages::keep_in_frame(missing, frame);
         stages::join_to_surface(missing, visible.seen[1], border_px, least, threads);
         if (is_rectified) {
-            stages::ramp_steps(missing.missing, is_shown, hidden_step_px);
+            stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
             stages::join_regions(missing, visible.seen[1], kLeastAlone, kBridge_px, stages::kOneSurface_px);
         }
         add(std::move(missing));
@@ -295,7 +299,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
                                 {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &behind_all},
                                 visible, threads);
         stages::join_to_surface(left, here, border_px, least, threads);
-        if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px);
+        if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px(view));
         if (is_rectified) stages::join_backing(behind_all, kLeastAlone, kBridge_px);
         add(std::move(left));
         add(std::move(behind_all));

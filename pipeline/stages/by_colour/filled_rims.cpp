@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kFilledRimShare = 60;                         // of the longer side: the width
 constexpr float kRimStepShare = 225, kLeastRimStep_px = 2;  // of the longer side: a step; at least
+constexpr float kSettled_px = 0.01F;                        // no change that is larger: smooth
 constexpr int kOverStep = 24;                               // steps of colour that the map's own step costs
 constexpr int kRimRadius_px = 1, kRimSummed = 9;            // squares of colours, and their pixels
 constexpr int kOpenRim = 8 * kRimSummed, kClosedRim = 12 * kRimSummed;  // their differences across a border
@@ -24,7 +25,11 @@ constexpr int kOpenRim = 8 * kRimSummed, kClosedRim = 12 * kRimSummed;  // their
 class FilledRims {
   public:
     FilledRims(DisparityMap& map, const Image& left, ThreadPool& pool)
-        : map_(map), left_(left), sums_(colour_sums(left, kRimRadius_px, pool)), state_(map.values.size()) {
+        : map_(map),
+          left_(left),
+          pool_(pool),
+          sums_(colour_sums(left, kRimRadius_px, pool)),
+          state_(map.values.size()) {
         const int longer = std::max(map.width, map.height);
         reach_px_ = std::max(2, longer / kFilledRimShare);
         step_px_ = std::max(kLeastRimStep_px, static_cast<float>(longer) / kRimStepShare);
@@ -38,7 +43,9 @@ class FilledRims {
             return state_[i] != State::of_near && map_.values[i] - d > step_px_;
         };
         grow_into(map_, joined_, is_source, [&](std::size_t i) { state_[i] = State::joined; });
-        for (int round = 0; round < reach_px_ * reach_px_ / 4; ++round) smooth();  // as far as rims are wide
+        means_.resize(joined_.size());
+        const int most = reach_px_ * reach_px_ / 4;  // rounds: as far as rims are wide
+        for (int round = 0; round < most && smooth() > kSettled_px;) ++round;
     }
 
   private:
@@ -139,28 +146,39 @@ class FilledRims {
     }
 
     // The surfaces that grew into a region from several sides meet in steps.
-    void smooth() {
-        std::vector<float> means;
-        for (const std::size_t i : joined_) {
-            float sum = map_.values[i];
-            int count = 1;
-            for_neighbours(i, [&](std::size_t j) {
-                if (state_[j] != State::joined && (is_nearer(i, j) || is_nearer(j, i))) return;
-                sum += map_.values[j];
-                ++count;
-            });
-            means.push_back(sum / static_cast<float>(count));
+    // Returns the largest change.
+    float smooth() {
+        pool_.parallel_for_chunks(joined_.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                const std::size_t i = joined_[k];
+                float sum = map_.values[i];
+                int count = 1;
+                for_neighbours(i, [&](std::size_t j) {
+                    if (state_[j] != State::joined && (is_nearer(i, j) || is_nearer(j, i))) return;
+                    sum += map_.values[j];
+                    ++count;
+                });
+                means_[k] = sum / static_cast<float>(count);
+            }
+        });
+        float largest = 0;
+        for (std::size_t k = 0; k < joined_.size(); ++k) {
+            float& d = map_.values[joined_[k]];
+            largest = std::max(largest, std::abs(means_[k] - d));
+            d = means_[k];
         }
-        for (std::size_t k = 0; k < joined_.size(); ++k) map_.values[joined_[k]] = means[k];
+        return largest;
     }
 
     DisparityMap& map_;
     const Image& left_;
+    ThreadPool& pool_;
     cv::Mat sums_;
     int reach_px_;
     float step_px_;
     std::vector<State> state_;
     std::vector<std::size_t> filled_, joined_;
+    std::vector<float> means_;
 };
 
 }  // namespace

@@ -27,9 +27,10 @@ DisparityMap dequantize(const DisparityMap& map, double quantum_px, int threads,
 // follows from the map, and from how well the pictures still fit. pair: the pictures that the map was
 // matched from, of at least 4 columns. Discontinuities (neighbours more than 1 px apart) stay, except
 // those shorter than an 80th of the longer side, or than an 8th if they are blurred (ramps of some px), and
-// those between pixels whose levels tell no disparity. Those shorter than a quarter that are less blurred
-// fall by 1 px per pixel from their nearer side on, over the farther one. Unknown pixels stay unknown, and no
-// disparity leaves the map's range. The result is the same for any number of threads (>= 1).
+// those between pixels whose levels tell no disparity. Those shorter than a quarter that are soft (a tenth
+// of what rises lies beside them) fall by 1 px per pixel from their nearer side on, over the farther one.
+// Unknown pixels stay unknown, and no disparity leaves the map's range. The result is the same for any number
+// of threads (>= 1).
 DisparityMap refine_by_pictures(const DisparityMap& map, const StereoPair& pair, int threads);
 
 }  // namespace hexrelief::stages

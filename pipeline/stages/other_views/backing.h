@@ -9,7 +9,7 @@ namespace hexrelief::stages {
 
 // Returns the left view, 320 px wide or high at most. Missing is what lies more than 1 px in front of the
 // farthest surface around it, within a tenth of the longer side of a silhouette, but for the view's border:
-// the view's map shows that surface, smoothed, and its picture the mean colour of what is far there. So what
+// the view's map shows that surface, smoothed, and its colour is the mean of what is far there. So what
 // nothing continues behind silhouettes is closed. Near the view's border it comes forward to the surface
 // there, so that cameras up to `baselines` beside the left one do not see it beyond. here: the surface as the
 // left view shows it. picture: the left one, of its size; empty = none. It is no farther than least_px.

@@ -29,6 +29,7 @@ void for_backing(const OtherView& backing, const Disparities& front, const ViewP
 // Returns a picture of half the size, whose pixels are means of 2x2.
 Image halved(const Image& picture) {
     Image half{picture.width / 2, picture.height / 2, picture.channels, {}};
+    half.pixels.reserve(picture.pixels.size() / 4);
     for (int y = 0; y < half.height; ++y)
         for (int x = 0; x < half.width; ++x)
             for (int c = 0; c < half.channels; ++c)

@@ -32,7 +32,7 @@ constexpr double kUnlike = 16, kUnlikeDeviations = 1.5;
 constexpr int kWithinEdge_px = 2;         // of a nearer surface: so far a match errs
 constexpr std::size_t kLeastHidden = 30;  // pixels that nobody would miss where nobody sees anything
 constexpr double kAnyStep_px = 1e9;
-constexpr int kSpread_px = 16;  // beside what is shown: triangles that reach as far have its colours
+constexpr int kSpread_px = 16;  // beside what is shown that has its colours: triangles reach hardly beyond 12
 
 // What the colours of a pixel are of. An outline is a narrow line unlike the surface that it seems to end.
 enum class Purity : std::uint8_t { clean, mixed, of_nearer, outline };
@@ -322,12 +322,12 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     if (beyond.backing) keep_behind_continued(*beyond.backing, view.missing);
     spread_colours(continued, view.missing, front, kSpread_px);
     Image& texture = view.picture.empty() ? view.color : view.picture;
-    const Continued behind =
+    Continued behind =
         beyond.backing ? backing_behind(continued, *beyond.backing, front, place) : Continued(0);
     Image painted = with_texture(texture, place, continued, front, pool);
     paint(painted, texture, place, continued, pool);
     texture = std::move(painted);
-    if (beyond.backing) paint_backing(*beyond.backing, texture, place, behind, front, pool);
+    if (beyond.backing) paint_backing(*beyond.backing, texture, place, std::move(behind), front, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, std::size_t least,

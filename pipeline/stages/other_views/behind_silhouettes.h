@@ -15,7 +15,8 @@ struct Beyond {
     double left = 0, right = 0, up = 0, down = 0;
     // Pixels beside a silhouette whose colours, from 4 on also disparities, may be mixed of both surfaces.
     int mixed_px = kMixed_px;
-    // The view's backing, or none: gets a picture, the view's with the backing's texture.
+    // The view's backing, or none: is moved behind what continues, and gets a picture, the view's at half its
+    // size with the backing's texture.
     OtherView* backing = nullptr;
 };
 

@@ -17,7 +17,7 @@ struct OtherView {
     DisparityMap missing = {};  // the same at the pixels that the surface leaves open or hides; all others
                                 // are unknown
     Image color = {};           // of the whole view; empty = none
-    Image picture = {};         // the same at another size; empty = `color` is it
+    Image picture = {};  // the same at another size, a backing's with its texture; empty = `color` is it
     std::vector<std::uint8_t> kept = {};  // 1 = the picture shows the pixel; empty = all
     bool is_backing = false;              // it is behind what continues, too
     const Image& texture() const { return picture.empty() ? color : picture; }
