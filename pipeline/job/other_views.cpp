@@ -41,7 +41,7 @@ constexpr std::size_t kLeastOfPairs = 240, kLeastAlone = 5000;
 constexpr int kBridge_px = 64;
 // Holes of the right view are filled at a third of its size, or at this length if that is less.
 constexpr int kFilled = 3, kFilled_px = 320;
-constexpr double kFarther = 63. / 64;     // share of the least disparity
+constexpr double kFarther = 127. / 128;   // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kLeastSpacing_px = 4;
 constexpr double kFittingSpacings = 4;  // of solve_mesh() in the shorter side
