@@ -269,7 +269,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
         others.views.push_back(std::move(other));
     };
-    if (right) {
+    const auto of_right = [&] {
         OtherView missing{right->place, right->map, {}, {}, {}, right->kept};
         if (missing.map.values.empty()) {
             missing.map = map_by_surface(*right, visible.seen[1], view, threads);
@@ -288,21 +288,30 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
             stages::join_regions(missing, visible.seen[1], kLeastAlone, kBridge_px, stages::kOneSurface_px);
         }
-        add(std::move(missing));
-    }
-    if (behind > 0) {
+        return missing;
+    };
+    const auto of_left = [&](OtherView& backing) {
         const stages::SeenSurface& here = visible.seen[0];
-        auto backing = start_work(
-            threads, [&] { return stages::backing_of(here, view.color, behind, visible.least_px); });
-        OtherView left = copy_of_left(view, threads), behind_all = backing.get();
+        auto finding_backing = start_work(
+            threads, [&] { return stages::backing_of(here, view.color, behind, visible.least_px, threads); });
+        OtherView left = copy_of_left(view, threads);
+        backing = finding_backing.get();
         stages::continue_behind(left, here,
-                                {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &behind_all},
-                                visible, threads);
+                                {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &backing}, visible,
+                                threads);
         stages::join_to_surface(left, here, border_px, least, threads);
         if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px(view));
-        if (is_rectified) stages::join_backing(behind_all, kLeastAlone, kBridge_px);
+        if (is_rectified) stages::join_backing(backing, kLeastAlone, kBridge_px);
+        return left;
+    };
+    // Both views' parts are found at once, from the surface alone; then each is kept behind those before it.
+    auto finding_right = start_work(threads, [&] { return right ? of_right() : OtherView{}; });
+    OtherView left, backing;
+    if (behind > 0) left = of_left(backing);
+    if (OtherView found = finding_right.get(); right) add(std::move(found));
+    if (behind > 0) {
         add(std::move(left));
-        add(std::move(behind_all));
+        add(std::move(backing));
     }
     if (others.views.empty()) return;
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);

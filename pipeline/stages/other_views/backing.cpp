@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/base/opencv_squares.h"
+#include "pipeline/base/thread_pool.h"
 #include "pipeline/stages/other_views/bridges.h"
 
 namespace hexrelief::stages {
@@ -37,17 +38,10 @@ Values farthest(Values values, const Grid& grid, int radius) {
     return values;
 }
 
-// Sums the values of each square, which are differences of sums from the line's beginning on.
+// Sums the values of each square.
 Values sums(Values values, const Grid& grid, int radius) {
-    const auto sum_line = [&](std::size_t first, std::size_t step, int count) {
-        Values before(1, 0);
-        for (int i = 0; i < count; ++i) before.push_back(before.back() + values[first + i * step]);
-        for (int i = 0; i < count; ++i)
-            values[first + i * step] =
-                before[std::min(count, i + radius + 1)] - before[std::max(0, i - radius)];
-    };
-    for (int y = 0; y < grid.height; ++y) sum_line(grid.at(0, y), 1, grid.width);
-    for (int x = 0; x < grid.width; ++x) sum_line(grid.at(x, 0), grid.at(0, 1), grid.height);
+    const cv::Mat map(grid.height, grid.width, CV_64F, values.data());
+    cv::boxFilter(map, map, -1, {2 * radius + 1, 2 * radius + 1}, {-1, -1}, false, cv::BORDER_CONSTANT);
     return values;
 }
 
@@ -59,15 +53,17 @@ struct Reduced {
     Values is_open;        // 1 for squares with a pixel that is not covered
 };
 
-Reduced reduced(const SeenSurface& here, int by) {
+Reduced reduced(const SeenSurface& here, int by, ThreadPool& pool) {
     const int width = here.place.width, height = here.place.height;
-    Reduced small{{width / by, height / by}, {}, {}, {}};
+    const Grid grid{width / by, height / by};
+    const Values none(static_cast<std::size_t>(grid.width) * grid.height);
+    Reduced small{grid, none, none, none};
     const auto at = [&](int x, int y) { return here.disparities[static_cast<std::size_t>(y) * width + x]; };
     const auto are_apart = [](double a, double b) {
         return a != kNotCovered && b != kNotCovered && std::abs(a - b) > kOneSurface_px;
     };
-    for (int row = 0; row < small.grid.height; ++row)
-        for (int column = 0; column < small.grid.width; ++column) {
+    pool.parallel_for_each(grid.height, [&](int row) {
+        for (int column = 0; column < grid.width; ++column) {
             double nearest = kNotCovered;
             bool is_silhouette = false, is_open = false;
             for (int y = row * by; y < row * by + by; ++y)
@@ -77,10 +73,12 @@ Reduced reduced(const SeenSurface& here, int by) {
                     is_silhouette |= (x + 1 < width && are_apart(at(x, y), at(x + 1, y))) ||
                                      (y + 1 < height && are_apart(at(x, y), at(x, y + 1)));
                 }
-            small.nearest.push_back(nearest);
-            small.is_silhouette.push_back(is_silhouette);
-            small.is_open.push_back(is_open);
+            const std::size_t i = grid.at(column, row);
+            small.nearest[i] = nearest;
+            small.is_silhouette[i] = is_silhouette;
+            small.is_open[i] = is_open;
         }
+    });
     return small;
 }
 
@@ -107,11 +105,13 @@ void meet_ends(Values& surface, const Values& ends, const Grid& grid, int reach,
 
 }  // namespace
 
-OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines, double least_px) {
+OtherView backing_of(const SeenSurface& here, const Image& picture, double baselines, double least_px,
+                     int threads) {
+    ThreadPool pool(threads);
     const int longer = std::max(here.place.width, here.place.height);
     const int by = std::min({(longer + kSide_px - 1) / kSide_px, here.place.width, here.place.height}),
               radius = longer / by / kReachShare;
-    const Reduced small = reduced(here, by);
+    const Reduced small = reduced(here, by, pool);
     const Grid& grid = small.grid;
     const std::size_t count = small.nearest.size();
     OtherView view;
@@ -169,7 +169,7 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
     view.color = {grid.width, grid.height, channels, std::vector<std::uint8_t>(count * channels)};
     for (int c = 0; c < channels; ++c) {
         Values levels(count), far_levels(count);
-        for (int y = 0; y < grid.height; ++y)
+        pool.parallel_for_each(grid.height, [&](int y) {
             for (int x = 0; x < grid.width; ++x) {
                 double sum = 0;
                 for (int v = y * by; v < y * by + by; ++v)
@@ -177,6 +177,7 @@ OtherView backing_of(const SeenSurface& here, const Image& picture, double basel
                 levels[grid.at(x, y)] = sum / (by * by);
                 far_levels[grid.at(x, y)] = is_far[grid.at(x, y)] * levels[grid.at(x, y)];
             }
+        });
         const Values total = around(far_levels);
         for (std::size_t i = 0; i < count; ++i)
             view.color.pixels[i * channels + c] = static_cast<std::uint8_t>(

@@ -7,7 +7,7 @@ namespace {
 
 using Light = TextureLevel::Light;
 
-constexpr int kSweeps = 12;
+constexpr int kSweeps = 20;
 constexpr int kMostSeam = 60;  // levels of three channels: what differs by more is another thing
 
 // What a target's correction is compared with: another target's, or none where `other` is what is seen.
@@ -62,28 +62,35 @@ void add_link(const TextureLevel& level, int x, int y, int u, int v, Unknown& un
     unknown.links[unknown.count++] = link;
 }
 
-std::vector<Unknown> unknowns_of(const TextureLevel& level) {
-    std::vector<Unknown> unknowns;
-    for (const std::uint32_t target : level.targets) {
-        if (level.offsets[target].is_none()) continue;
-        const int x = static_cast<int>(target) % level.width, y = static_cast<int>(target) / level.width;
-        Unknown unknown{target, 0, {}};
+// The unknowns of every second cell along rows and columns, and those between them: each depends on the
+// other part's alone.
+using Unknowns = std::array<std::vector<Unknown>, 2>;
+
+Unknowns unknowns_of(const TextureLevel& level, ThreadPool& pool) {
+    std::vector<Unknown> all(level.targets.size());
+    pool.parallel_for_each(all.size(), [&](std::size_t i) {
+        const int target = static_cast<int>(level.targets[i]), x = target % level.width,
+                  y = target / level.width;
+        all[i].target = level.targets[i];
+        if (level.offsets[target].is_none()) return;
         for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
-            if (level.has(x + dx, y + dy)) add_link(level, x, y, x + dx, y + dy, unknown);
-        if (unknown.count > 0) unknowns.push_back(unknown);
-    }
-    return unknowns;
+            if (level.has(x + dx, y + dy)) add_link(level, x, y, x + dx, y + dy, all[i]);
+    });
+    Unknowns parts;
+    for (const Unknown& unknown : all)
+        if (unknown.count > 0)
+            parts[(unknown.target % level.width + unknown.target / level.width) % 2].push_back(unknown);
+    return parts;
 }
 
 }  // namespace
 
-void match_light(TextureLevel& level, const TextureLevel* coarser) {
+void match_light(TextureLevel& level, const TextureLevel* coarser, ThreadPool& pool) {
     level.light.assign(level.offsets.size(), Light{});
     for (const std::uint32_t target : level.targets)
         if (coarser != nullptr)
             level.light[target] = coarser->light[coarser->at(static_cast<int>(target) % level.width / 2,
                                                              static_cast<int>(target) / level.width / 2)];
-    const std::vector<Unknown> unknowns = unknowns_of(level);
     const auto settle = [&](const Unknown& unknown) {
         Light sum = {};
         for (int k = 0; k < unknown.count; ++k) {
@@ -93,10 +100,15 @@ void match_light(TextureLevel& level, const TextureLevel* coarser) {
         }
         for (int c = 0; c < 3; ++c) level.light[unknown.target][c] = sum[c] / float(unknown.count);
     };
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        for (auto at = unknowns.begin(); at != unknowns.end(); ++at) settle(*at);
-        for (auto at = unknowns.rbegin(); at != unknowns.rend(); ++at) settle(*at);
-    }
+    const Unknowns parts = unknowns_of(level, pool);
+    pool.run([&](int thread) {
+        for (int sweep = 0; sweep < kSweeps; ++sweep)
+            for (const std::vector<Unknown>& part : parts) {
+                const std::size_t end = pool.share(part.size(), thread + 1);
+                for (std::size_t i = pool.share(part.size(), thread); i < end; ++i) settle(part[i]);
+                pool.barrier();
+            }
+    });
 }
 
 }  // namespace hexrelief::stages

@@ -21,6 +21,7 @@ constexpr int kFinest = 320, kCoarsest = 128, kLeastCell_px = 3;
 constexpr double kLeastTexels = 1.5;  // along a cell
 constexpr int kRadius = 2;            // of the squares that are compared, cells
 constexpr int kReach = 14;            // of the search at the coarsest level, cells
+constexpr int kClose = 4;             // of which so many are searched one by one
 constexpr int kAround = 8;            // the same at the others, around the sources so far
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
 // neighbours that has another offset; of the distance to the source, for each cell; of a source whose depth
@@ -85,19 +86,27 @@ class Search {
     // Looks everywhere up to `reach` cells away, the nearest first: what is farther soon costs more.
     // soft_seen, soft_guide: as the level's, softened.
     void consider_all(int reach, const std::vector<Colour>& soft_seen, const Colour& soft_guide) {
-        const auto look = [&](int dx, int dy, int extra) {
+        const auto look = [&](int dx, int dy, int apart) {
             if (!level_.has(x_ + dx, y_ + dy)) return;
+            int extra = kApart * apart;
             if (soft_guide[3])
                 extra += difference(soft_guide, soft_seen[level_.at(x_ + dx, y_ + dy)]) / kGuideShare;
             consider({static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)}, extra);
         };
-        for (int apart = 1; apart <= reach && kApart * apart * count_ < cost_; ++apart)
-            for (int along = -apart; along < apart; ++along) {
-                look(along, -apart, kApart * apart);
-                look(apart, along, kApart * apart);
-                look(-along, apart, kApart * apart);
-                look(-apart, -along, kApart * apart);
+        // Every second offset at a distance, and then those around the best.
+        for (int apart = 1; apart <= reach && kApart * apart * count_ < cost_;
+             apart += apart < kClose ? 1 : 2)
+            for (int along = -apart; along < apart; along += apart < kClose ? 1 : 2) {
+                look(along, -apart, apart);
+                look(apart, along, apart);
+                look(-along, apart, apart);
+                look(-apart, -along, apart);
             }
+        const Offset from = best_;
+        if (from.is_none()) return;
+        for (int dy = from.y - 1; dy <= from.y + 1; ++dy)
+            for (int dx = from.x - 1; dx <= from.x + 1; ++dx)
+                look(dx, dy, std::max(std::abs(dx), std::abs(dy)));
     }
     void consider_neighbours(int step) {
         for_neighbours(step, [&](Offset offset) { consider(offset); });
@@ -135,9 +144,10 @@ auto found_for(const std::vector<std::uint32_t>& targets, ThreadPool& pool, cons
 }
 
 // Returns the means of colours over squares, of cells with the last value 1.
-std::vector<Colour> softened(const TextureLevel& level, const std::vector<Colour>& colours) {
+std::vector<Colour> softened(const TextureLevel& level, const std::vector<Colour>& colours,
+                             ThreadPool& pool) {
     std::vector<Colour> result(colours.size());
-    for (int y = 0; y < level.height; ++y)
+    pool.parallel_for_each(level.height, [&](int y) {
         for (int x = 0; x < level.width; ++x) {
             std::array<int, 4> sums = {};
             for_square(level, x, y, kRadius, [&](int u, int v) {
@@ -147,6 +157,7 @@ std::vector<Colour> softened(const TextureLevel& level, const std::vector<Colour
             for (int c = 0; c < 4 && sums[3] > 0; ++c)
                 result[level.at(x, y)][c] = static_cast<std::uint8_t>((sums[c] + sums[3] / 2) / sums[3]);
         }
+    });
     return result;
 }
 
@@ -158,7 +169,8 @@ void make_lenient(TextureLevel& level, std::uint32_t target) {
 
 // Fills a level from its sources inwards. Targets that find no source become lenient and look again.
 void fill(TextureLevel& level, ThreadPool& pool) {
-    const std::vector<Colour> seen = softened(level, level.seen), guides = softened(level, level.guides);
+    const std::vector<Colour> seen = softened(level, level.seen, pool),
+                              guides = softened(level, level.guides, pool);
     std::vector<std::uint32_t> open = level.targets, without_source;
     for (bool is_second = false;;) {
         const auto found = found_for(open, pool, [&](std::uint32_t target) {
@@ -269,8 +281,8 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
             take_offsets(level, levels[k + 1]);
             vote(level, pool);
         }
-        for (const int round : {0, 1}) improve(level, round, k == 0 ? 1 : kAround, pool);
-        match_light(level, k + 1 == levels.size() ? nullptr : &levels[k + 1]);
+        for (int round = 0; round < (k == 0 ? 1 : 2); ++round) improve(level, round, k == 0 ? 1 : kAround, pool);
+        match_light(level, k + 1 == levels.size() ? nullptr : &levels[k + 1], pool);
     }
     return std::move(levels.front());
 }

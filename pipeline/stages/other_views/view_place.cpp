@@ -79,16 +79,17 @@ InFront in_front(const DisparityMesh& mesh, const Triangle& t, const ViewPlace& 
         const double longest = std::max({std::abs(b.x - a.x), std::abs(b.y - a.y), std::abs(c.x - a.x),
                                          std::abs(c.y - a.y), std::abs(c.x - b.x), std::abs(c.y - b.y)});
         const int steps = 1 + static_cast<int>(kSamples_per_px * longest);
+        const double share = 1.0 / steps;
         const int width = seen.place.width, height = seen.place.height;
+        const ViewPoint to_a{share * (a.x - c.x), share * (a.y - c.y), share * (a.d - c.d)},
+            to_b{share * (b.x - c.x), share * (b.y - c.y), share * (b.d - c.d)};
         for (int i = 0; i <= steps; ++i)
             for (int j = 0; i + j <= steps; ++j) {
-                const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
-                             w = 1 - u - v;
-                const double x = u * a.x + v * b.x + w * c.x, y = u * a.y + v * b.y + w * c.y;
+                const double x = c.x + i * to_a.x + j * to_b.x, y = c.y + i * to_a.y + j * to_b.y;
                 if (!(x >= 0 && x < width && y >= 0 && y < height)) continue;
                 const double limit =
                     seen.disparities[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)];
-                const double over = u * a.d + v * b.d + w * c.d - limit;
+                const double over = c.d + i * to_a.d + j * to_b.d - limit;
                 if (over <= 0 || limit == kNotCovered) continue;
                 const double d = seen.place.scale * over;
                 result.most_px = std::max(result.most_px, d);

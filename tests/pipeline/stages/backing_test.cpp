@@ -25,7 +25,7 @@ TEST(Backing, BehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) {
     for (int y = 0; y < kHeight; ++y)
         for (int x = kBoxBegin; x < kBoxEnd; ++x) *picture.at(x, y) = 200;
     for (const double least_px : {1.0, kWall - 0.25}) {
-        const OtherView view = backing_of(box_before_wall(kBoxBegin, kBoxEnd), picture, 1, least_px);
+        const OtherView view = backing_of(box_before_wall(kBoxBegin, kBoxEnd), picture, 1, least_px, 1);
         ASSERT_EQ(view.place.scale, 1);
         for (int x = 0; x < kWidth; ++x) {
             const bool is_missing = x >= kBoxBegin - 2 && x < kBoxEnd + 2;
@@ -37,7 +37,7 @@ TEST(Backing, BehindTheBoxIsALittleFartherThanTheWallAndHasItsColour) {
 }
 
 TEST(Backing, MeetsTheSurfaceAtTheBorderOfTheView) {
-    const OtherView view = backing_of(box_before_wall(kWidth - 20, kWidth), {}, 1, 1);
+    const OtherView view = backing_of(box_before_wall(kWidth - 20, kWidth), {}, 1, 1, 1);
     EXPECT_EQ(view.map.at(20, 20), kWall - 1);
     EXPECT_GT(view.map.at(kWidth - 1, 20), (kWall + kBox) / 2);
     for (int x = 60; x + 1 < kWidth; ++x) EXPECT_LE(view.map.at(x, 20), view.map.at(x + 1, 20)) << x;
@@ -45,7 +45,7 @@ TEST(Backing, MeetsTheSurfaceAtTheBorderOfTheView) {
 
 TEST(Backing, OfALargeViewHas320PxAtMost) {
     const SeenSurface here{{0, 0, 0, 1, 1000, 400}, Disparities(400000, 7.0)};
-    const OtherView view = backing_of(here, {}, 1, 1);
+    const OtherView view = backing_of(here, {}, 1, 1, 1);
     EXPECT_EQ(view.place.scale, 4);
     EXPECT_EQ(view.place.width, 250);
     for (const float d : view.missing.values) EXPECT_FALSE(DisparityMap::known(d));

@@ -175,7 +175,7 @@ TEST(TextureSynthesis, ABackingHasItsOwnTextureBehindAnotherSurfaceThatContinues
     const SeenSurface here{scene.place, scene.front};
     OtherView view{scene.place, {}, {}, scene.picture};
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
-    OtherView backing = backing_of(here, scene.picture, 1, 1);
+    OtherView backing = backing_of(here, scene.picture, 1, 1, 1);
     continue_behind(view, here, {1, 1, 0, 0, Beyond::kMixedOfPhotographs_px, &backing}, {{here}, kWall - 10},
                     2);
     const int x = kOther - 4;
@@ -190,7 +190,7 @@ TEST(TextureSynthesis, ABackingGoesOnBehindWhatContinues) {
     const SeenSurface here{scene.place, scene.front};
     OtherView view{scene.place, {}, {}, scene.picture};
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
-    OtherView backing = backing_of(here, scene.picture, 1, 1);
+    OtherView backing = backing_of(here, scene.picture, 1, 1, 1);
     const VisibleSurface visible{{here}, kWall - 10};
     continue_behind(view, here, {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px, .backing = &backing},
                     visible, 2);
@@ -211,7 +211,7 @@ TEST(TextureSynthesis, ABackingIsBehindWhatContinuesAndNoFartherThanAnything) {
     OtherView view{scene.place, {}, {}, scene.picture};
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
     constexpr double kLeast = kWall - 0.25;
-    OtherView backing = backing_of(here, scene.picture, 1, kLeast);
+    OtherView backing = backing_of(here, scene.picture, 1, kLeast, 1);
     for (const float d : backing.missing.values)
         if (DisparityMap::known(d)) EXPECT_GE(d, kLeast);
     continue_behind(view, here, {.left = 1, .backing = &backing}, {{here}, kLeast}, 2);
