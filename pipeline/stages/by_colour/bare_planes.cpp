@@ -29,9 +29,11 @@ constexpr std::size_t kLeastSamples = 24;
 constexpr int kCellsAcross = 12, kCellSamples = 6;  // a cell's side is at least kLeastCell_px
 constexpr double kLeastCell_px = 4;
 // What a plane needs: the share of the matches; three times that of what another plane holds of the others;
-// the share of the patch's bounding box that they span; and at most this share of the pixels more where the
-// colours fit worse by kWorse levels than where they fit better.
-constexpr double kHeldShare = 0.6, kOfSecond = 3, kSpannedShare = 0.75, kWorseShare = 0.004;
+// the share of the patch's bounding box that they span, or a larger one of the box of what both cameras see,
+// if that is not too little of the patch; and at most this share of the pixels more where the colours fit
+// worse by kWorse levels than where they fit better.
+constexpr double kHeldShare = 0.5, kOfSecond = 3, kSpannedShare = 0.75, kSpannedOfSeen = 0.9,
+                 kSeenShare = 0.5, kWorseShare = 0.004;
 constexpr float kWorse = 4, kHidden_px = 1.5f;
 constexpr std::size_t kColorSamples = 4000;
 
@@ -173,7 +175,9 @@ class PlaneFinder {
         Box spanned;
         for (const PlaneSample& s : samples)
             if (std::abs(fit->plane.at(s.x, s.y) - s.disparity) < kOnPlane_px) spanned.add(s.x, s.y);
-        if (spanned.area() < kSpannedShare * box.area()) return {};
+        if (spanned.area() >= kSpannedShare * box.area()) return fit->plane;
+        const double seen = seen_box(patch, fit->plane).area();
+        if (seen < kSeenShare * box.area() || spanned.area() < kSpannedOfSeen * seen) return {};
         return fit->plane;
     }
 
@@ -182,6 +186,15 @@ class PlaneFinder {
     bool is_matched(int y, int x) const {
         return map_.origins[pixel(y, x)] == PixelOrigin::matched &&
                DisparityMap::known(map_.values[pixel(y, x)]);
+    }
+
+    // Returns the box of what can have matches: not what lies beyond the right picture's left edge.
+    static Box seen_box(const Patch& patch, const DisparityPlane& plane) {
+        Box box;
+        for (const Run& run : patch.runs)
+            for (int x = run.first; x < run.end; ++x)
+                if (plane.at(x, run.y) <= x) box.add(static_cast<float>(x), static_cast<float>(run.y));
+        return box;
     }
 
     // Returns up to kCellSamples matches of each cell of a grid over the patch; each cell with matches has

@@ -73,9 +73,10 @@ TEST(BarePlanes, AWallThatMatchedAtItsRimFollowsItsPlane) {
               result.values);
 }
 
-TEST(BarePlanes, WrongMatchesOfAFifthOfTheRimDoNotMatter) {
+TEST(BarePlanes, WrongMatchesOfTwoFifthsOfTheRimDoNotMatter) {
     const auto wrong = [](int x, int y) {
-        return x >= kRight - 6 && y > 45 ? 35.0f + 0.5f * static_cast<float>(y % 9) : slanted(x, y);
+        const bool is_wrong = x >= kRight - 6 || (y < kTop + 6 && x > 95);
+        return is_wrong ? 35.0f + 3 * static_cast<float>((x + 5 * y) % 7) : slanted(x, y);
     };
     const BareScene scene(wrong, is_at_rim);
     const DisparityMap result = with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2);
@@ -119,6 +120,20 @@ TEST(BarePlanes, APlaneThatTheRightPictureContradictsIsRefused) {
             if (is_at_rim(x, y)) scene.map.at(x, y) = 20;
     EXPECT_EQ(with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2).values,
               scene.map.values);
+}
+
+TEST(BarePlanes, APlaneGoesOnBeyondTheRightPicturesEdgeIfHalfOfThePatchIsSeen) {
+    for (const float nearest_px : {90.0f, 118.0f}) {
+        const auto surface = [&](int x, int y) { return slanted(x, y) - 20 + nearest_px; };
+        const BareScene scene(
+            surface, [&](int x, int y) { return is_at_rim(x, y) && surface(x, y) < static_cast<float>(x); });
+        const DisparityMap result =
+            with_planes_on_bare_patches(scene.map, scene.pair, Pictures::photographs, 2);
+        if (nearest_px < 100)
+            EXPECT_NEAR(result.at(65, 75), surface(65, 75), 1);
+        else
+            EXPECT_EQ(result.values, scene.map.values);
+    }
 }
 
 TEST(BarePlanes, MapsWithoutOriginsAndUnknownPixelsStay) {
