@@ -18,6 +18,7 @@
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/bridges.h"
 #include "pipeline/stages/other_views/other_view.h"
+#include "pipeline/stages/other_views/pieces.h"
 #include "pipeline/stages/other_views/small_regions.h"
 
 namespace hexrelief::job {
@@ -41,6 +42,10 @@ constexpr std::size_t kLeastOfPairs = 240, kLeastAlone = 5000;
 constexpr int kBridge_px = 64;
 // Holes of the right view are filled at a third of its size, or at this length if that is less.
 constexpr int kFilled = 3, kFilled_px = 320;
+// Pieces of fewer triangles stand alone only if no strip of this length that nobody sees leads to others.
+constexpr std::size_t kLeastPiece = 30;
+constexpr double kStrip_px = 64;
+constexpr std::size_t kFirstSheet = 2;    // part: the left view and its strips are before
 constexpr double kFarther = 127. / 128;   // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kLeastSpacing_px = 4;
@@ -141,6 +146,13 @@ OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::Found
     return right;
 }
 
+void move_into_atlas(SurfaceMesh& mesh, const stages::TextureAtlas& atlas) {
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
+        atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices),
+                      i < kFirstSheet ? 0 : i - kFirstSheet + 1);
+}
+
 // Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
 // used: of each of these, as PictureInUse.
 void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart> used, Image left,
@@ -150,15 +162,30 @@ void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart
     for (std::size_t i = 0; i < used.size(); ++i)
         pictures.push_back({others.views[i].texture(), std::move(used[i])});
     others.atlas = stages::make_atlas(std::move(left), pictures, threads);
-    std::size_t first = 0;
-    for (std::size_t i = 0; i < mesh.parts.size(); first += mesh.parts[i++].vertices)
-        others.atlas.move_in(std::span(mesh.texcoords).subspan(first, mesh.parts[i].vertices), i);
+    move_into_atlas(mesh, others.atlas);
 }
 
 // Returns the left view's frame for what ends there; empty where nothing does.
 stages::Frame frame_for(const LeftView& view, const stages::VisibleSurface& visible,
                         const config::Config& config) {
     return view.is_by_points ? stages::frame_of(visible.seen[0], config.surface.behind) : stages::Frame{};
+}
+
+// Joins the pieces of the left view's surface and those of the sheets, and appends these. The strips between
+// the left view's pieces are a part of their own: neither measures nor solids of that view have them.
+void join_and_append(SurfaceMesh& mesh, std::vector<SurfaceMesh>& sheets, const std::vector<OtherView>& views,
+                     const stages::VisibleSurface& visible, const LeftView& view) {
+    const auto join = [&](SurfaceMesh& surface) {
+        stages::join_pieces(surface, visible, view.calibration, kLeastPiece, kStrip_px);
+    };
+    const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+    join(mesh);
+    mesh.parts = {{PartOrigin::left, vertices, triangles},
+                  {PartOrigin::nobody, mesh.positions.size() - vertices, mesh.triangles.size() - triangles}};
+    for (std::size_t i = 0; i < sheets.size(); ++i) {
+        join(sheets[i]);
+        stages::append(mesh, sheets[i], views[i].place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
+    }
 }
 
 }  // namespace
@@ -252,6 +279,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     std::vector<stages::UsedPart> used;
+    std::vector<SurfaceMesh> sheets;
     const bool has_levels = config.exporting.lod > 1;
     // Pictures are large, and copied meanwhile: both views' get more colours than they have.
     auto copying_right = start_work(
@@ -261,12 +289,10 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const stages::Frame frame = frame_for(view, visible, config);
     const auto add = [&](OtherView other) {
         if (other.is_backing) visible.least_px *= kFarther;
-        const SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
+        SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
         if (sheet.empty()) return;
-        stages::append(mesh, sheet, other.place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
-        if (!view.texture.empty())
-            used.push_back(stages::used_part(other.texture(), sheet, has_levels, threads));
         if (other.place.right > 0) stages::cover(visible, sheet, threads);
+        sheets.push_back(std::move(sheet));
         others.views.push_back(std::move(other));
     };
     const auto of_right = [&] {
@@ -314,6 +340,9 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(backing));
     }
     if (others.views.empty()) return;
+    join_and_append(mesh, sheets, others.views, visible, view);
+    for (std::size_t i = 0; i < sheets.size() && !view.texture.empty(); ++i)
+        used.push_back(stages::used_part(others.views[i].texture(), sheets[i], has_levels, threads));
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
     add_texture(others, std::move(used), copying_left.get(), mesh, threads);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
@@ -326,17 +355,17 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
                      const config::Config& config, Backend& backend, const RunLog& log) {
     if (!finest.others) return;
     const int threads = backend.threads();
-    if (!view.texture.empty()) finest.others->atlas.move_in(mesh.texcoords, 0);
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const stages::Frame frame = frame_for(view, visible, config);
+    std::vector<SurfaceMesh> sheets;
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
         if (other.is_backing) visible.least_px *= kFarther;
-        SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
-        if (!view.texture.empty()) finest.others->atlas.move_in(sheet.texcoords, i + 1);
-        stages::append(mesh, sheet, finest.mesh.parts[i + 1].origin);
-        if (other.place.right > 0) stages::cover(visible, sheet, threads);
+        sheets.push_back(sheet_of(other, view, visible, frame, config, backend, log));
+        if (other.place.right > 0) stages::cover(visible, sheets.back(), threads);
     }
+    join_and_append(mesh, sheets, finest.others->views, visible, view);
+    if (!view.texture.empty()) move_into_atlas(mesh, finest.others->atlas);
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
 }
 

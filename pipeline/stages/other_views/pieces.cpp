@@ -1,0 +1,172 @@
+#include "pipeline/stages/other_views/pieces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "pipeline/data/union_find.h"
+#include "pipeline/stages/surface.h"
+
+namespace hexrelief::stages {
+namespace {
+
+constexpr double kEnd_px = 2;              // from an end of a strip it is behind the surface
+constexpr double kHardlyInFront_px = 0.1;  // at the ends it is level with the surface
+constexpr double kMostStep_px = 3;         // of a strip: longer ones are seen from the side
+constexpr double kLeastTurn_px2 = 0.1;     // of a strip's triangles: they face the camera
+
+// The corners of a strip by rows, from the first side to the other.
+using Strip = std::array<std::array<ViewPoint, 2>, 4>;
+
+// A side of the mesh's border, in the order of its triangle.
+struct BorderSide {
+    std::uint32_t a, b;
+    double x, y;  // of its middle
+};
+
+// The sides of the border, from top to bottom.
+std::vector<BorderSide> border_of(const SurfaceMesh& mesh) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(t[k], t[(k + 1) % 3]);
+    std::sort(sides.begin(), sides.end());
+    std::vector<BorderSide> border;
+    for (const auto& [a, b] : sides) {
+        if (std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) continue;
+        const Vec2f &p = mesh.image_points[a], &q = mesh.image_points[b];
+        border.push_back({a, b, (double(p.x) + q.x) / 2, (double(p.y) + q.y) / 2});
+    }
+    std::sort(border.begin(), border.end(), [](const BorderSide& one, const BorderSide& other) {
+        return std::tie(one.y, one.x, one.a, one.b) < std::tie(other.y, other.x, other.a, other.b);
+    });
+    return border;
+}
+
+// True if the surface covers a triangle of the left view in all views that show it, and the triangle faces
+// the camera.
+bool is_covered(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c, const VisibleSurface& surface,
+                double most_in_front_px) {
+    if ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y) > -kLeastTurn_px2) return false;
+    const double longest = std::max({std::hypot(b.x - a.x, b.y - a.y), std::hypot(c.x - a.x, c.y - a.y),
+                                     std::hypot(c.x - b.x, c.y - b.y)});
+    const int steps = 1 + static_cast<int>(longest);
+    for (const SeenSurface& seen : surface.seen)
+        for (int i = 0; i <= steps; ++i)
+            for (int j = 0; i + j <= steps; ++j) {
+                const double u = static_cast<double>(i) / steps, v = static_cast<double>(j) / steps,
+                             w = 1 - u - v;
+                const ViewPoint p = seen.place.from_left(
+                    {u * a.x + v * b.x + w * c.x, u * a.y + v * b.y + w * c.y, u * a.d + v * b.d + w * c.d});
+                if (!(p.x >= 0 && p.x < seen.place.width && p.y >= 0 && p.y < seen.place.height)) continue;
+                const double front = seen.disparities[static_cast<std::size_t>(p.y) * seen.place.width +
+                                                      static_cast<std::size_t>(p.x)];
+                if (front == kNotCovered || (p.d - front) * seen.place.scale > most_in_front_px) return false;
+            }
+    return true;
+}
+
+// Returns the strip between two sides, if there is one that no camera sees.
+std::optional<Strip> strip_between(const SurfaceMesh& mesh, const BorderSide& from, const BorderSide& to,
+                                   const VisibleSurface& surface) {
+    const ViewPlace& left = surface.seen[0].place;
+    const auto point = [&](std::uint32_t v) {
+        return ViewPoint{mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]};
+    };
+    Strip strip;
+    strip.front() = {point(from.a), point(from.b)};
+    strip.back() = {point(to.b), point(to.a)};
+    for (std::size_t rail = 0; rail < 2; ++rail) {
+        const ViewPoint p = strip.front()[rail], q = strip.back()[rail];
+        const double length = std::hypot(q.x - p.x, q.y - p.y), end = std::min(1. / 3, kEnd_px / length);
+        for (const std::size_t row : {1, 2}) {
+            const double s = row == 1 ? end : 1 - end;
+            ViewPoint& at = strip[row][rail];
+            at = {p.x + s * (q.x - p.x), p.y + s * (q.y - p.y), p.d + s * (q.d - p.d)};
+            at.d = behind(at, left, surface);
+            if (!DisparityMap::known(static_cast<float>(at.d))) return std::nullopt;
+        }
+    }
+    double least = strip[0][0].d, largest = least;
+    for (const auto& row : strip)
+        for (const ViewPoint& p : row) {
+            least = std::min(least, p.d);
+            largest = std::max(largest, p.d);
+        }
+    if (largest - least > kMostStep_px) return std::nullopt;
+    for (std::size_t row = 0; row < 3; ++row) {
+        const auto& [p, q] = strip[row];
+        const auto& [r, s] = strip[row + 1];
+        const double most_in_front_px = row == 1 ? 0 : kHardlyInFront_px;
+        if (!is_covered(q, p, r, surface, most_in_front_px) ||
+            !is_covered(q, r, s, surface, most_in_front_px))
+            return std::nullopt;
+    }
+    return strip;
+}
+
+void add_strip(SurfaceMesh& mesh, const Strip& strip, const BorderSide& from, const BorderSide& to,
+               const Calibration& camera) {
+    std::array<std::uint32_t, 2> before = {from.a, from.b};
+    for (std::size_t row = 1; row < strip.size(); ++row) {
+        std::array<std::uint32_t, 2> here = {to.b, to.a};
+        for (std::size_t rail = 0; rail < 2 && row < 3; ++rail) {
+            const ViewPoint& p = strip[row][rail];
+            const std::uint32_t end = rail == 0 ? from.a : from.b;
+            here[rail] = static_cast<std::uint32_t>(mesh.positions.size());
+            const auto [x, y, z] = position_in_space(p.x, p.y, p.d, camera);
+            mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+            mesh.normals.push_back(Vec3f(mesh.normals[end]));
+            mesh.texcoords.push_back(Vec2f(mesh.texcoords[end]));
+            mesh.image_points.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+            mesh.disparities.push_back(static_cast<float>(p.d));
+        }
+        mesh.triangles.push_back({before[1], before[0], here[0]});
+        mesh.triangles.push_back({before[1], here[0], here[1]});
+        before = here;
+    }
+}
+
+}  // namespace
+
+void join_pieces(SurfaceMesh& mesh, const VisibleSurface& visible, const Calibration& camera,
+                 std::size_t least, double reach_px) {
+    UnionFind pieces(mesh.positions.size());
+    for (const Triangle& t : mesh.triangles) {
+        pieces.join(t[0], t[1]);
+        pieces.join(t[0], t[2]);
+    }
+    std::vector<std::size_t> sizes(mesh.positions.size());
+    for (const Triangle& t : mesh.triangles) ++sizes[pieces.find(t[0])];
+    const std::vector<BorderSide> border = border_of(mesh);
+    std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;  // distances, and two sides
+    for (std::uint32_t i = 0; i < border.size(); ++i) {
+        const BorderSide& from = border[i];
+        const std::uint32_t own = pieces.find(from.a);
+        if (sizes[own] >= least) continue;
+        const auto first = std::partition_point(
+            border.begin(), border.end(), [&](const BorderSide& side) { return side.y < from.y - reach_px; });
+        for (auto to = first; to != border.end() && to->y <= from.y + reach_px; ++to)
+            if (const double distance = std::hypot(to->x - from.x, to->y - from.y);
+                distance <= reach_px && pieces.find(to->a) != own)
+                pairs.emplace_back(distance, i, static_cast<std::uint32_t>(to - border.begin()));
+    }
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<char> is_used(border.size());
+    for (const auto& [distance, i, k] : pairs) {
+        const std::uint32_t from = pieces.find(border[i].a), to = pieces.find(border[k].a);
+        if (from == to || std::min(sizes[from], sizes[to]) >= least || is_used[i] || is_used[k]) continue;
+        const std::optional<Strip> strip = strip_between(mesh, border[i], border[k], visible);
+        if (!strip) continue;
+        add_strip(mesh, *strip, border[i], border[k], camera);
+        is_used[i] = is_used[k] = 1;
+        pieces.join(from, to);
+        sizes[std::min(from, to)] = sizes[from] + sizes[to] + 2 * (strip->size() - 1);
+    }
+}
+
+}  // namespace hexrelief::stages
