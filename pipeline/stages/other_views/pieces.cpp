@@ -49,8 +49,8 @@ std::vector<BorderSide> border_of(const SurfaceMesh& mesh) {
 
 // True if the surface covers a triangle of the left view in all views that show it, and the triangle faces
 // the camera.
-bool is_covered(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c, const VisibleSurface& surface,
-                double most_in_front_px) {
+bool is_unseen(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c, const VisibleSurface& surface,
+               double most_in_front_px) {
     if ((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y) > -kLeastTurn_px2) return false;
     const double longest = std::max({std::hypot(b.x - a.x, b.y - a.y), std::hypot(c.x - a.x, c.y - a.y),
                                      std::hypot(c.x - b.x, c.y - b.y)});
@@ -102,8 +102,7 @@ std::optional<Strip> strip_between(const SurfaceMesh& mesh, const BorderSide& fr
         const auto& [p, q] = strip[row];
         const auto& [r, s] = strip[row + 1];
         const double most_in_front_px = row == 1 ? 0 : kHardlyInFront_px;
-        if (!is_covered(q, p, r, surface, most_in_front_px) ||
-            !is_covered(q, r, s, surface, most_in_front_px))
+        if (!is_unseen(q, p, r, surface, most_in_front_px) || !is_unseen(q, r, s, surface, most_in_front_px))
             return std::nullopt;
     }
     return strip;
