@@ -15,17 +15,19 @@ namespace {
 using Index = std::uint32_t;
 
 constexpr double kFarthestShare = 0.001;  // of the vertices, which noise may have put anywhere
+constexpr double kFootShare = 0.01;       // of a shell's vertices: what it stands on while it is printed
 constexpr double kMostOfDepth = 0.5;      // that the base may be thick
 
 double depth_of(const Vec3f& p) {
     return -static_cast<double>(p.z);
 }
 
-double farthest(const std::vector<Vec3f>& positions) {
+// Returns the depth that the farthest vertices of the body get.
+double farthest(const std::vector<Vec3f>& positions, SolidKind kind) {
     std::vector<double> depths;
     for (const Vec3f& p : positions) depths.push_back(depth_of(p));
-    const auto at =
-        static_cast<std::ptrdiff_t>((1 - kFarthestShare) * static_cast<double>(depths.size() - 1));
+    const double share = kind == SolidKind::shell ? kFootShare : kFarthestShare;
+    const auto at = static_cast<std::ptrdiff_t>((1 - share) * static_cast<double>(depths.size() - 1));
     std::ranges::nth_element(depths, depths.begin() + at);
     return depths[static_cast<std::size_t>(at)];
 }
@@ -53,10 +55,10 @@ struct Front {
     std::vector<Triangle> triangles;
 };
 
-Front front_of(const SurfaceMesh& surface) {
+Front front_of(const SurfaceMesh& surface, SolidKind kind) {
     const auto count = static_cast<std::ptrdiff_t>(surface.left_vertices());
     std::vector<Vec3f> positions(surface.positions.begin(), surface.positions.begin() + count);
-    const double far = farthest(positions);
+    const double far = farthest(positions, kind);
     for (Vec3f& p : positions)
         if (const double shrink = far / depth_of(p); shrink < 1)
             p = {static_cast<float>(p.x * shrink), static_cast<float>(p.y * shrink),
@@ -184,7 +186,7 @@ class Walls {
 
 // Places the front and the base, whose rays it has from the nearest vertex of each, in mm above the base.
 std::vector<Vec3f> placed(const Front& front, double size_mm, SolidKind kind) {
-    const double far = farthest(front.positions), wide = extent(front.positions);
+    const double far = farthest(front.positions, kind), wide = extent(front.positions);
     const double thickness_mm = std::min(kLeastThickness_mm, size_mm / 20);
     // At the base one metre of depth is `scale` mm; the base is as far behind `far` as is thick enough.
     const double base = far / (1 - std::min(kMostOfDepth, thickness_mm * wide / size_mm));
@@ -280,7 +282,7 @@ bool part_edges(SurfaceMesh& body) {
 }  // namespace
 
 SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm, SolidKind kind) {
-    Front front = front_of(surface);
+    Front front = front_of(surface, kind);
     double area = 0;
     for (const Triangle& t : front.triangles) area += area_of(front, t);
     drop_crumbs(front, kCrumbShare * area);

@@ -21,7 +21,8 @@ inline constexpr double kBridgedShare = 0.01;    // of that area: smaller holes 
 // kLeastThickness_mm thick. The farthest thousandth of the vertices moves to the depth of the others. The
 // front's vertices come before those of the base. Walls and base have the colours of the front: texture
 // coordinates are those of the surface, if it has any. A shell has, in place of the base, the farthest front
-// on each ray once more, farther by the thickness. Precondition: all depths are above 0.
+// on each ray once more, farther by the thickness; the farthest hundredth of its vertices is flat, a foot to
+// be printed on. Precondition: all depths are above 0.
 SurfaceMesh solid_body(const SurfaceMesh& surface, double size_mm, SolidKind kind = SolidKind::base);
 
 }  // namespace hexrelief::exporters

@@ -118,6 +118,22 @@ TEST(SolidBody, AShellIsClosedAndThinner) {
     EXPECT_NEAR(std::ranges::min_element(shell.positions, below)->z, 0, 1e-4);
 }
 
+// Its farthest point is a corner, on which it could not be printed.
+TEST(SolidBody, AShellOfASlantedPlaneStandsOnAFoot) {
+    SurfaceMesh mesh = sample_mesh(40, 30);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+        move_to_depth(mesh, i, 2 + mesh.texcoords[i].x + mesh.texcoords[i].y);
+    const SurfaceMesh shell = solid_body(mesh, 100, SolidKind::shell);
+    EXPECT_EQ(expect_closed(shell), 2);
+    double foot_mm2 = 0;
+    for (const Triangle& t : shell.triangles) {
+        const Vec3f &a = shell.positions[t[0]], &b = shell.positions[t[1]], &c = shell.positions[t[2]];
+        if (std::max({a.z, b.z, c.z}) > 1e-4) continue;
+        foot_mm2 += std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)) / 2.0;
+    }
+    EXPECT_GT(foot_mm2, 20);
+}
+
 TEST(SolidBody, HolesAreBridgedAndCrumbsGo) {
     SurfaceMesh holed = surface_with_step(40, 30, 20, 5, 25);
     const std::size_t all = holed.triangles.size();
