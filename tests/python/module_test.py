@@ -92,7 +92,7 @@ def test_refusals_are_those_of_the_command_line(disparity, left, tmp_path):
 
     key = refusal(lambda: hexrelief.mesh(disparity, camera=CALIB, config={"mesh.spacing": 4}))
     line = run("--disparity", SAMPLES / "disparity.pfm", "--set", "mesh.spacing=4", "-o", tmp_path / "a.glb")
-    assert (key.exit_code, f"hexrelief: {key}\n") == (line.returncode, line.stderr)
+    assert (key.exit_code, f"hexrelief: --set {key}\n") == (line.returncode, line.stderr)
     assert key.kind == "usage"
     assert refusal(lambda: hexrelief.mesh(np.zeros((50, 50)))).kind == "input"
     assert refusal(lambda: hexrelief.mesh(np.ones((50, 50), np.uint8))).exit_code == 3, "8 bits have no scale"

@@ -19,5 +19,6 @@ _ARGUMENTS = {
 
 def in_python(text: str) -> str:
     """"give --depth-unit mm (input.depth.unit)" to "give input.depth.unit mm": what Python has no word for stays."""
+    text = text.replace("--set ", "")
     text = re.sub(r"--[a-z]+(?:-[a-z]+)*", lambda flag: _ARGUMENTS.get(flag[0]) or _core.key_of(flag[0]) or flag[0], text)
     return re.sub(r"([a-z_]+\.[a-z_.]+)( [^ ()]+)? \(\1\)", r"\1\2", text)
