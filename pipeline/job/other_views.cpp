@@ -188,6 +188,70 @@ void join_and_append(SurfaceMesh& mesh, std::vector<SurfaceMesh>& sheets, const 
     }
 }
 
+// What cameras see of the surface, and how far beside them others look behind it, in baselines.
+struct SeenFrom {
+    const LeftView& view;
+    const stages::VisibleSurface& visible;
+    const stages::Frame& frame;
+    double behind;
+    int threads;
+
+    bool is_rectified() const { return view.right && !view.is_by_points; }
+    int mixed_px() const {
+        return view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
+    }
+    void join_to_surface(OtherView& other, const stages::SeenSurface& here) const {
+        stages::join_to_surface(other, here, is_rectified() ? kBorderOfPairs_px : kBorder_px,
+                                is_rectified() ? kLeastOfPairs : stages::kLeastSurface, threads);
+    }
+};
+
+// Returns what the right camera sees and the surface does not show, and what continues behind that and the
+// surface in its view.
+OtherView missing_on_right(const SeenFrom& seen) {
+    const LeftView& view = seen.view;
+    const OtherView& right = *view.right;
+    const stages::SeenSurface& here = seen.visible.seen[1];
+    OtherView missing = right;
+    if (missing.map.values.empty()) {
+        missing.map = map_by_surface(right, here, view, seen.threads);
+        drop_background(missing, view.density.background_px);
+    }
+    stages::find_missing(missing, here, seen.visible.seen[0], view.is_by_points, seen.threads);
+    missing.map = {};
+    const std::vector<std::uint8_t> is_shown = stages::known_pixels(missing.missing);
+    if (seen.behind > 0)
+        stages::continue_behind(missing, here, {.right = seen.behind, .mixed_px = seen.mixed_px()},
+                                seen.visible, seen.threads);
+    if (view.is_by_points) stages::keep_in_frame(missing, seen.frame);
+    seen.join_to_surface(missing, here);
+    if (seen.is_rectified()) {
+        stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
+        stages::join_regions(missing, here, kLeastAlone, kBridge_px, stages::kOneSurface_px);
+    }
+    return missing;
+}
+
+// Returns what continues behind the surface in the left view, and the backing.
+std::pair<OtherView, OtherView> hidden_on_left(const SeenFrom& seen) {
+    const LeftView& view = seen.view;
+    const stages::SeenSurface& here = seen.visible.seen[0];
+    auto finding_backing = start_work(seen.threads, [&] {
+        return stages::backing_of(here, view.color, seen.behind, seen.visible.least_px, seen.threads);
+    });
+    OtherView left = copy_of_left(view, seen.threads), backing = finding_backing.get();
+    stages::continue_behind(
+        left, here,
+        {seen.behind, view.right ? 0 : 1 + seen.behind, seen.behind, seen.behind, seen.mixed_px(), &backing},
+        seen.visible, seen.threads);
+    seen.join_to_surface(left, here);
+    if (seen.is_rectified()) {
+        stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px(view));
+        stages::join_backing(backing, kLeastAlone, kBridge_px);
+    }
+    return {std::move(left), std::move(backing)};
+}
+
 }  // namespace
 
 DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
@@ -271,19 +335,12 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     const double behind = is_without_background(view) ? 0 : config.surface.behind;
     if (!right && behind == 0) return;
     const int threads = backend.threads();
-    const int mixed_px =
-        view.is_by_points ? stages::Beyond::kMixedOfPhotographs_px : stages::Beyond::kMixed_px;
-    const bool is_rectified = right && !view.is_by_points;
-    const int border_px = is_rectified ? kBorderOfPairs_px : kBorder_px;
-    const std::size_t least = is_rectified ? kLeastOfPairs : stages::kLeastSurface;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     std::vector<stages::UsedPart> used;
     std::vector<SurfaceMesh> sheets;
     const bool has_levels = config.exporting.lod > 1;
-    // Pictures are large, and copied meanwhile: both views' get more colours than they have.
-    auto copying_right = start_work(
-        threads, [&] { return right ? std::pair(right->color, right->picture) : std::pair<Image, Image>(); });
+    // The picture is large, and copied meanwhile: it gets more colours than it has.
     auto copying_left = start_work(threads, [&] { return stages::with_room_below(view.texture); });
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const stages::Frame frame = frame_for(view, visible, config);
@@ -295,45 +352,11 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         sheets.push_back(std::move(sheet));
         others.views.push_back(std::move(other));
     };
-    const auto of_right = [&] {
-        OtherView missing{right->place, right->map, {}, {}, {}, right->kept};
-        if (missing.map.values.empty()) {
-            missing.map = map_by_surface(*right, visible.seen[1], view, threads);
-            drop_background(missing, view.density.background_px);
-        }
-        stages::find_missing(missing, visible.seen[1], visible.seen[0], view.is_by_points, threads);
-        missing.map = {};
-        const std::vector<std::uint8_t> is_shown = stages::known_pixels(missing.missing);
-        std::tie(missing.color, missing.picture) = copying_right.get();
-        if (behind > 0)
-            stages::continue_behind(missing, visible.seen[1], {.right = behind, .mixed_px = mixed_px},
-                                    visible, threads);
-        if (view.is_by_points) stages::keep_in_frame(missing, frame);
-        stages::join_to_surface(missing, visible.seen[1], border_px, least, threads);
-        if (is_rectified) {
-            stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
-            stages::join_regions(missing, visible.seen[1], kLeastAlone, kBridge_px, stages::kOneSurface_px);
-        }
-        return missing;
-    };
-    const auto of_left = [&](OtherView& backing) {
-        const stages::SeenSurface& here = visible.seen[0];
-        auto finding_backing = start_work(
-            threads, [&] { return stages::backing_of(here, view.color, behind, visible.least_px, threads); });
-        OtherView left = copy_of_left(view, threads);
-        backing = finding_backing.get();
-        stages::continue_behind(left, here,
-                                {behind, right ? 0 : 1 + behind, behind, behind, mixed_px, &backing}, visible,
-                                threads);
-        stages::join_to_surface(left, here, border_px, least, threads);
-        if (is_rectified) stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px(view));
-        if (is_rectified) stages::join_backing(backing, kLeastAlone, kBridge_px);
-        return left;
-    };
+    const SeenFrom seen{view, visible, frame, behind, threads};
     // Both views' parts are found at once, from the surface alone; then each is kept behind those before it.
-    auto finding_right = start_work(threads, [&] { return right ? of_right() : OtherView{}; });
+    auto finding_right = start_work(threads, [&] { return right ? missing_on_right(seen) : OtherView{}; });
     OtherView left, backing;
-    if (behind > 0) left = of_left(backing);
+    if (behind > 0) std::tie(left, backing) = hidden_on_left(seen);
     if (OtherView found = finding_right.get(); right) add(std::move(found));
     if (behind > 0) {
         add(std::move(left));
