@@ -104,7 +104,26 @@ som::LatticePositions train_one_by_one(std::vector<float> density, const som::Le
     return positions;
 }
 
+HexMesh2D mesh_of(const som::LatticePositions& positions, const step::Lattice& lattice,
+                  const som::MeshArea& area) {
+    HexMesh2D mesh;
+    mesh.columns = lattice.columns;
+    mesh.rows = lattice.rows;
+    for (std::size_t i = 0; i < positions.x.size(); ++i)
+        mesh.positions.push_back(
+            {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
+    return mesh;
+}
+
 }  // namespace
+
+HexMesh2D regular_mesh(int width, int height, const MeshConfig& config) {
+    const som::MeshArea whole{0, 0, width, height};
+    const som::LevelPlan plan = som::plan_levels(width, height, config, whole).back();
+    som::LatticePositions positions = som::regular_positions(plan);
+    som::pin_border(plan, positions);
+    return mesh_of(positions, plan.lattice, whole);
+}
 
 HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
                      const ProgressFunction& progress) {
@@ -119,12 +138,7 @@ HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config, int th
         config.method == MeshMethod::sequential
             ? train_one_by_one(std::move(values), plans.back(), config, pool, progress)
             : train_coarse_to_fine(std::move(values), plans, config, pool, progress);
-    HexMesh2D mesh;
-    mesh.columns = plans.back().lattice.columns;
-    mesh.rows = plans.back().lattice.rows;
-    for (std::size_t i = 0; i < positions.x.size(); ++i)
-        mesh.positions.push_back(
-            {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
+    HexMesh2D mesh = mesh_of(positions, plans.back().lattice, area);
     for (const som::LevelPlan& plan : plans) mesh.iterations += static_cast<int>(plan.iterations.size());
     return mesh;
 }

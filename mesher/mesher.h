@@ -39,4 +39,8 @@ namespace hexrelief::mesher {
 HexMesh2D solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
                      const ProgressFunction& progress);
 
+// Returns the lattice before training, with the same columns and rows, over the whole image and with its
+// border on the image's. Throws as solve_mesh() does.
+HexMesh2D regular_mesh(int width, int height, const MeshConfig& config);
+
 }  // namespace hexrelief::mesher

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "exporters/images/resize.h"
+#include "mesher/mesher.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
 #include "pipeline/job/matchers/given_maps.h"
@@ -49,7 +50,7 @@ constexpr std::size_t kFirstSheet = 2;    // part: the left view and its strips 
 constexpr double kFarther = 127. / 128;   // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
 constexpr double kLeastSpacing_px = 4;
-constexpr double kFittingSpacings = 4;  // of solve_mesh() in the shorter side
+constexpr double kFittingSpacings = 4;  // of regular_mesh() in the shorter side
 
 // A higher step is cut in what no camera saw. In a backing, which is smooth, it is much higher.
 double hidden_step_px(const LeftView& view) {
@@ -103,7 +104,6 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
                      const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
     const int width = other.place.width, height = other.place.height;
-    // Without a density the lattice stays regular.
     const DensityMap even{width, height, std::vector<float>(other.missing.values.size(), 0)};
     const LeftView view{
         other.missing,   other.missing, even,   other.color,
@@ -112,7 +112,7 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
     MeshConfig coarse = config.mesh;
     coarse.spacing_px = std::min(std::max(kCoarser * coarse.spacing_px / other.place.scale, kLeastSpacing_px),
                                  std::min(width, height) / kFittingSpacings);
-    const HexMesh2D lattice = backend.solve_mesh(even, coarse, {});
+    const HexMesh2D lattice = mesher::regular_mesh(width, height, coarse);
     SurfaceConfig surface = config.surface;
     if (other.place.right == 0 || left.is_by_points)
         surface.least_discontinuity_px = left.right ? hidden_step_px(left) : kShownStep_px;
@@ -174,18 +174,15 @@ stages::Frame frame_for(const LeftView& view, const stages::VisibleSurface& visi
 // Joins the pieces of the left view's surface and those of the sheets, and appends these. The strips between
 // the left view's pieces are a part of their own: neither measures nor solids of that view have them.
 void join_and_append(SurfaceMesh& mesh, std::vector<SurfaceMesh>& sheets, const std::vector<OtherView>& views,
-                     const stages::VisibleSurface& visible, const LeftView& view) {
-    const auto join = [&](SurfaceMesh& surface) {
-        stages::join_pieces(surface, visible, view.calibration, kLeastPiece, kStrip_px);
-    };
+                     const stages::VisibleSurface& visible, const LeftView& view, int threads) {
     const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-    join(mesh);
+    ThreadPool(threads).parallel_for_chunks<1>(1 + sheets.size(), [&](std::size_t i) {
+        stages::join_pieces(i == 0 ? mesh : sheets[i - 1], visible, view.calibration, kLeastPiece, kStrip_px);
+    });
     mesh.parts = {{PartOrigin::left, vertices, triangles},
                   {PartOrigin::nobody, mesh.positions.size() - vertices, mesh.triangles.size() - triangles}};
-    for (std::size_t i = 0; i < sheets.size(); ++i) {
-        join(sheets[i]);
+    for (std::size_t i = 0; i < sheets.size(); ++i)
         stages::append(mesh, sheets[i], views[i].place.right > 0 ? PartOrigin::right : PartOrigin::nobody);
-    }
 }
 
 // What cameras see of the surface, and how far beside them others look behind it, in baselines.
@@ -352,8 +349,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         sheets.push_back(std::move(sheet));
         others.views.push_back(std::move(other));
     };
-    const SeenFrom seen{view, visible, frame, behind, threads};
-    // Both views' parts are found at once, from the surface alone; then each is kept behind those before it.
+    // Both views' parts are found at once, each on half of the threads.
+    const SeenFrom seen{view, visible, frame, behind, (threads + 1) / 2};
     auto finding_right = start_work(threads, [&] { return right ? missing_on_right(seen) : OtherView{}; });
     OtherView left, backing;
     if (behind > 0) std::tie(left, backing) = hidden_on_left(seen);
@@ -363,7 +360,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         add(std::move(backing));
     }
     if (others.views.empty()) return;
-    join_and_append(mesh, sheets, others.views, visible, view);
+    join_and_append(mesh, sheets, others.views, visible, view, threads);
     for (std::size_t i = 0; i < sheets.size() && !view.texture.empty(); ++i)
         used.push_back(stages::used_part(others.views[i].texture(), sheets[i], has_levels, threads));
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
@@ -387,7 +384,7 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
         sheets.push_back(sheet_of(other, view, visible, frame, config, backend, log));
         if (other.place.right > 0) stages::cover(visible, sheets.back(), threads);
     }
-    join_and_append(mesh, sheets, finest.others->views, visible, view);
+    join_and_append(mesh, sheets, finest.others->views, visible, view, threads);
     if (!view.texture.empty()) move_into_atlas(mesh, finest.others->atlas);
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
 }

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "pipeline/data/union_find.h"
@@ -26,21 +26,34 @@ using Strip = std::array<std::array<ViewPoint, 2>, 4>;
 // A side of the mesh's border, in the order of its triangle.
 struct BorderSide {
     std::uint32_t a, b;
-    double x, y;  // of its middle
+    double x, y;           // of its middle
+    float least, largest;  // disparity
 };
 
 // The sides of the border, from top to bottom.
 std::vector<BorderSide> border_of(const SurfaceMesh& mesh) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
+    const std::size_t vertices = mesh.image_points.size();
+    std::vector<std::uint32_t> begins(vertices + 1), ends;  // of the sides that begin at a vertex
     for (const Triangle& t : mesh.triangles)
-        for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(t[k], t[(k + 1) % 3]);
-    std::sort(sides.begin(), sides.end());
+        for (const std::uint32_t v : t) ++begins[v + 1];
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    ends.resize(begins.back());
+    std::vector<std::uint32_t> next(begins.begin(), begins.end() - 1);
+    for (const Triangle& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) ends[next[t[k]]++] = t[(k + 1) % 3];
+    const auto is_side = [&](std::uint32_t a, std::uint32_t b) {
+        const auto last = ends.begin() + begins[a + 1];
+        return std::find(ends.begin() + begins[a], last, b) != last;
+    };
     std::vector<BorderSide> border;
-    for (const auto& [a, b] : sides) {
-        if (std::binary_search(sides.begin(), sides.end(), std::pair(b, a))) continue;
-        const Vec2f &p = mesh.image_points[a], &q = mesh.image_points[b];
-        border.push_back({a, b, (double(p.x) + q.x) / 2, (double(p.y) + q.y) / 2});
-    }
+    for (std::uint32_t a = 0; a < vertices; ++a)
+        for (std::uint32_t i = begins[a]; i < begins[a + 1]; ++i) {
+            const std::uint32_t b = ends[i];
+            if (is_side(b, a)) continue;
+            const Vec2f &p = mesh.image_points[a], &q = mesh.image_points[b];
+            const auto [least, largest] = std::minmax(mesh.disparities[a], mesh.disparities[b]);
+            border.push_back({a, b, (double(p.x) + q.x) / 2, (double(p.y) + q.y) / 2, least, largest});
+        }
     std::sort(border.begin(), border.end(), [](const BorderSide& one, const BorderSide& other) {
         return std::tie(one.y, one.x, one.a, one.b) < std::tie(other.y, other.x, other.a, other.b);
     });
@@ -149,10 +162,14 @@ void join_pieces(SurfaceMesh& mesh, const VisibleSurface& visible, const Calibra
         if (sizes[own] >= least) continue;
         const auto first = std::partition_point(
             border.begin(), border.end(), [&](const BorderSide& side) { return side.y < from.y - reach_px; });
-        for (auto to = first; to != border.end() && to->y <= from.y + reach_px; ++to)
+        for (auto to = first; to != border.end() && to->y <= from.y + reach_px; ++to) {
+            if (!(std::abs(to->x - from.x) <= reach_px)) continue;
+            if (std::max(to->largest, from.largest) - std::min(to->least, from.least) > kMostStep_px)
+                continue;
             if (const double distance = std::hypot(to->x - from.x, to->y - from.y);
                 distance <= reach_px && pieces.find(to->a) != own)
                 pairs.emplace_back(distance, i, static_cast<std::uint32_t>(to - border.begin()));
+        }
     }
     std::sort(pairs.begin(), pairs.end());
     std::vector<char> is_used(border.size());
