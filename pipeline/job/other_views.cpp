@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -10,12 +11,10 @@
 #include "mesher/mesher.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/start_work.h"
-#include "pipeline/job/matchers/given_maps.h"
+#include "pipeline/job/right_view.h"
 #include "pipeline/job/surfaces.h"
-#include "pipeline/stages/densify/densify.h"
-#include "pipeline/stages/dequantize/dequantize.h"
-#include "pipeline/stages/dequantize/noise.h"
 #include "pipeline/stages/other_views/backing.h"
+#include "pipeline/stages/other_views/backing_texture.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 #include "pipeline/stages/other_views/bridges.h"
 #include "pipeline/stages/other_views/other_view.h"
@@ -41,8 +40,6 @@ constexpr int kBorder_px = 2, kBorderOfPairs_px = 6;
 // alone only if it is farther from others than two bridges reach.
 constexpr std::size_t kLeastOfPairs = 240, kLeastAlone = 5000;
 constexpr int kBridge_px = 64;
-// Holes of the right view are filled at a third of its size, or at this length if that is less.
-constexpr int kFilled = 3, kFilled_px = 320;
 // Pieces of fewer triangles stand alone only if no strip of this length that nobody sees leads to others.
 constexpr std::size_t kLeastPiece = 30;
 constexpr double kStrip_px = 64;
@@ -92,12 +89,6 @@ OtherView copy_of_left(const LeftView& view, int threads) {
     return left;
 }
 
-void drop_background(OtherView& right, float background_px) {
-    for (std::size_t i = 0; i < right.map.values.size(); ++i)
-        if (right.map.values[i] < background_px || (!right.kept.empty() && !right.kept[i]))
-            right.map.values[i] = kUnknownDisparity;
-}
-
 // Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
 SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages::VisibleSurface& visible,
                      const stages::Frame& frame, const config::Config& config, Backend& backend,
@@ -135,15 +126,6 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
         if (error.kind() != ErrorKind::input) throw;
         return {};  // all components are too small
     }
-}
-
-// Returns the view whose map, seen in a mirror, is given.
-OtherView right_view(DisparityMap mirrored, InputPair& pair, const stages::FoundRange& range, int threads) {
-    OtherView right{
-        {}, stages::mirrored(std::move(mirrored)), {}, pair.views.right, std::move(pair.pictures.right)};
-    for (Image* image : {&right.color, &right.picture})
-        if (!image->empty()) matching::relight(*image, range.correction.light, threads);
-    return right;
 }
 
 void move_into_atlas(SurfaceMesh& mesh, const stages::TextureAtlas& atlas) {
@@ -217,15 +199,19 @@ OtherView missing_on_right(const SeenFrom& seen) {
     stages::find_missing(missing, here, seen.visible.seen[0], view.is_by_points, seen.threads);
     missing.map = {};
     const std::vector<std::uint8_t> is_shown = stages::known_pixels(missing.missing);
+    std::optional<stages::Behind> hidden;
     if (seen.behind > 0)
-        stages::continue_behind(missing, here, {.right = seen.behind, .mixed_px = seen.mixed_px()},
-                                seen.visible, seen.threads);
+        hidden = stages::continue_behind(missing, here, {.right = seen.behind, .mixed_px = seen.mixed_px()},
+                                         seen.visible, seen.threads);
+    auto painting = start_work(seen.threads, [&] {
+        if (hidden) stages::paint_behind(missing, *std::move(hidden), nullptr, seen.threads);
+    });
     if (view.is_by_points) stages::keep_in_frame(missing, seen.frame);
     seen.join_to_surface(missing, here);
-    if (seen.is_rectified()) {
-        stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
+    if (seen.is_rectified()) stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
+    painting.get();
+    if (seen.is_rectified())
         stages::join_regions(missing, here, kLeastAlone, kBridge_px, stages::kOneSurface_px);
-    }
     return missing;
 }
 
@@ -236,12 +222,17 @@ std::pair<OtherView, OtherView> hidden_on_left(const SeenFrom& seen) {
     auto finding_backing = start_work(seen.threads, [&] {
         return stages::backing_of(here, view.color, seen.behind, seen.visible.least_px, seen.threads);
     });
-    OtherView left = copy_of_left(view, seen.threads), backing = finding_backing.get();
-    stages::continue_behind(
+    OtherView left = copy_of_left(view, seen.threads);
+    stages::Behind hidden = stages::continue_behind(
         left, here,
-        {seen.behind, view.right ? 0 : 1 + seen.behind, seen.behind, seen.behind, seen.mixed_px(), &backing},
+        {seen.behind, view.right ? 0 : 1 + seen.behind, seen.behind, seen.behind, seen.mixed_px()},
         seen.visible, seen.threads);
+    OtherView backing = finding_backing.get();
+    stages::keep_behind_continued(backing, left.missing);
+    auto painting = start_work(
+        seen.threads, [&] { stages::paint_behind(left, std::move(hidden), &backing, seen.threads); });
     seen.join_to_surface(left, here);
+    painting.get();
     if (seen.is_rectified()) {
         stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px(view));
         stages::join_backing(backing, kLeastAlone, kBridge_px);
@@ -250,81 +241,6 @@ std::pair<OtherView, OtherView> hidden_on_left(const SeenFrom& seen) {
 }
 
 }  // namespace
-
-DisparityMap map_by_surface(const OtherView& right, const stages::SeenSurface& here, const LeftView& left,
-                            int threads) {
-    const int width = right.place.width, height = right.place.height;
-    DisparityMap map{width, height, std::vector<float>(here.disparities.size())};
-    const auto fill_row = [&](int y) {
-        const std::size_t row = static_cast<std::size_t>(y) * width;
-        const auto is_covered = [&](int x) { return here.disparities[row + x] != stages::kNotCovered; };
-        for (int x = 0; x < width; ++x)
-            map.values[row + x] =
-                is_covered(x) ? static_cast<float>(here.disparities[row + x]) : kUnknownDisparity;
-        for (int x = 0; x < width && left.density.background_px > 0; ++x) {
-            const float d = left.meshed.at(x, y);
-            if (!DisparityMap::known(d) || d >= left.density.background_px) continue;
-            const double there = right.place.from_left({x + 0.5, y + 0.5, d}).x;
-            if (!(there >= 0 && there < width)) continue;
-            float& nearest = map.values[row + static_cast<std::size_t>(there)];
-            if (!is_covered(static_cast<int>(there)) && (!DisparityMap::known(nearest) || nearest < d))
-                nearest = d;
-        }
-    };
-    stages::for_row_bands(height, threads, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y) fill_row(y);
-    });
-    const int reduced = std::max(kFilled, std::max(width, height) / kFilled_px);
-    DisparityMap small{std::max(1, width / reduced), std::max(1, height / reduced), {}};
-    for (int y = 0; y < small.height; ++y)
-        for (int x = 0; x < small.width; ++x)
-            small.values.push_back(
-                map.at(std::min(width - 1, reduced * x), std::min(height - 1, reduced * y)));
-    if (std::none_of(small.values.begin(), small.values.end(), DisparityMap::known)) return map;
-    small = stages::fill_holes(
-        small,
-        right.color.empty() ? Image{} : exporters::resized(right.color, small.width, small.height, threads),
-        threads);
-    stages::for_row_bands(height, threads, [&](int begin, int end) {
-        for (int y = begin; y < end; ++y)
-            for (int x = 0; x < width; ++x) {
-                float& d = map.at(x, y);
-                if (!DisparityMap::known(d))
-                    d = small.at(std::min(small.width - 1, x / reduced),
-                                 std::min(small.height - 1, y / reduced));
-            }
-    });
-    return map;
-}
-
-OtherView unmatched_right_view(InputPair& pair, const stages::FoundRange& range, int threads) {
-    return right_view({}, pair, range, threads);
-}
-
-OtherView right_view_of_program(InputPair& pair, const stages::ViewMaps& maps,
-                                const stages::FoundRange& range, int threads) {
-    const stages::ViewMaps seen_in_mirror{stages::mirrored(maps.right), stages::mirrored(maps.left),
-                                          maps.is_dense};
-    return right_view(refine_given(stages::mirrored(pair.views), seen_in_mirror, range.config, threads), pair,
-                      range, threads);
-}
-
-void complete_right_view(OtherView& right, const LeftView& left, const DisparityResult& disparity,
-                         const readers::PixelMask& mask, int threads) {
-    right.place = left_place(left);
-    right.place.right = 1;
-    right.place.shift_px = left.pair_camera.doffs_px - left.calibration.doffs_px;
-    right.kept = mask.kept;
-    if (right.map.values.empty()) return;
-    for (std::size_t i = 0; i < right.map.values.size(); ++i) {
-        float& d = right.map.values[i];
-        if (DisparityMap::known(d)) d = std::max(d + static_cast<float>(right.place.shift_px), left.least_px);
-        if (d <= -left.calibration.doffs_px) d = kUnknownDisparity;
-    }
-    drop_background(right, left.density.background_px);
-    if (const auto& noise = disparity.noise; noise.noise_px > 0)
-        right.map = stages::dequantize(right.map, noise.quantum_px, threads);
-}
 
 void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
                      Backend& backend, const RunLog& log) {

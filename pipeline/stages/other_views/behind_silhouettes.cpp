@@ -281,31 +281,26 @@ void grow(DisparityMap& map, const Disparities& covered, int border_px, ThreadPo
 
 }  // namespace
 
-void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
-                     const VisibleSurface& visible, int threads) {
+Behind continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
+                       const VisibleSurface& visible, int threads) {
     const ViewPlace& place = view.place;
     ThreadPool pool(threads);
-    const std::vector<float>& missing = view.missing.values;
-    Disparities both;  // what the surface shows and what is missing
-    if (std::any_of(missing.begin(), missing.end(), DisparityMap::known)) {
-        DisparityMap merged;
-        if (beyond.mixed_px > kMixed) {
-            merged = view.missing;
-            merge_specks(merged);
-            for (const std::uint32_t i : cracks_of(view.missing, here.disparities))
-                view.missing.values[i] = kUnknownDisparity;
-        }
-        const std::vector<float>& added = merged.values.empty() ? missing : merged.values;
-        both.resize(added.size());
-        pool.parallel_for(both.size(), [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                both[i] = DisparityMap::known(added[i]) ? added[i] : here.disparities[i];
-        });
+    Disparities front(here.disparities.size());
+    DisparityMap merged;
+    if (beyond.mixed_px > kMixed && std::ranges::any_of(view.missing.values, DisparityMap::known)) {
+        merged = view.missing;
+        merge_specks(merged);
+        for (const std::uint32_t i : cracks_of(view.missing, here.disparities))
+            view.missing.values[i] = kUnknownDisparity;
     }
-    const Disparities& front = both.empty() ? here.disparities : both;
+    const std::vector<float>& added = merged.values.empty() ? view.missing.values : merged.values;
+    pool.parallel_for(front.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            front[i] = DisparityMap::known(added[i]) ? added[i] : here.disparities[i];
+    });
     Continued continued = continued_in(front, view, beyond, pool);
     if (beyond.mixed_px > kMixed)
-        give_scraps_away(continued, front, place, std::max(place.width, place.height) / kLongestShare);
+        give_scraps_away(continued, front, place, std::max(place.width, place.height) / kLongestShare, pool);
     smooth(continued, front, place, pool);
     pool.parallel_for_chunks(continued.pixels.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -319,15 +314,20 @@ void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& bey
     for (const std::uint32_t i : specks_of(view.missing, kLeastHidden, kAnyStep_px))
         if (continued.disparities[i] != kNotCovered && continued.distances[i] > 0)
             view.missing.values[i] = kUnknownDisparity;
-    if (beyond.backing) keep_behind_continued(*beyond.backing, view.missing);
     spread_colours(continued, view.missing, front, kSpread_px);
+    return {std::move(continued), std::move(front)};
+}
+
+void paint_behind(OtherView& view, Behind hidden, OtherView* backing, int threads) {
+    const ViewPlace& place = view.place;
+    auto& [continued, front] = hidden;
+    ThreadPool pool(threads);
     Image& texture = view.picture.empty() ? view.color : view.picture;
-    Continued behind =
-        beyond.backing ? backing_behind(continued, *beyond.backing, front, place) : Continued(0);
+    Continued behind = backing ? backing_behind(continued, *backing, front, place) : Continued(0);
     Image painted = with_texture(texture, place, continued, front, pool);
     paint(painted, texture, place, continued, pool);
     texture = std::move(painted);
-    if (beyond.backing) paint_backing(*beyond.backing, texture, place, std::move(behind), front, pool);
+    if (backing) paint_backing(*backing, texture, place, std::move(behind), front, pool);
 }
 
 void join_to_surface(OtherView& view, const SeenSurface& here, int border_px, std::size_t least,

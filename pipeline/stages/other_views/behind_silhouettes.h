@@ -1,6 +1,7 @@
 // Continues surfaces behind the silhouettes that hide them.
 #pragma once
 
+#include "pipeline/stages/other_views/continued.h"
 #include "pipeline/stages/other_views/other_view.h"
 
 namespace hexrelief::stages {
@@ -15,21 +16,28 @@ struct Beyond {
     double left = 0, right = 0, up = 0, down = 0;
     // Pixels beside a silhouette whose colours, from 4 on also disparities, may be mixed of both surfaces.
     int mixed_px = kMixed_px;
-    // The view's backing, or none: is moved behind what continues, and gets a picture, the view's at half its
-    // size with the backing's texture.
-    OtherView* backing = nullptr;
+};
+
+// What continues in a view, and what the view shows in front of it.
+struct Behind {
+    Continued continued;
+    Disparities front;
 };
 
 // Adds to `missing` what the view's silhouettes hide from itself, and the cameras beyond see: the farther one
 // of the two surfaces at a silhouette continues behind the nearer one along its slope, as far as the
 // outermost of these cameras sees. It stays behind `visible`, and is no more than a sixteenth of the view
 // long.
-// The view's texture shows what continues in place of what hides it: with the farther surface's texture, or
-// where that is not found in its mirrored colours.
 // here: the surface as the view shows it. Nothing continues behind a border of the surface that has nothing
 // behind it. The same for any number of threads.
-void continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
-                     const VisibleSurface& visible, int threads);
+Behind continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
+                       const VisibleSurface& visible, int threads);
+
+// Makes the view's texture show what continues in place of what hides it: with the farther surface's texture,
+// or where that is not found in its mirrored colours. backing: the view's, or none; gets a picture, the
+// view's at half its size with the backing's texture. Leaves `missing` as it is. The same for any number of
+// threads.
+void paint_behind(OtherView& view, Behind hidden, OtherView* backing, int threads);
 
 // Adds to `missing` a border of the surface around it, of border_px >= 1 px, so that the parts overlap with
 // the surface and with each other; gives regions of fewer than `least` pixels to those around them, and

@@ -18,7 +18,8 @@ constexpr int kMostBetween_px = 7;  // the sum of the levels of 15 x 15 pixels h
 constexpr int kBlocksAround = 16;   // along a radius within which a median is taken
 
 // Returns for each square of `side` px the median of what continues within some squares of it.
-std::vector<double> medians_of(const Continued& continued, const ViewPlace& place, int side, int around) {
+std::vector<double> medians_of(const Continued& continued, const ViewPlace& place, int side, int around,
+                               ThreadPool& pool) {
     const int columns = (place.width + side - 1) / side, rows = (place.height + side - 1) / side;
     std::vector<double> sums(static_cast<std::size_t>(columns) * rows), medians(sums.size(), kNotCovered);
     std::vector<int> counts(sums.size());
@@ -30,8 +31,9 @@ std::vector<double> medians_of(const Continued& continued, const ViewPlace& plac
         sums[i] += continued.disparities[pixel];
         ++counts[i];
     }
-    std::vector<double> values;
-    for (int row = 0; row < rows; ++row)
+    pool.parallel_for_chunks<1>(static_cast<std::size_t>(rows), [&](std::size_t at) {
+        const int row = static_cast<int>(at);
+        std::vector<double> values;
         for (int column = 0; column < columns; ++column) {
             const std::size_t here = static_cast<std::size_t>(row) * columns + column;
             if (counts[here] == 0) continue;
@@ -42,14 +44,16 @@ std::vector<double> medians_of(const Continued& continued, const ViewPlace& plac
                         values.push_back(sums[i] / counts[i]);
             medians[here] = value_at_rank(values, values.size() / 2);
         }
+    });
     return medians;
 }
 
 }  // namespace
 
-void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px) {
+void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px,
+                      ThreadPool& pool) {
     const int side = std::max(1, radius_px / kBlocksAround), columns = (place.width + side - 1) / side;
-    const std::vector<double> medians = medians_of(continued, place, side, radius_px / side);
+    const std::vector<double> medians = medians_of(continued, place, side, radius_px / side, pool);
     Disparities& disparities = continued.disparities;
     std::vector<std::uint32_t> open;
     for (const std::uint32_t pixel : continued.pixels) {

@@ -49,8 +49,9 @@ inline constexpr double kNeighbours_px = 2;
 // thing. Such a pixel's disparity is nearer to that of what hides it, `front`, than to the median of the
 // means, over squares of radius_px / 16 px a side, of what continues within radius_px. The pixel gets what
 // continues beside it, or nothing if that would not be hidden. So does a pixel without a colour; one in
-// front gets the colour of one beside it that is in front.
-void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px);
+// front gets the colour of one beside it that is in front. The same for any number of threads.
+void give_scraps_away(Continued& continued, const Disparities& front, const ViewPlace& place, int radius_px,
+                      ThreadPool& pool);
 
 // Makes lines that continue one surface agree. The same for any number of threads.
 void smooth(Continued& continued, const Disparities& front, const ViewPlace& place, ThreadPool& pool);

@@ -282,16 +282,14 @@ TextureAtlas make_atlas(Image left, const std::vector<PictureInUse>& others, int
         });
     }
     // In the order of a JPEG file whose colours are halved, so that its blocks of these have one colour, too.
-    ThreadPool(threads).parallel_for_chunks(rows, [&](std::size_t begin, std::size_t end) {
-        for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
-            const int top = (first_row + row) * kAtlasBlock_px,
-                      bottom = std::min(top + kAtlasBlock_px, picture.height);
-            AtlasColour before = last_row;
-            for (int column = 0; column < picture.width; column += kAtlasBlock_px)
-                for (int v = top; v < bottom; v += kBlock_px)
-                    for (int u = column; u < std::min(column + kAtlasBlock_px, picture.width); u += kBlock_px)
-                        before = fill_block(picture, &is_known[row_of(v)], u, v, before);
-        }
+    ThreadPool(threads).parallel_for_chunks<1>(rows, [&](std::size_t row) {
+        const int top = (first_row + static_cast<int>(row)) * kAtlasBlock_px,
+                  bottom = std::min(top + kAtlasBlock_px, picture.height);
+        AtlasColour before = last_row;
+        for (int column = 0; column < picture.width; column += kAtlasBlock_px)
+            for (int v = top; v < bottom; v += kBlock_px)
+                for (int u = column; u < std::min(column + kAtlasBlock_px, picture.width); u += kBlock_px)
+                    before = fill_block(picture, &is_known[row_of(v)], u, v, before);
     });
     return atlas;
 }

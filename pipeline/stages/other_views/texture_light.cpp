@@ -7,7 +7,7 @@ namespace {
 
 using Light = TextureLevel::Light;
 
-constexpr int kSweeps = 20;
+constexpr int kSweeps = 12;
 constexpr int kMostSeam = 60;  // levels of three channels: what differs by more is another thing
 
 // What a target's correction is compared with: another target's, or none where `other` is what is seen.

@@ -281,7 +281,8 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
             take_offsets(level, levels[k + 1]);
             vote(level, pool);
         }
-        for (int round = 0; round < (k == 0 ? 1 : 2); ++round) improve(level, round, k == 0 ? 1 : kAround, pool);
+        for (int round = 0; round < (k == 0 ? 1 : 2); ++round)
+            improve(level, round, k == 0 ? 1 : kAround, pool);
         match_light(level, k + 1 == levels.size() ? nullptr : &levels[k + 1], pool);
     }
     return std::move(levels.front());

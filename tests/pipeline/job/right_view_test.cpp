@@ -1,7 +1,7 @@
 // The right view's map by the surface, on a made-up scene: a box of 20 px of disparity before a wall of 4 px.
 #include <gtest/gtest.h>
 
-#include "pipeline/job/other_views.h"
+#include "pipeline/job/right_view.h"
 
 namespace hexrelief::job {
 namespace {

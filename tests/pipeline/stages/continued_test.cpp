@@ -37,7 +37,10 @@ struct BehindThing {
                 continued.pixels.push_back(at(x, y));
             }
     }
-    void give() { give_scraps_away(continued, front, place, 10); }
+    void give() {
+        ThreadPool pool(2);
+        give_scraps_away(continued, front, place, 10, pool);
+    }
 };
 
 TEST(Continued, ThingsRimDoesNotContinueBehindIt) {
@@ -154,7 +157,10 @@ TEST(Continued, MixedPixelsBesideAThingAreCleanInEachRow) {
             else if (x - kEdge < 8)
                 *view.color.at(x, y) = kColours[x - kEdge];
         }
-    continue_behind(view, here, {.right = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, {{here}, 1}, 2);
+    paint_behind(
+        view,
+        continue_behind(view, here, {.right = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, {{here}, 1}, 2),
+        nullptr, 2);
     for (int y = 2; y < kRows - 2; ++y)
         for (int x = kEdge; x < kEdge + (is_crack(y) ? 3 : 6); ++x)
             EXPECT_LT(*view.color.at(x, y), 112) << x << ' ' << y;

@@ -156,7 +156,8 @@ TEST(OtherView, ContinuedBehindTheBoxIsTheWallInItsColours) {
     const VisibleSurface visible =
         visible_surface(left_surface(), {place_at(0), place_at(1)}, kWall - 1, kThreads);
     OtherView view = left_view(visible.seen[0]);
-    continue_behind(view, visible.seen[0], {.left = 0.5}, visible, kThreads);
+    paint_behind(view, continue_behind(view, visible.seen[0], {.left = 0.5}, visible, kThreads), nullptr,
+                 kThreads);
     // From half a baseline to the left the box is 8 px farther to the right of the wall than from the left
     // camera. A sixteenth of the view continues at most.
     for (int x = 0; x < kWidth; ++x) {
@@ -179,8 +180,11 @@ TEST(OtherView, ANarrowOutlineIsNoColourOfAPhotographsWallAWiderStripIs) {
                 *view.color.at(x, y) = x < kBoxBegin - strip_px || x >= kBoxEnd ? 90
                                        : x < kBoxBegin                          ? 20
                                                                                 : 200;
-        continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px},
-                        visible, kThreads);
+        paint_behind(
+            view,
+            continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px},
+                            visible, kThreads),
+            nullptr, kThreads);
         for (int x = kBoxBegin - strip_px; x < kBoxBegin; ++x)
             EXPECT_NEAR(*view.color.at(x, 20), strip_px == 4 ? 90 : 20, 2) << x;
         if (strip_px > 4) continue;
@@ -196,8 +200,10 @@ TEST(OtherView, AWallWithoutAnOutlineKeepsItsColours) {
     for (int i = 0; i < kWidth * kHeight; ++i)
         view.color.pixels[i] = i % kWidth < kBoxBegin || i % kWidth >= kBoxEnd ? 90 + i % 5 : 200;
     const Image before = view.color;
-    continue_behind(view, visible.seen[0], {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, visible,
-                    kThreads);
+    paint_behind(view,
+                 continue_behind(view, visible.seen[0],
+                                 {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, visible, kThreads),
+                 nullptr, kThreads);
     for (int x = 0; x < kBoxBegin; ++x) EXPECT_EQ(*view.color.at(x, 20), *before.at(x, 20)) << x;
 }
 
@@ -356,7 +362,10 @@ TEST(OtherView, IsTheSameOnAnyNumberOfThreads) {
         VisibleSurface visible =
             visible_surface(left_surface(), {place_at(0), place_at(1)}, kWall - 1, threads);
         OtherView view = left_view(visible.seen[0]);
-        continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1}, visible, threads);
+        paint_behind(view,
+                     continue_behind(view, visible.seen[0], {.left = 1, .right = 1, .up = 1, .down = 1},
+                                     visible, threads),
+                     nullptr, threads);
         join_to_surface(view, visible.seen[0], 2, kLeastSurface, threads);
         DisparityMesh sheet = wavy_sheet();
         keep_behind(sheet, place_at(1), visible, kAnyStep_px, threads);

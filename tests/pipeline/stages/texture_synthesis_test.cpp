@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pipeline/stages/other_views/backing.h"
+#include "pipeline/stages/other_views/backing_texture.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
 
 namespace hexrelief::stages {
@@ -176,8 +177,10 @@ TEST(TextureSynthesis, ABackingHasItsOwnTextureBehindAnotherSurfaceThatContinues
     OtherView view{scene.place, {}, {}, scene.picture};
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
     OtherView backing = backing_of(here, scene.picture, 1, 1, 1);
-    continue_behind(view, here, {1, 1, 0, 0, Beyond::kMixedOfPhotographs_px, &backing}, {{here}, kWall - 10},
-                    2);
+    Behind hidden =
+        continue_behind(view, here, {1, 1, 0, 0, Beyond::kMixedOfPhotographs_px}, {{here}, kWall - 10}, 2);
+    keep_behind_continued(backing, view.missing);
+    paint_behind(view, std::move(hidden), &backing, 2);
     const int x = kOther - 4;
     ASSERT_NEAR(view.missing.at(x, 60), (kNear + kWall) / 2, 1);
     EXPECT_NEAR(*view.color.at(x, 60), kOtherLevel, 10);
@@ -192,8 +195,10 @@ TEST(TextureSynthesis, ABackingGoesOnBehindWhatContinues) {
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
     OtherView backing = backing_of(here, scene.picture, 1, 1, 1);
     const VisibleSurface visible{{here}, kWall - 10};
-    continue_behind(view, here, {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px, .backing = &backing},
-                    visible, 2);
+    Behind hidden =
+        continue_behind(view, here, {.left = 1, .mixed_px = Beyond::kMixedOfPhotographs_px}, visible, 2);
+    keep_behind_continued(backing, view.missing);
+    paint_behind(view, std::move(hidden), &backing, 2);
     const Image& painted = backing.texture();
     const int end = kThingBegin + kWidth / 10;
     ASSERT_FALSE(DisparityMap::known(view.missing.at(end - 1, 60))) << "it ends before the backing does";
@@ -214,7 +219,9 @@ TEST(TextureSynthesis, ABackingIsBehindWhatContinuesAndNoFartherThanAnything) {
     OtherView backing = backing_of(here, scene.picture, 1, kLeast, 1);
     for (const float d : backing.missing.values)
         if (DisparityMap::known(d)) EXPECT_GE(d, kLeast);
-    continue_behind(view, here, {.left = 1, .backing = &backing}, {{here}, kLeast}, 2);
+    Behind hidden = continue_behind(view, here, {.left = 1}, {{here}, kLeast}, 2);
+    keep_behind_continued(backing, view.missing);
+    paint_behind(view, std::move(hidden), &backing, 2);
     int both = 0;
     for (std::size_t i = 0; i < scene.front.size(); ++i)
         if (DisparityMap::known(view.missing.values[i]) && DisparityMap::known(backing.missing.values[i])) {
