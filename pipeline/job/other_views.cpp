@@ -42,7 +42,7 @@ constexpr std::size_t kLeastOfPairs = 240, kLeastAlone = 5000;
 constexpr int kBridge_px = 64;
 // Pieces of fewer triangles stand alone only if no strip of this length that nobody sees leads to others.
 constexpr std::size_t kLeastPiece = 30;
-constexpr double kStrip_px = 64;
+constexpr double kStrip_px = 128;
 constexpr std::size_t kFirstSheet = 2;    // part: the left view and its strips are before
 constexpr double kFarther = 127. / 128;   // share of the least disparity
 constexpr double kMostBackground = 0.01;  // share of a view that is dropped and hardly opens it
