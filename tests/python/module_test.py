@@ -132,6 +132,8 @@ def test_bytes_are_those_of_the_file(relief, tmp_path):
     assert relief.to_bytes().startswith(b"glTF")
     with pytest.raises(ValueError, match="files"):
         relief.to_bytes("gltf")
+    with pytest.raises(hexrelief.Error, match="format of 'xyz'"):
+        relief.to_bytes("xyz")
 
 
 def test_warnings_are_warnings(disparity):

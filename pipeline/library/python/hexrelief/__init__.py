@@ -118,8 +118,12 @@ class Mesh:
     def to_bytes(self, format: str = "glb", **options: Any) -> bytes:
         """The bytes that ``save("relief." + format, **options)`` writes; ValueError if these are several files."""
         with tempfile.TemporaryDirectory() as folder:
-            settings = _settings({"export": options})
-            files = self._core.save(os.path.join(folder, "relief." + format), settings, _warn, None)
+            settings, path = _settings({"export": options}), os.path.join(folder, "relief." + format)
+            try:
+                files = self._core.save(path, settings, _warn, None)
+            except Error as error:
+                error.args = (str(error).replace(path, format),)  # no caller knows the folder
+                raise
             if len(files) > 1:
                 raise ValueError(f"{format}: the mesh would be {len(files)} files; save() writes them")
             with open(files[0], "rb") as file:
