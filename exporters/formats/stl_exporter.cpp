@@ -24,8 +24,9 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
     const SurfaceMesh& mesh = *scene.mesh;
     check_32_bits(path, mesh.triangles.size(), "an STL holds at most 4,294,967,295 triangles; write .ply");
     const float scale = !scene.is_body && config.stl_unit == StlUnit::millimetre ? 1000.f : 1.f;
+    const UpAxis up = scene.is_body ? UpAxis::y : config.up;
     // The header must not begin with "solid", which would mark the file as text.
-    std::string bytes = "binary STL, " + scene.generator;
+    std::string bytes = "binary STL, " + scene.generator + ", " + axes_text(up);
     bytes.resize(kStlHeader + 4 + kStlTriangle * mesh.triangles.size());
     const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
     std::memcpy(bytes.data() + kStlHeader, &count, 4);
@@ -33,7 +34,7 @@ void write_stl(const Scene& scene, const ExportConfig& config, const std::filesy
     for (const Triangle& triangle : mesh.triangles) {
         Vec3f corners[3];
         for (int i = 0; i < 3; ++i) {
-            const Vec3f p = placed(mesh.positions[triangle[i]], scene.is_body ? UpAxis::y : config.up);
+            const Vec3f p = placed(mesh.positions[triangle[i]], up);
             corners[i] = {p.x * scale, p.y * scale, p.z * scale};
         }
         const Vec3f normal = face_normal(corners[0], corners[1], corners[2]);

@@ -245,7 +245,10 @@ MeshDescription describe_stl(const std::filesystem::path& path) {
     const char* text = reinterpret_cast<const char*>(bytes.data());
     out.generator.assign(text, strnlen(text, kHeader));
     constexpr std::string_view kOurs = "binary STL, ";
-    if (out.generator.starts_with(kOurs)) out.generator.erase(0, kOurs.size());
+    if (out.generator.starts_with(kOurs)) {
+        out.generator.erase(0, kOurs.size());
+        out.generator.resize(std::min(out.generator.size(), out.generator.find(", +")));  // the axes
+    }
     for (char& c : out.generator)
         if (c < ' ' || c > '~') c = '?';
     return out;

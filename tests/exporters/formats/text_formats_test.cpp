@@ -180,6 +180,8 @@ TEST_P(Stl, ComesBackInItsUnit) {
     EXPECT_EQ(paths.size(), 1u);
     const std::string bytes = contents(paths[0]);
     EXPECT_FALSE(bytes.starts_with("solid"));
+    EXPECT_STREQ(bytes.c_str(),
+                 ("binary STL, " + std::string(kGenerator) + ", +Y up, camera looking along -Z").c_str());
     std::uint32_t count;
     std::memcpy(&count, bytes.data() + 80, 4);
     ASSERT_EQ(count, mesh.triangles.size());
@@ -222,6 +224,7 @@ TEST(UpAxis, ZTurnsPositionsAndNormalsAlike) {
     const std::string ply = contents(folder / "a.ply"), stl = contents(folder / "a.stl");
     for (const std::string& text : {contents(folder / "a.obj"), ply})
         EXPECT_CONTAINS(text, "+Z up, camera looking along +Y\n");
+    EXPECT_CONTAINS(stl.substr(0, 80), "+Z up, camera looking along +Y");
     ASSERT_EQ(obj.positions.size(), mesh.positions.size());
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         EXPECT_EQ(obj.positions[i], turned(mesh.positions[i]));
