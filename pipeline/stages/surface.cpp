@@ -155,8 +155,8 @@ Vec3f unit_normal(Vec3d n, const Vec3d& position) {
 
 // How far means reach: gradients at the ends of an edge may differ by so many times the noise, or the
 // quantum, over the edge.
-constexpr double kOfNoise = 5, kOfQuantum = 0.25;
-constexpr int kRounds = 8, kRoundsOfQuantum = 4;
+constexpr double kOfNoise = 4, kOfQuantum = 0.25;
+constexpr int kRounds = 5, kRoundsOfQuantum = 4;
 
 struct Gradient {
     double x = 0, y = 0;  // px of disparity per px
@@ -214,6 +214,39 @@ std::vector<Gradient> means_of(const std::vector<Gradient>& gradients, const std
     for (std::size_t i = 0; i < means.size(); ++i)
         means[i] = {means[i].x / weights[i], means[i].y / weights[i]};
     return means;
+}
+
+// Returns the medians, of either coordinate, of each gradient and those at the other ends of its sides: what
+// mismatches turn far off is replaced, where means would leave it alone or spread it.
+std::vector<Gradient> medians_of(const std::vector<Gradient>& gradients, const std::vector<Side>& sides) {
+    const std::size_t count = gradients.size();
+    std::vector<std::size_t> ends(count + 1, 0);  // of each vertex's values, after they are filled in
+    for (const Side& side : sides)
+        for (const std::uint32_t v : {side.a, side.b}) ++ends[v + 1];
+    // Twice the gradient itself, as inner edges have two sides.
+    for (std::size_t i = 0; i < count; ++i) ends[i + 1] += ends[i] + 2;
+    std::vector<double> x(ends[count]), y(ends[count]);
+    const auto add = [&](std::size_t v, const Gradient& g) {
+        x[ends[v]] = g.x;
+        y[ends[v]++] = g.y;
+    };
+    for (std::size_t i = 0; i < count; ++i)
+        for (int twice = 0; twice < 2; ++twice) add(i, gradients[i]);
+    for (const auto& [a, b, length2] : sides) {
+        add(a, gradients[b]);
+        add(b, gradients[a]);
+    }
+    std::vector<Gradient> medians(count);
+    for (std::size_t i = 0, begin = 0; i < count; begin = ends[i++]) {
+        const std::size_t size = ends[i] - begin;
+        const auto median = [&](std::vector<double>& values) {
+            const auto from = values.begin() + begin;
+            std::sort(from, from + size);
+            return (from[(size - 1) / 2] + from[size / 2]) / 2;
+        };
+        medians[i] = {median(x), median(y)};
+    }
+    return medians;
 }
 
 }  // namespace
@@ -289,10 +322,12 @@ void smooth_normals(SurfaceMesh& mesh, const Calibration& camera, double quantum
             sides.push_back({a, b, x * x + y * y});
         }
     if (sides.empty()) return;
-    const double reach =
-        quantum_px > 0 ? kOfQuantum * quantum_px : kOfNoise * noise_of(mesh, sides, gradients);
-    const int rounds = quantum_px > 0 ? kRoundsOfQuantum : kRounds;
-    for (int round = 0; round < rounds; ++round) gradients = means_of(gradients, sides, reach);
+    const bool has_steps = quantum_px > 0;
+    const double reach = has_steps ? kOfQuantum * quantum_px : kOfNoise * noise_of(mesh, sides, gradients);
+    if (!has_steps) gradients = medians_of(gradients, sides);
+    for (int round = 0; round < (has_steps ? kRoundsOfQuantum : kRounds); ++round)
+        gradients = means_of(gradients, sides, reach);
+    if (!has_steps) gradients = medians_of(gradients, sides);
     for (std::size_t i = 0; i < count; ++i)
         mesh.normals[i] = normal_of(gradients[i], mesh.image_points[i], mesh.disparities[i], camera);
 }

@@ -32,8 +32,8 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
 // quantum_px over the edge, if that is above 0: the step of a map that was smoothed within its steps. The
 // noise is the mesh's own: the median, over all edges, of what the gradients at both ends leave of the
 // difference of the disparities, which is nothing on planes and quadrics. So creases stay, and on a smooth
-// map everything does. Positions stay as they are. Needs image points, disparities and normals, in the space
-// of `camera`.
+// map everything does. If quantum_px is 0, medians before and after replace what mismatches turn. Positions
+// stay as they are. Needs image points, disparities and normals, in the space of `camera`.
 void smooth_normals(SurfaceMesh& mesh, const Calibration& camera, double quantum_px = 0);
 
 }  // namespace hexrelief::stages

@@ -386,5 +386,15 @@ TEST(SmoothNormals, NoiseGoesAndFoldsStay) {
     EXPECT_GT(mean_error(of_fine_steps, wanted, kFold_px, 0), 0.9 * mean_error(before, wanted, kFold_px, 0));
 }
 
+TEST(SmoothNormals, NormalsThatMismatchesTurnAreReplaced) {
+    Example rough([](double x, double y) { return 40 - 0.1 * x + 0.05 * y; });
+    const SurfaceMesh wanted = rough.build();
+    for (std::size_t i = 30; i < rough.disparities.size(); i += 67) rough.disparities[i] += 2;
+    const SurfaceMesh before = rough.build();
+    SurfaceMesh after = before;
+    smooth_normals(after, rough.calibration);
+    EXPECT_LT(mean_error(after, wanted, 0, 0), 0.1 * mean_error(before, wanted, 0, 0));
+}
+
 }  // namespace
 }  // namespace hexrelief::stages
