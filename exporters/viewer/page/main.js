@@ -82,8 +82,7 @@ class Viewer {
 
   draw() {
     this.orbit.update(this.relief.sphere);
-    const { width, height } = byId('view');
-    this.relief.fadeWire(width * height * (this.orbit.depth / this.orbit.distance) ** 2);
+    this.relief.wire.uniforms.height.value = byId('view').height;
     this.renderer.render(this.relief.scene, this.orbit.camera);
   }
 

@@ -8,6 +8,10 @@ export const kLooks = ['photograph', 'grey', 'depth', 'normals'];
 // the same colours for the scale bar.
 const kHeat = [[24, 18, 77], [33, 62, 128], [25, 104, 140], [26, 145, 136], [72, 182, 107], [157, 212, 66], [250, 230, 70]];
 
+const kWireOpacity = 0.5;
+const kLeastWireOpacity = 0.08;
+const kFreeSide_px = 10; // triangles of this side and larger ones leave their surface visible
+
 // Each vertex stays on its ray from the left camera: flat at `lift` 0, where it was measured at 1.
 const kPlaced = `
   uniform float lift;
@@ -86,11 +90,22 @@ export function surfaceMaterial(uniforms) {
   });
 }
 
-export function wireMaterial(uniforms) {
+// Lines a few px apart would cover the surface: they are drawn fainter the closer they lie. side: of the triangles at each
+// vertex, as the left camera saw it, in focal lengths; height: of the view, px.
+export function wireMaterial({ lift, flatDepth }) {
   return new ShaderMaterial({
-    uniforms: { lift: uniforms.lift, flatDepth: uniforms.flatDepth, colour: { value: new Color() }, opacity: { value: 0.5 } },
-    vertexShader: kPlacedAlone,
-    fragmentShader: 'uniform vec3 colour; uniform float opacity; void main() { gl_FragColor = vec4(colour, opacity); }',
+    uniforms: { lift, flatDepth, colour: { value: new Color() }, height: { value: 1 } },
+    vertexShader: `${kPlaced}
+      attribute float side;
+      uniform float height;
+      varying float opacity;
+      void main() {
+        vec3 place = placed(position);
+        gl_Position = projectionMatrix * viewMatrix * vec4(place, 1.0);
+        float side_px = 0.5 * height * projectionMatrix[1][1] * side * -place.z / max(gl_Position.w, 1e-6);
+        opacity = clamp(${kWireOpacity} * side_px / ${kFreeSide_px.toFixed(1)}, ${kLeastWireOpacity}, ${kWireOpacity});
+      }`,
+    fragmentShader: 'uniform vec3 colour; varying float opacity; void main() { gl_FragColor = vec4(colour, opacity); }',
     transparent: true, depthWrite: false, toneMapped: false,
   });
 }

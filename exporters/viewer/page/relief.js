@@ -2,10 +2,7 @@
 import { BufferAttribute, BufferGeometry, LineSegments, Mesh, Scene, Sphere, Texture, LinearMipmapLinearFilter } from 'three';
 import { hatchMaterial, kLooks, makeUniforms, surfaceMaterial, wireMaterial } from './materials.js';
 
-const kWireOpacity = 0.5;
-const kLeastWireOpacity = 0.1;
 const kNobody = 3; // provenance of what no camera saw
-const kFreeSide_px = 10; // triangles of this side and larger ones leave their surface visible
 
 // The photograph on the graphics card; smaller where that takes no such large one.
 export async function makeTexture(image, renderer) {
@@ -46,6 +43,23 @@ function wallGeometry({ focal_px, cx, cy, width, height }, depth) {
   geometry.setAttribute('position', new BufferAttribute(new Float32Array(corners.flat()), 3));
   geometry.setIndex([0, 1, 2, 2, 1, 3]);
   return geometry;
+}
+
+// At each vertex the mean, over its triangles, of their shortest sides in the photograph, in focal lengths.
+function shortSides(corners, positions) {
+  const sums = new Float32Array(positions.length / 3);
+  const counts = new Uint32Array(sums.length);
+  const seen = (i, axis) => positions[i + axis] / positions[i + 2];
+  const length = (i, j) => Math.hypot(seen(i, 0) - seen(j, 0), seen(i, 1) - seen(j, 1));
+  for (let t = 0; t < corners.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => 3 * corners[t + k]);
+    const shortest = Math.min(length(a, b), length(b, c), length(c, a));
+    for (let k = 0; k < 3; ++k) {
+      sums[corners[t + k]] += shortest;
+      ++counts[corners[t + k]];
+    }
+  }
+  return sums.map((sum, i) => sum / counts[i]);
 }
 
 export class Relief {
@@ -132,14 +146,6 @@ export class Relief {
     this.wires.forEach((wire, i) => { if (wire) wire.visible = shown && i === this.level; });
   }
 
-  // Lines a few px apart would cover the surface: they are drawn fainter the closer they lie. area: of the relief
-  // on the screen, px^2.
-  fadeWire(area) {
-    const triangles = this.mesh.geometry.index.count / 3;
-    const side_px = Math.sqrt((2.3 * area) / triangles); // of an equilateral triangle
-    this.wire.uniforms.opacity.value = Math.min(kWireOpacity, Math.max(kLeastWireOpacity, (kWireOpacity * side_px) / kFreeSide_px));
-  }
-
   // All sides of all triangles: what two of them share is drawn twice, which nobody sees.
   #makeWire() {
     const { geometry } = this.mesh;
@@ -152,6 +158,7 @@ export class Relief {
       }
     const lines = new BufferGeometry();
     lines.setAttribute('position', geometry.attributes.position);
+    lines.setAttribute('side', new BufferAttribute(shortSides(corners, geometry.attributes.position.array), 1));
     lines.setIndex(new BufferAttribute(sides, 1));
     const wire = new LineSegments(lines, this.wire);
     wire.frustumCulled = false;
