@@ -220,21 +220,31 @@ std::vector<Gradient> means_of(const std::vector<Gradient>& gradients, const std
 // mismatches turn far off is replaced, where means would leave it alone or spread it.
 std::vector<Gradient> medians_of(const std::vector<Gradient>& gradients, const std::vector<Side>& sides) {
     const std::size_t count = gradients.size();
+    // The two sides of an inner edge run in opposite directions, so the numbers around an inner vertex
+    // cancel.
+    std::vector<std::int64_t> balance(count, 0);
+    for (const Side& side : sides) {
+        balance[side.a] += side.b;
+        balance[side.b] -= side.a;
+    }
+    // Border vertices get inner edges' other ends, and themselves, twice, so that border edges weigh half.
+    const auto is_inner = [&](std::size_t v) { return balance[v] == 0; };
     std::vector<std::size_t> ends(count + 1, 0);  // of each vertex's values, after they are filled in
-    for (const Side& side : sides)
-        for (const std::uint32_t v : {side.a, side.b}) ++ends[v + 1];
-    // Twice the gradient itself, as inner edges have two sides.
-    for (std::size_t i = 0; i < count; ++i) ends[i + 1] += ends[i] + 2;
+    for (const auto& [a, b, length2] : sides) {
+        ++ends[a + 1];
+        if (!is_inner(b)) ++ends[b + 1];
+    }
+    for (std::size_t i = 0; i < count; ++i) ends[i + 1] += ends[i] + (is_inner(i) ? 1 : 2);
     std::vector<double> x(ends[count]), y(ends[count]);
     const auto add = [&](std::size_t v, const Gradient& g) {
         x[ends[v]] = g.x;
         y[ends[v]++] = g.y;
     };
     for (std::size_t i = 0; i < count; ++i)
-        for (int twice = 0; twice < 2; ++twice) add(i, gradients[i]);
+        for (int k = is_inner(i) ? 1 : 0; k < 2; ++k) add(i, gradients[i]);
     for (const auto& [a, b, length2] : sides) {
         add(a, gradients[b]);
-        add(b, gradients[a]);
+        if (!is_inner(b)) add(b, gradients[a]);
     }
     std::vector<Gradient> medians(count);
     for (std::size_t i = 0, begin = 0; i < count; begin = ends[i++]) {
