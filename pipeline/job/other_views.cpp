@@ -105,6 +105,8 @@ SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages:
                                  std::min(width, height) / kFittingSpacings);
     const HexMesh2D lattice = mesher::regular_mesh(width, height, coarse);
     SurfaceConfig surface = config.surface;
+    // Nobody knows exactly where what no camera saw ends.
+    if (other.place.right == 0) surface.split_rounds = std::min(surface.split_rounds, 1);
     if (other.place.right == 0 || left.is_by_points)
         surface.least_discontinuity_px = left.right ? hidden_step_px(left) : kShownStep_px;
     DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);

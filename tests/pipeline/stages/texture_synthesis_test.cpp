@@ -217,8 +217,7 @@ TEST(TextureSynthesis, ABackingIsBehindWhatContinuesAndNoFartherThanAnything) {
     view.missing = {kWidth, kHeight, std::vector<float>(scene.front.size(), kUnknownDisparity)};
     constexpr double kLeast = kWall - 0.25;
     OtherView backing = backing_of(here, scene.picture, 1, kLeast, 1);
-    for (const float d : backing.missing.values)
-        EXPECT_TRUE(!DisparityMap::known(d) || d >= kLeast) << d;
+    for (const float d : backing.missing.values) EXPECT_TRUE(!DisparityMap::known(d) || d >= kLeast) << d;
     Behind hidden = continue_behind(view, here, {.left = 1}, {{here}, kLeast}, 2);
     keep_behind_continued(backing, view.missing);
     paint_behind(view, std::move(hidden), &backing, 2);
