@@ -74,7 +74,7 @@ TEST(Budget, BytesCountPicturesAndLevels) {
         EXPECT_EQ(o.report["budget"]["reached"], bytes) << file;
         EXPECT_LE(bytes, most) << file;
     };
-    expect_within("page.html", 609000, {});
+    expect_within("page.html", 620000, {});
     expect_within("levels.glb", 36000, {"--set", "export.lod=3"});
     expect_within("scene.usdz", 60000, {"--color", sample("left.png")});
 }
