@@ -160,8 +160,10 @@ stages::Frame frame_for(const LeftView& view, const stages::VisibleSurface& visi
 void join_and_append(SurfaceMesh& mesh, std::vector<SurfaceMesh>& sheets, const std::vector<OtherView>& views,
                      const stages::VisibleSurface& visible, const LeftView& view, int threads) {
     const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-    ThreadPool(threads).parallel_for_chunks<1>(1 + sheets.size(), [&](std::size_t i) {
-        stages::join_pieces(i == 0 ? mesh : sheets[i - 1], visible, view.calibration, kLeastPiece, kStrip_px);
+    stages::for_row_bands(1 + static_cast<int>(sheets.size()), threads, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i)
+            stages::join_pieces(i == 0 ? mesh : sheets[i - 1], visible, view.calibration, kLeastPiece,
+                                kStrip_px);
     });
     mesh.parts = {{PartOrigin::left, vertices, triangles},
                   {PartOrigin::nobody, mesh.positions.size() - vertices, mesh.triangles.size() - triangles}};
@@ -267,12 +269,13 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         sheets.push_back(std::move(sheet));
         others.views.push_back(std::move(other));
     };
-    // Both views' parts are found at once, each on half of the threads.
-    const SeenFrom seen{view, visible, frame, behind, (threads + 1) / 2};
-    auto finding_right = start_work(threads, [&] { return right ? missing_on_right(seen) : OtherView{}; });
+    // Both views' parts are found at once, then each on half of the threads.
+    const SeenFrom seen{view, visible, frame, behind, right && behind > 0 ? (threads + 1) / 2 : threads};
+    auto finding_right =
+        start_work(threads, [&] { return right ? std::optional(missing_on_right(seen)) : std::nullopt; });
     OtherView left, backing;
     if (behind > 0) std::tie(left, backing) = hidden_on_left(seen);
-    if (OtherView found = finding_right.get(); right) add(std::move(found));
+    if (std::optional<OtherView> found = finding_right.get()) add(*std::move(found));
     if (behind > 0) {
         add(std::move(left));
         add(std::move(backing));

@@ -40,7 +40,7 @@ Values farthest(Values values, const Grid& grid, int radius) {
 
 // Sums the values of each square.
 Values sums(Values values, const Grid& grid, int radius) {
-    const cv::Mat map(grid.height, grid.width, CV_64F, values.data());
+    cv::Mat map(grid.height, grid.width, CV_64F, values.data());
     cv::boxFilter(map, map, -1, {2 * radius + 1, 2 * radius + 1}, {-1, -1}, false, cv::BORDER_CONSTANT);
     return values;
 }
@@ -56,8 +56,8 @@ struct Reduced {
 Reduced reduced(const SeenSurface& here, int by, ThreadPool& pool) {
     const int width = here.place.width, height = here.place.height;
     const Grid grid{width / by, height / by};
-    const Values none(static_cast<std::size_t>(grid.width) * grid.height);
-    Reduced small{grid, none, none, none};
+    const Values zeros(static_cast<std::size_t>(grid.width) * grid.height);
+    Reduced small{grid, zeros, zeros, zeros};
     const auto at = [&](int x, int y) { return here.disparities[static_cast<std::size_t>(y) * width + x]; };
     const auto are_apart = [](double a, double b) {
         return a != kNotCovered && b != kNotCovered && std::abs(a - b) > kOneSurface_px;

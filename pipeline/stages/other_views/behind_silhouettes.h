@@ -29,7 +29,7 @@ struct Behind {
 // outermost of these cameras sees. It stays behind `visible`, and is no more than a sixteenth of the view
 // long.
 // here: the surface as the view shows it. Nothing continues behind a border of the surface that has nothing
-// behind it. The same for any number of threads.
+// behind it. Returns what paint_behind() needs. The same for any number of threads.
 Behind continue_behind(OtherView& view, const SeenSurface& here, const Beyond& beyond,
                        const VisibleSurface& visible, int threads);
 

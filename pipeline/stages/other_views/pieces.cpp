@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <ranges>
 #include <tuple>
 #include <vector>
 
@@ -15,9 +16,9 @@
 namespace hexrelief::stages {
 namespace {
 
-constexpr double kEnd_px = 2;              // from an end of a strip it is behind the surface
+constexpr double kEnd_px = 2;              // of a strip at either end, where it goes behind the surface
 constexpr double kHardlyInFront_px = 0.1;  // at the ends it is level with the surface
-constexpr double kMostStep_px = 3;         // of a strip: longer ones are seen from the side
+constexpr double kMostStep_px = 3;         // of a strip: higher ones are seen from the side
 constexpr double kLeastTurn_px2 = 0.1;     // of a strip's triangles: they face the camera
 
 // The corners of a strip by rows, from the first side to the other.
@@ -30,7 +31,6 @@ struct BorderSide {
     float least, largest;  // disparity
 };
 
-// The sides of the border, from top to bottom.
 std::vector<BorderSide> border_of(const SurfaceMesh& mesh) {
     const std::size_t vertices = mesh.image_points.size();
     std::vector<std::uint32_t> begins(vertices + 1), ends;  // of the sides that begin at a vertex
@@ -54,11 +54,50 @@ std::vector<BorderSide> border_of(const SurfaceMesh& mesh) {
             const auto [least, largest] = std::minmax(mesh.disparities[a], mesh.disparities[b]);
             border.push_back({a, b, (double(p.x) + q.x) / 2, (double(p.y) + q.y) / 2, least, largest});
         }
-    std::sort(border.begin(), border.end(), [](const BorderSide& one, const BorderSide& other) {
-        return std::tie(one.y, one.x, one.a, one.b) < std::tie(other.y, other.x, other.a, other.b);
-    });
     return border;
 }
+
+// The sides by the squares of the left view in which their middles lie.
+class BorderGrid {
+  public:
+    explicit BorderGrid(const std::vector<BorderSide>& border) {
+        if (border.empty()) return;
+        const auto [left, right] = std::ranges::minmax(border | std::views::transform(&BorderSide::x));
+        const auto [top, bottom] = std::ranges::minmax(border | std::views::transform(&BorderSide::y));
+        left_ = left;
+        top_ = top;
+        columns_ = 1 + static_cast<int>((right - left) / kSquare_px);
+        rows_ = 1 + static_cast<int>((bottom - top) / kSquare_px);
+        squares_.resize(static_cast<std::size_t>(columns_) * rows_);
+        for (std::uint32_t i = 0; i < border.size(); ++i)
+            squares_[at(column_of(border[i]), row_of(border[i]))].push_back(i);
+    }
+    // Calls take(side) for the sides within reach_px of one, ring by ring of squares, until it has returned
+    // true for enough.
+    template <class Take>
+    void for_nearest(const BorderSide& from, double reach_px, const Take& take) const {
+        const int column = column_of(from), row = row_of(from);
+        int taken = 0;
+        for (int ring = 0; ring <= 1 + static_cast<int>(reach_px / kSquare_px) && taken < kMostTried; ++ring)
+            for (int y = std::max(0, row - ring); y <= std::min(rows_ - 1, row + ring); ++y) {
+                const int step = y == row - ring || y == row + ring ? 1 : std::max(1, 2 * ring);
+                for (int x = column - ring; x <= column + ring; x += step)
+                    if (x >= 0 && x < columns_)
+                        for (const std::uint32_t side : squares_[at(x, y)]) taken += take(side);
+            }
+    }
+
+  private:
+    static constexpr int kSquare_px = 16, kMostTried = 100;
+
+    int column_of(const BorderSide& side) const { return static_cast<int>((side.x - left_) / kSquare_px); }
+    int row_of(const BorderSide& side) const { return static_cast<int>((side.y - top_) / kSquare_px); }
+    std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * columns_ + x; }
+
+    double left_ = 0, top_ = 0;
+    int columns_ = 0, rows_ = 0;
+    std::vector<std::vector<std::uint32_t>> squares_;
+};
 
 // True if the surface covers a triangle of the left view in all views that show it, and the triangle faces
 // the camera.
@@ -155,21 +194,21 @@ void join_pieces(SurfaceMesh& mesh, const VisibleSurface& visible, const Calibra
     std::vector<std::size_t> sizes(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) ++sizes[pieces.find(t[0])];
     const std::vector<BorderSide> border = border_of(mesh);
+    const BorderGrid grid(border);
     std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;  // distances, and two sides
     for (std::uint32_t i = 0; i < border.size(); ++i) {
         const BorderSide& from = border[i];
         const std::uint32_t own = pieces.find(from.a);
         if (sizes[own] >= least) continue;
-        const auto first = std::partition_point(
-            border.begin(), border.end(), [&](const BorderSide& side) { return side.y < from.y - reach_px; });
-        for (auto to = first; to != border.end() && to->y <= from.y + reach_px; ++to) {
-            if (!(std::abs(to->x - from.x) <= reach_px)) continue;
-            if (std::max(to->largest, from.largest) - std::min(to->least, from.least) > kMostStep_px)
-                continue;
-            if (const double distance = std::hypot(to->x - from.x, to->y - from.y);
-                distance <= reach_px && pieces.find(to->a) != own)
-                pairs.emplace_back(distance, i, static_cast<std::uint32_t>(to - border.begin()));
-        }
+        grid.for_nearest(from, reach_px, [&](std::uint32_t k) {
+            const BorderSide& to = border[k];
+            const double distance = std::hypot(to.x - from.x, to.y - from.y);
+            if (distance > reach_px || pieces.find(to.a) == own ||
+                std::max(to.largest, from.largest) - std::min(to.least, from.least) > kMostStep_px)
+                return false;
+            pairs.emplace_back(distance, i, k);
+            return true;
+        });
     }
     std::sort(pairs.begin(), pairs.end());
     std::vector<char> is_used(border.size());

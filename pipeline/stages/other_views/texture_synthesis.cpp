@@ -21,8 +21,8 @@ constexpr int kFinest = 320, kCoarsest = 128, kLeastCell_px = 3;
 constexpr double kLeastTexels = 1.5;  // along a cell
 constexpr int kRadius = 2;            // of the squares that are compared, cells
 constexpr int kReach = 14;            // of the search at the coarsest level, cells
-constexpr int kClose = 4;             // of which so many are searched one by one
 constexpr int kAround = 8;            // the same at the others, around the sources so far
+constexpr int kClose = 4;             // from so many cells on the search takes every second one
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
 // neighbours that has another offset; of the distance to the source, for each cell; of a source whose depth
 // is off by the tolerance, so that of two surfaces within it the one goes on.
@@ -83,7 +83,7 @@ class Search {
         cost_ = cost;
         best_ = offset;
     }
-    // Looks everywhere up to `reach` cells away, the nearest first: what is farther soon costs more.
+    // Looks at offsets up to `reach` cells away, the nearest first: what is farther soon costs more.
     // soft_seen, soft_guide: as the level's, softened.
     void consider_all(int reach, const std::vector<Colour>& soft_seen, const Colour& soft_guide) {
         const auto look = [&](int dx, int dy, int apart) {
@@ -93,7 +93,6 @@ class Search {
                 extra += difference(soft_guide, soft_seen[level_.at(x_ + dx, y_ + dy)]) / kGuideShare;
             consider({static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy)}, extra);
         };
-        // Every second offset at a distance, and then those around the best.
         for (int apart = 1; apart <= reach && kApart * apart * count_ < cost_;
              apart += apart < kClose ? 1 : 2)
             for (int along = -apart; along < apart; along += apart < kClose ? 1 : 2) {
@@ -103,7 +102,7 @@ class Search {
                 look(-apart, -along, apart);
             }
         const Offset from = best_;
-        if (from.is_none()) return;
+        if (std::max(std::abs(from.x), std::abs(from.y)) < kClose - 1) return;  // all around was looked at
         for (int dy = from.y - 1; dy <= from.y + 1; ++dy)
             for (int dx = from.x - 1; dx <= from.x + 1; ++dx)
                 look(dx, dy, std::max(std::abs(dx), std::abs(dy)));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "pipeline/data/error.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::som {
@@ -124,6 +125,25 @@ TEST(MeshArea, MeshesMoveWithWhatTheyCover) {
         EXPECT_EQ(there.at(column, 0).y, 32);
         EXPECT_EQ(there.at(column, there.rows - 1).y, 132);
     }
+}
+
+// Nothing draws it anywhere, so it is what a density of 0 leaves.
+TEST(RegularMesh, IsThatOfAnEmptyDensityOverTheWholeImage) {
+    for (const MeshBorder border : {MeshBorder::fit, MeshBorder::free}) {
+        const MeshConfig config{.spacing_px = 7, .border = border};
+        const HexMesh2D regular = mesher::regular_mesh(150, 110, config),
+                        solved = solve(empty(150, 110), config);
+        ASSERT_EQ(regular.columns, solved.columns);
+        ASSERT_EQ(regular.rows, solved.rows);
+        for (std::size_t i = 0; i < regular.positions.size() && border == MeshBorder::fit; ++i) {
+            EXPECT_NEAR(regular.positions[i].x, solved.positions[i].x, 1) << i;
+            EXPECT_NEAR(regular.positions[i].y, solved.positions[i].y, 1) << i;
+        }
+        EXPECT_EQ(regular.at(0, 0).x, 0);
+        EXPECT_EQ(regular.at(regular.columns - 1, regular.rows - 1).x, 150);
+        EXPECT_EQ(regular.at(regular.columns - 1, regular.rows - 1).y, 110);
+    }
+    EXPECT_THROW(mesher::regular_mesh(20, 110, {.spacing_px = 7}), Error);
 }
 
 }  // namespace
