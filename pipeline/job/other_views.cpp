@@ -20,6 +20,7 @@
 #include "pipeline/stages/other_views/other_view.h"
 #include "pipeline/stages/other_views/pieces.h"
 #include "pipeline/stages/other_views/small_regions.h"
+#include "pipeline/stages/surface.h"
 
 namespace hexrelief::job {
 namespace {
@@ -89,39 +90,52 @@ OtherView copy_of_left(const LeftView& view, int threads) {
     return left;
 }
 
-// Returns the missing part as a surface in the left camera's space; empty if there is nothing large enough.
-SurfaceMesh sheet_of(const OtherView& other, const LeftView& left, const stages::VisibleSurface& visible,
-                     const stages::Frame& frame, const config::Config& config, Backend& backend,
-                     const RunLog& log) {
+// The spacing of a missing part's lattice, in px of its view.
+double spacing_of(const OtherView& other, const config::Config& config) {
+    return std::min(std::max(kCoarser * config.mesh.spacing_px / other.place.scale, kLeastSpacing_px),
+                    std::min(other.place.width, other.place.height) / kFittingSpacings);
+}
+
+// Returns the missing part as triangles, some of which may be in front of what cameras see. The CPU cuts it,
+// as two parts are cut at once.
+DisparityMesh cut_part(const OtherView& other, const LeftView& left, const config::Config& config,
+                       int threads, const RunLog& log) {
     const Calibration camera = stages::camera_at(other.place, left.calibration);
     const int width = other.place.width, height = other.place.height;
     const DensityMap even{width, height, std::vector<float>(other.missing.values.size(), 0)};
     const LeftView view{
         other.missing,   other.missing, even,   other.color,
         other.texture(), camera,        camera, left.least_px / static_cast<float>(other.place.scale)};
-    backend.expect_map(other.missing);
     MeshConfig coarse = config.mesh;
-    coarse.spacing_px = std::min(std::max(kCoarser * coarse.spacing_px / other.place.scale, kLeastSpacing_px),
-                                 std::min(width, height) / kFittingSpacings);
-    const HexMesh2D lattice = mesher::regular_mesh(width, height, coarse);
+    coarse.spacing_px = spacing_of(other, config);
     SurfaceConfig surface = config.surface;
     // Nobody knows exactly where what no camera saw ends.
     if (other.place.right == 0) surface.split_rounds = std::min(surface.split_rounds, 1);
     if (other.place.right == 0 || left.is_by_points)
         surface.least_discontinuity_px = left.right ? hidden_step_px(left) : kShownStep_px;
-    DisparityMesh cut = cut_lattice(lattice, view, surface, backend, log);
+    const BackendPointer cpu = pick_backend(config::BackendChoice::cpu, threads);
+    return cut_lattice(mesher::regular_mesh(width, height, coarse), view, surface, *cpu, log);
+}
+
+// Returns a cut part as a surface in the left camera's space; empty if there is nothing large enough.
+SurfaceMesh sheet_of(DisparityMesh cut, const OtherView& other, const LeftView& left,
+                     const stages::VisibleSurface& visible, const stages::Frame& frame,
+                     const config::Config& config, int threads) {
+    const ViewPlace& place = other.place;
     if (left.is_by_points)
-        stages::move_into_frame(cut, other.place, frame, visible.seen[0],
-                                static_cast<int>(std::ceil(coarse.spacing_px * other.place.scale)));
-    stages::keep_behind(cut, other.place, visible, kBlade_px, backend.threads());
+        stages::move_into_frame(cut, place, frame, visible.seen[0],
+                                static_cast<int>(std::ceil(spacing_of(other, config) * place.scale)));
+    stages::keep_behind(cut, place, visible, kBlade_px, threads);
     if (cut.triangles.empty()) return {};
     try {
-        SurfaceMesh sheet =
-            stages::in_left_space(surface_of(cut, view, config.surface), other.place, left.calibration);
+        SurfaceMesh sheet = stages::in_left_space(
+            stages::build_surface(cut, place.width, place.height, stages::camera_at(place, left.calibration),
+                                  config.surface.min_component),
+            place, left.calibration);
         // The backing's view leaves out what is left over of the left view's columns and rows; its picture
         // does not.
-        const auto across = static_cast<float>(width * other.place.scale / left.disparity.width),
-                   down = static_cast<float>(height * other.place.scale / left.disparity.height);
+        const auto across = static_cast<float>(place.width * place.scale / left.disparity.width),
+                   down = static_cast<float>(place.height * place.scale / left.disparity.height);
         for (Vec2f& at : sheet.texcoords) at = {across * at.x, down * at.y};
         return sheet;
     } catch (const Error& error) {
@@ -176,6 +190,8 @@ struct SeenFrom {
     const LeftView& view;
     const stages::VisibleSurface& visible;
     const stages::Frame& frame;
+    const config::Config& config;
+    const RunLog& log;
     double behind;
     int threads;
 
@@ -187,17 +203,28 @@ struct SeenFrom {
         stages::join_to_surface(other, here, is_rectified() ? kBorderOfPairs_px : kBorder_px,
                                 is_rectified() ? kLeastOfPairs : stages::kLeastSurface, threads);
     }
+    DisparityMesh cut(const OtherView& part) const { return cut_part(part, view, config, threads, log); }
+    SurfaceMesh sheet(DisparityMesh cut, const OtherView& part) const {
+        return sheet_of(std::move(cut), part, view, visible, frame, config, threads);
+    }
+};
+
+// A missing part and its surface, or first its triangles.
+struct Part {
+    OtherView view;
+    DisparityMesh cut;
+    SurfaceMesh sheet;
 };
 
 // Returns what the right camera sees and the surface does not show, and what continues behind that and the
-// surface in its view.
-OtherView missing_on_right(const SeenFrom& seen) {
+// surface in its view, with its sheet.
+Part missing_on_right(const SeenFrom& seen) {
     const LeftView& view = seen.view;
-    const OtherView& right = *view.right;
     const stages::SeenSurface& here = seen.visible.seen[1];
-    OtherView missing = right;
+    Part part{*view.right, {}, {}};
+    OtherView& missing = part.view;
     if (missing.map.values.empty()) {
-        missing.map = map_by_surface(right, here, view, seen.threads);
+        missing.map = map_by_surface(*view.right, here, view, seen.threads);
         drop_background(missing, view.density.background_px);
     }
     stages::find_missing(missing, here, seen.visible.seen[0], view.is_by_points, seen.threads);
@@ -212,46 +239,55 @@ OtherView missing_on_right(const SeenFrom& seen) {
     });
     if (view.is_by_points) stages::keep_in_frame(missing, seen.frame);
     seen.join_to_surface(missing, here);
-    if (seen.is_rectified()) stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
+    std::vector<stages::BridgePixel> bridges;
+    if (seen.is_rectified()) {
+        stages::ramp_steps(missing.missing, is_shown, hidden_step_px(view));
+        bridges =
+            stages::join_regions(missing.missing, here, kLeastAlone, kBridge_px, stages::kOneSurface_px);
+    }
+    part.sheet = seen.sheet(seen.cut(missing), missing);
     painting.get();
-    if (seen.is_rectified())
-        stages::join_regions(missing, here, kLeastAlone, kBridge_px, stages::kOneSurface_px);
-    return missing;
+    stages::paint_bridges(missing, bridges);
+    return part;
 }
 
-// Returns what continues behind the surface in the left view, and the backing.
-std::pair<OtherView, OtherView> hidden_on_left(const SeenFrom& seen) {
+// Returns what continues behind the surface in the left view, and the backing, as triangles.
+std::pair<Part, Part> hidden_on_left(const SeenFrom& seen) {
     const LeftView& view = seen.view;
     const stages::SeenSurface& here = seen.visible.seen[0];
     auto finding_backing = start_work(seen.threads, [&] {
         return stages::backing_of(here, view.color, seen.behind, seen.visible.least_px, seen.threads);
     });
-    OtherView left = copy_of_left(view, seen.threads);
+    Part left{copy_of_left(view, seen.threads), {}, {}};
     stages::Behind hidden = stages::continue_behind(
-        left, here,
+        left.view, here,
         {seen.behind, view.right ? 0 : 1 + seen.behind, seen.behind, seen.behind, seen.mixed_px()},
         seen.visible, seen.threads);
-    OtherView backing = finding_backing.get();
-    stages::keep_behind_continued(backing, left.missing);
-    auto painting = start_work(
-        seen.threads, [&] { stages::paint_behind(left, std::move(hidden), &backing, seen.threads); });
-    seen.join_to_surface(left, here);
+    Part backing{finding_backing.get(), {}, {}};
+    stages::keep_behind_continued(backing.view, left.view.missing);
+    auto painting = start_work(seen.threads, [&] {
+        stages::paint_behind(left.view, std::move(hidden), &backing.view, seen.threads);
+    });
+    seen.join_to_surface(left.view, here);
+    std::vector<stages::BridgePixel> bridges;
+    if (seen.is_rectified())
+        bridges =
+            stages::join_regions(left.view.missing, here, kLeastAlone, kBridge_px, hidden_step_px(view));
+    left.cut = seen.cut(left.view);
     painting.get();
-    if (seen.is_rectified()) {
-        stages::join_regions(left, here, kLeastAlone, kBridge_px, hidden_step_px(view));
-        stages::join_backing(backing, kLeastAlone, kBridge_px);
-    }
+    stages::paint_bridges(left.view, bridges);
+    if (seen.is_rectified()) stages::join_backing(backing.view, kLeastAlone, kBridge_px);
+    backing.cut = seen.cut(backing.view);
     return {std::move(left), std::move(backing)};
 }
 
 }  // namespace
 
-void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config,
-                     Backend& backend, const RunLog& log) {
+void add_other_views(SurfaceResult& result, const LeftView& view, const config::Config& config, int threads,
+                     const RunLog& log) {
     const OtherView* const right = view.right;
     const double behind = is_without_background(view) ? 0 : config.surface.behind;
     if (!right && behind == 0) return;
-    const int threads = backend.threads();
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
     std::vector<stages::UsedPart> used;
@@ -261,25 +297,28 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     auto copying_left = start_work(threads, [&] { return stages::with_room_below(view.texture); });
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const stages::Frame frame = frame_for(view, visible, config);
-    const auto add = [&](OtherView other) {
-        if (other.is_backing) visible.least_px *= kFarther;
-        SurfaceMesh sheet = sheet_of(other, view, visible, frame, config, backend, log);
-        if (sheet.empty()) return;
-        if (other.place.right > 0) stages::cover(visible, sheet, threads);
-        sheets.push_back(std::move(sheet));
-        others.views.push_back(std::move(other));
+    const auto add = [&](Part part) {
+        if (part.sheet.empty()) return;
+        sheets.push_back(std::move(part.sheet));
+        others.views.push_back(std::move(part.view));
     };
     // Both views' parts are found at once, then each on half of the threads.
-    const SeenFrom seen{view, visible, frame, behind, right && behind > 0 ? (threads + 1) / 2 : threads};
+    const int share = right && behind > 0 ? (threads + 1) / 2 : threads;
+    const SeenFrom seen{view, visible, frame, config, log, behind, share};
     auto finding_right =
         start_work(threads, [&] { return right ? std::optional(missing_on_right(seen)) : std::nullopt; });
-    OtherView left, backing;
-    if (behind > 0) std::tie(left, backing) = hidden_on_left(seen);
-    if (std::optional<OtherView> found = finding_right.get()) add(*std::move(found));
-    if (behind > 0) {
-        add(std::move(left));
-        add(std::move(backing));
+    std::optional<std::pair<Part, Part>> hidden;
+    if (behind > 0) hidden = hidden_on_left(seen);
+    if (std::optional<Part> found = finding_right.get()) {
+        stages::cover(visible, found->sheet, threads);
+        add(*std::move(found));
     }
+    if (hidden)
+        for (Part* part : {&hidden->first, &hidden->second}) {
+            if (part->view.is_backing) visible.least_px *= kFarther;
+            part->sheet = sheet_of(std::move(part->cut), part->view, view, visible, frame, config, threads);
+            add(std::move(*part));
+        }
     if (others.views.empty()) return;
     join_and_append(mesh, sheets, others.views, visible, view, threads);
     for (std::size_t i = 0; i < sheets.size() && !view.texture.empty(); ++i)
@@ -293,16 +332,16 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
 }
 
 void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftView& view,
-                     const config::Config& config, Backend& backend, const RunLog& log) {
+                     const config::Config& config, int threads, const RunLog& log) {
     if (!finest.others) return;
-    const int threads = backend.threads();
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
     const stages::Frame frame = frame_for(view, visible, config);
     std::vector<SurfaceMesh> sheets;
     for (std::size_t i = 0; i < finest.others->views.size(); ++i) {
         const OtherView& other = finest.others->views[i];
         if (other.is_backing) visible.least_px *= kFarther;
-        sheets.push_back(sheet_of(other, view, visible, frame, config, backend, log));
+        sheets.push_back(sheet_of(cut_part(other, view, config, threads, log), other, view, visible, frame,
+                                  config, threads));
         if (other.place.right > 0) stages::cover(visible, sheets.back(), threads);
     }
     join_and_append(mesh, sheets, finest.others->views, visible, view, threads);

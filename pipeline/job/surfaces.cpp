@@ -62,7 +62,7 @@ SurfaceMesh coarser_level(int level, const LeftView& view, const config::Config&
         const HexMesh2D lattice = backend.solve_mesh(view.density, config.mesh, progress);
         SurfaceMesh mesh =
             surface_of(cut_lattice(lattice, view, config.surface, backend, log), view, config.surface);
-        add_other_views(mesh, finest, view, config, backend, log);
+        add_other_views(mesh, finest, view, config, backend.threads(), log);
         tell_filled(mesh, view.disparity, config.exporting.provenance);
         return mesh;
     } catch (const Error& error) {
@@ -258,7 +258,7 @@ SurfaceResult make_surface(const LeftView& view, const config::Config& config, B
         result.mesh = surface_of(cut, view, config.surface);
         result.left_bounds = bounds_of(result.mesh.positions);
         if (config.surface.views == SurfaceViews::both && view.is_whole)
-            add_other_views(result, view, config, backend, log);
+            add_other_views(result, view, config, threads, log);
         tell_filled(result.mesh, view.disparity, config.exporting.provenance);
         result.bounds = bounds_of(result.mesh.positions);
         log.decide("depth: " + fixed(result.nearest(), 3) + " to " + fixed(result.farthest(), 3) +

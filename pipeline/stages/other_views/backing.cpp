@@ -192,7 +192,7 @@ void join_backing(OtherView& backing, std::size_t least, int reach_px) {
         return DisparityMap::known(d) ? static_cast<double>(d) : kNotCovered;
     });
     const auto by = static_cast<std::size_t>(backing.place.scale);
-    join_regions(backing, whole, least / (by * by), reach_px, kOneSurface_px);
+    paint_bridges(backing, join_regions(backing.missing, whole, least / (by * by), reach_px, kOneSurface_px));
 }
 
 }  // namespace hexrelief::stages

@@ -110,19 +110,10 @@ Ways ways_from(Regions& regions, const DisparityMap& map, const SeenSurface& her
 }
 
 // Builds a bridge around a stop of this disparity.
-void build_around(const Stop& stop, float d, OtherView& view, const SeenSurface& here, Regions& regions) {
-    DisparityMap& map = view.missing;
-    Image& texture = view.picture.empty() ? view.color : view.picture;
-    const auto column = [&](int x) { return x * texture.width / map.width; };
-    const auto row = [&](int y) { return y * texture.height / map.height; };
+void build_around(const Stop& stop, float d, DisparityMap& map, const SeenSurface& here, Regions& regions,
+                  std::vector<BridgePixel>& bridges) {
     const auto width = static_cast<std::uint32_t>(map.width);
-    const auto x_of = [&](std::uint32_t pixel) { return static_cast<int>(pixel % width); };
-    const auto y_of = [&](std::uint32_t pixel) { return static_cast<int>(pixel / width); };
-    const int x = x_of(stop.pixel), y = y_of(stop.pixel);
-    std::array<std::uint8_t, 3> colour = {};
-    if (!texture.empty())
-        std::copy_n(texture.at(column(x_of(stop.colour_of)), row(y_of(stop.colour_of))), texture.channels,
-                    colour.data());
+    const int x = static_cast<int>(stop.pixel % width), y = static_cast<int>(stop.pixel / width);
     for (int v = std::max(0, y - kHalfBridge_px); v <= std::min(map.height - 1, y + kHalfBridge_px); ++v)
         for (int u = std::max(0, x - kHalfBridge_px); u <= std::min(map.width - 1, x + kHalfBridge_px); ++u) {
             const std::uint32_t i = static_cast<std::uint32_t>(v) * width + u;
@@ -130,29 +121,48 @@ void build_around(const Stop& stop, float d, OtherView& view, const SeenSurface&
             if (DisparityMap::known(map.values[i]) || !(front >= d - kOneSurface_px)) continue;
             map.values[i] = front > d + kOneSurface_px ? d : static_cast<float>(front);
             regions.join(i, stop.region, 1);
-            if (texture.empty()) continue;
-            // A smaller texture has no texel for most pixels.
-            for (int r = row(v); r < row(v + 1); ++r)
-                for (int c = column(u); c < column(u + 1); ++c)
-                    std::copy_n(colour.data(), texture.channels, texture.at(c, r));
+            bridges.push_back({i, stop.colour_of});
         }
 }
 
 }  // namespace
 
-void join_regions(OtherView& view, const SeenSurface& here, std::size_t least, int reach_px, double step_px) {
-    Regions regions(view.missing, step_px);
+std::vector<BridgePixel> join_regions(DisparityMap& missing, const SeenSurface& here, std::size_t least,
+                                      int reach_px, double step_px) {
+    std::vector<BridgePixel> bridges;
+    Regions regions(missing, step_px);
     for (const bool below : {false, true}) {
-        const Ways ways = ways_from(regions, view.missing, here, reach_px, below);
+        const Ways ways = ways_from(regions, missing, here, reach_px, below);
         for (const Meeting& meeting : ways.meetings) {
             if (!regions.join(ways.stops[meeting.stop].region, ways.stops[meeting.other].region, least))
                 continue;
             for (std::uint32_t stop : {meeting.stop, meeting.other})
                 for (bool is_first = false; !is_first; stop = ways.stops[stop].from) {
                     is_first = ways.stops[stop].from == stop;
-                    build_around(ways.stops[stop], ways.coarse.values[stop], view, here, regions);
+                    build_around(ways.stops[stop], ways.coarse.values[stop], missing, here, regions, bridges);
                 }
         }
+    }
+    return bridges;
+}
+
+void paint_bridges(OtherView& view, const std::vector<BridgePixel>& bridges) {
+    Image& texture = view.picture.empty() ? view.color : view.picture;
+    if (texture.empty()) return;
+    const auto width = static_cast<std::uint32_t>(view.place.width);
+    const auto column = [&](std::uint32_t x) { return static_cast<int>(x * texture.width / width); };
+    const auto row = [&](std::uint32_t y) {
+        return static_cast<int>(y * texture.height / view.place.height);
+    };
+    for (const auto& [pixel, colour_of] : bridges) {
+        std::array<std::uint8_t, 3> colour = {};
+        std::copy_n(texture.at(column(colour_of % width), row(colour_of / width)), texture.channels,
+                    colour.data());
+        // A smaller texture has no texel for most pixels.
+        const std::uint32_t x = pixel % width, y = pixel / width;
+        for (int r = row(y); r < row(y + 1); ++r)
+            for (int c = column(x); c < column(x + 1); ++c)
+                std::copy_n(colour.data(), texture.channels, texture.at(c, r));
     }
 }
 

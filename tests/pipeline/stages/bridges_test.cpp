@@ -35,7 +35,7 @@ struct Scene {
             std::fill(&here.disparities[y * kWidth + left], &here.disparities[y * kWidth + right], d);
     }
     void join(std::size_t least = kLeast, int reach_px = kReach_px) {
-        join_regions(view, here, least, reach_px, kOneSurface_px);
+        paint_bridges(view, join_regions(view.missing, here, least, reach_px, kOneSurface_px));
     }
     bool is_joined() const {
         const auto known =
