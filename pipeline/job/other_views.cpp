@@ -151,18 +151,6 @@ void move_into_atlas(SurfaceMesh& mesh, const stages::TextureAtlas& atlas) {
                       i < kFirstSheet ? 0 : i - kFirstSheet + 1);
 }
 
-// Makes one texture of the left picture and those of the other views, and the mesh's parts refer to it.
-// used: of each of these, as PictureInUse.
-void add_texture(SurfaceResult::OtherViews& others, std::vector<stages::UsedPart> used, Image left,
-                 SurfaceMesh& mesh, int threads) {
-    if (left.empty()) return;
-    std::vector<stages::PictureInUse> pictures;
-    for (std::size_t i = 0; i < used.size(); ++i)
-        pictures.push_back({others.views[i].texture(), std::move(used[i])});
-    others.atlas = stages::make_atlas(std::move(left), pictures, threads);
-    move_into_atlas(mesh, others.atlas);
-}
-
 // Returns the left view's frame for what ends there; empty where nothing does.
 stages::Frame frame_for(const LeftView& view, const stages::VisibleSurface& visible,
                         const config::Config& config) {
@@ -170,15 +158,20 @@ stages::Frame frame_for(const LeftView& view, const stages::VisibleSurface& visi
 }
 
 // Joins the pieces of the left view's surface and those of the sheets, and appends these. The strips between
-// the left view's pieces are a part of their own: neither measures nor solids of that view have them.
+// the left view's pieces are a part of their own: neither measures nor solids of that view have them. Calls
+// use_sheets() before they are appended.
+template <class UseSheets>
 void join_and_append(SurfaceMesh& mesh, std::vector<SurfaceMesh>& sheets, const std::vector<OtherView>& views,
-                     const stages::VisibleSurface& visible, const LeftView& view, int threads) {
+                     const stages::VisibleSurface& visible, const LeftView& view, int threads,
+                     const UseSheets& use_sheets) {
     const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
-    stages::for_row_bands(1 + static_cast<int>(sheets.size()), threads, [&](int begin, int end) {
-        for (int i = begin; i < end; ++i)
-            stages::join_pieces(i == 0 ? mesh : sheets[i - 1], visible, view.calibration, kLeastPiece,
-                                kStrip_px);
-    });
+    const auto join = [&](SurfaceMesh& part) {
+        stages::join_pieces(part, visible, view.calibration, kLeastPiece, kStrip_px);
+    };
+    auto joining_left = start_work(threads, [&] { join(mesh); });  // the largest
+    std::ranges::for_each(sheets, join);
+    use_sheets();
+    joining_left.get();
     mesh.parts = {{PartOrigin::left, vertices, triangles},
                   {PartOrigin::nobody, mesh.positions.size() - vertices, mesh.triangles.size() - triangles}};
     for (std::size_t i = 0; i < sheets.size(); ++i)
@@ -290,9 +283,7 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
     if (!right && behind == 0) return;
     SurfaceMesh& mesh = result.mesh;
     SurfaceResult::OtherViews others;
-    std::vector<stages::UsedPart> used;
     std::vector<SurfaceMesh> sheets;
-    const bool has_levels = config.exporting.lod > 1;
     // The picture is large, and copied meanwhile: it gets more colours than it has.
     auto copying_left = start_work(threads, [&] { return stages::with_room_below(view.texture); });
     stages::VisibleSurface visible = seen_by_cameras(mesh, view, threads);
@@ -320,11 +311,19 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
             add(std::move(*part));
         }
     if (others.views.empty()) return;
-    join_and_append(mesh, sheets, others.views, visible, view, threads);
-    for (std::size_t i = 0; i < sheets.size() && !view.texture.empty(); ++i)
-        used.push_back(stages::used_part(others.views[i].texture(), sheets[i], has_levels, threads));
+    join_and_append(mesh, sheets, others.views, visible, view, threads, [&] {
+        Image left = copying_left.get();
+        if (left.empty()) return;
+        std::vector<stages::PictureInUse> pictures;
+        for (std::size_t i = 0; i < sheets.size(); ++i) {
+            const Image& picture = others.views[i].texture();
+            pictures.push_back(
+                {picture, stages::used_part(picture, sheets[i], config.exporting.lod > 1, threads)});
+        }
+        others.atlas = stages::make_atlas(std::move(left), pictures, threads);
+    });
+    if (!view.texture.empty()) move_into_atlas(mesh, others.atlas);
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
-    add_texture(others, std::move(used), copying_left.get(), mesh, threads);
     log.decide("surface: " + std::to_string(mesh.triangles_of(PartOrigin::right)) +
                " triangles show what only the right camera sees, " +
                std::to_string(mesh.triangles_of(PartOrigin::nobody)) + " what neither sees");
@@ -344,7 +343,7 @@ void add_other_views(SurfaceMesh& mesh, const SurfaceResult& finest, const LeftV
                                   config, threads));
         if (other.place.right > 0) stages::cover(visible, sheets.back(), threads);
     }
-    join_and_append(mesh, sheets, finest.others->views, visible, view, threads);
+    join_and_append(mesh, sheets, finest.others->views, visible, view, threads, [] {});
     if (!view.texture.empty()) move_into_atlas(mesh, finest.others->atlas);
     mesh.provenance = stages::provenance_of(mesh, visible.seen, threads);
 }
