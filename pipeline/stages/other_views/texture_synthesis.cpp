@@ -22,6 +22,7 @@ constexpr double kLeastTexels = 1.5;  // along a cell
 constexpr int kRadius = 2;            // of the squares that are compared, cells
 constexpr int kReach = 14;            // of the search at the coarsest level, cells
 constexpr int kAround = 8;            // the same at the others, around the sources so far
+constexpr std::uint32_t kRounds = 2;  // of that
 constexpr int kClose = 4;             // from so many cells on the search takes every second one
 // Costs for each cell that is compared, in squared levels: of one that is no source; of each of four
 // neighbours that has another offset; of the distance to the source, for each cell; of a source whose depth
@@ -230,13 +231,13 @@ std::uint32_t hashed(std::uint32_t value) {
 }
 
 // Each target looks at the offsets of its neighbours, and at some around its own.
-void improve(TextureLevel& level, std::uint32_t round, int around, ThreadPool& pool) {
+void improve(TextureLevel& level, std::uint32_t round, ThreadPool& pool) {
     const std::vector<Offset> found = found_for(level.targets, pool, [&](std::uint32_t target) {
         Search search(level, target);
         search.consider(level.offsets[target]);
         for (const int step : {1, 3}) search.consider_neighbours(step);
         std::uint32_t number = hashed(31 * target + round);
-        for (int reach = around; reach > 0 && !search.best().is_none(); reach /= 2) {
+        for (int reach = kAround; reach > 0 && !search.best().is_none(); reach /= 2) {
             number = hashed(number);
             const std::uint32_t side = 2 * reach + 1;
             const auto moved = [&](int from, std::uint32_t by) {
@@ -274,15 +275,16 @@ TextureLevel level_with_offsets(const Image& picture, const ViewPlace& place, co
         TextureLevel& level = levels[k];
         for (std::size_t i = 0; i < level.tolerances.size(); ++i)
             if (level.is_target(i)) level.targets.push_back(static_cast<std::uint32_t>(i));
-        if (k + 1 == levels.size()) {
+        const TextureLevel* const coarser = k + 1 == levels.size() ? nullptr : &levels[k + 1];
+        if (coarser == nullptr)
             fill(level, pool);
-        } else {
-            take_offsets(level, levels[k + 1]);
-            vote(level, pool);
-        }
-        for (int round = 0; round < (k == 0 ? 1 : 2); ++round)
-            improve(level, round, k == 0 ? 1 : kAround, pool);
-        match_light(level, k + 1 == levels.size() ? nullptr : &levels[k + 1], pool);
+        else
+            take_offsets(level, *coarser);
+        // At the finest level, painting between the cells hides what other offsets would better.
+        if (k > 0 && coarser != nullptr) vote(level, pool);
+        for (std::uint32_t round = 0; round < kRounds && (k > 0 || coarser == nullptr); ++round)
+            improve(level, round, pool);
+        match_light(level, coarser, pool);
     }
     return std::move(levels.front());
 }
