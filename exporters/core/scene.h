@@ -137,8 +137,8 @@ struct Scene {
     std::array<double, 3> origin_m = {};
     // Where all that a .glb or .gltf holds is moved to, by a node above it.
     std::array<double, 3> shift_m = {};
-    // The JPEG file that the top left of the texture was read from; null = none. A texture in JPEG is made of
-    // its blocks if that takes fewer bytes than encoding them anew.
+    // The file that the top left of the texture was read from, in JPEG, PNG or WebP; null = none. The texture
+    // keeps what that file has if it takes hardly more bytes than one encoded anew (encode_texture()).
     const std::vector<std::uint8_t>* texture_file = nullptr;
 };
 

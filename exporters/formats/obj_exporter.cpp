@@ -101,13 +101,14 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
                FileTransaction& files) {
     std::filesystem::path material_path = path;
     material_path.replace_extension(".mtl");
-    const std::filesystem::path image_path = texture_path(path, config);
     const TexturedMesh textured = textured_mesh(scene, config);
-    const bool image = textured.textured;
+    const EncodedTexture texture =
+        textured.textured ? encode_texture(scene, textured, config) : EncodedTexture{};
+    const std::filesystem::path image_path = texture_path(path, texture.mime_type);
     files.write(path,
                 mesh_text(textured.mesh, scene.generator, config.up, material_path.filename().string()));
-    files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
-    if (image) files.write(image_path, encode_texture(scene, textured, config).bytes);
+    files.write(material_path, material_text(scene, textured.textured ? image_path.filename().string() : ""));
+    if (textured.textured) files.write(image_path, texture.bytes);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "exporters/images/image_writer.h"
 #include "exporters/images/jpeg_blocks.h"
+#include "exporters/images/picture_file.h"
 #include "exporters/images/resize.h"
 #include "pipeline/data/start_work.h"
 
@@ -44,32 +45,95 @@ int capped(int side, const PixelRect& part, int max_px) {
     return std::max(1, static_cast<int>(std::lround(static_cast<double>(side) * max_px / longest)));
 }
 
-// A texture that keeps the blocks of the file it comes from is the photograph itself, for up to so many times
-// the bytes of one encoded anew.
-constexpr double kWorthOfBlocks = 4. / 3;
+// A texture that keeps what the file that it comes from has is the photograph itself, for up to so many times
+// the bytes of one encoded anew: what is lost comes back at no quality.
+constexpr double kWorthOfKept = 4. / 3;
 
-// Encodes a part of a picture at a quality, or as the file was that it comes from if that is smaller, or
-// worth it: what the file has lost comes back at no quality.
+bool is_jpeg(const std::vector<std::uint8_t>* file) {
+    return file && image_type(*file) == "image/jpeg";
+}
+
+// Encodes a part of a picture at a quality, or as the JPEG file was that it comes from if that is smaller, or
+// worth it.
 std::vector<std::uint8_t> encode_small_jpeg(const Scene& scene, const Image& picture, const PixelRect& part,
                                             int quality) {
     JpegOfBlocks as_file;
     auto keeping = start_work(scene.threads, [&] {
-        if (scene.texture_file) as_file = encode_jpeg_as(*scene.texture_file, picture, part, scene.threads);
+        if (is_jpeg(scene.texture_file))
+            as_file = encode_jpeg_as(*scene.texture_file, picture, part, scene.threads);
     });
     std::vector<std::uint8_t> anew = encode_jpeg(picture, part, quality, scene.threads);
     keeping.get();
-    const double most = (as_file.keeps_blocks ? kWorthOfBlocks : 1) * static_cast<double>(anew.size());
+    const double most = (as_file.keeps_blocks ? kWorthOfKept : 1) * static_cast<double>(anew.size());
     return as_file.bytes.empty() || static_cast<double>(as_file.bytes.size()) > most ? anew : as_file.bytes;
+}
+
+const char* extension_of_type(const std::string& mime_type) {
+    return mime_type == "image/png" ? ".png" : mime_type == "image/webp" ? ".webp" : ".jpg";
+}
+
+// Returns the texture of a picture's PNG or WebP file with exactly its pixels, if that is worth more than the
+// one encoded anew.
+EncodedTexture keep_pixels(EncodedTexture anew, const Scene& scene, const TexturedMesh& mesh,
+                           TextureFormat format) {
+    if (!scene.texture_file || is_jpeg(scene.texture_file)) return anew;
+    const std::string type = image_type(*scene.texture_file);
+    const double worth = format == TextureFormat::png ? 1 : kWorthOfKept;
+    const auto is_worth_it = [&](const std::vector<std::uint8_t>& bytes) {
+        return !bytes.empty() && static_cast<double>(bytes.size()) <= worth * anew.bytes.size();
+    };
+    if (!may_keep(format, type) || !is_worth_it(*scene.texture_file)) return anew;
+    const Image texture = texture_of(*scene.texture, mesh);
+    std::vector<std::uint8_t> kept = bare_file(*scene.texture_file, texture);
+    if (kept.empty() && type != anew.mime_type) kept = encode_png(texture);
+    return is_worth_it(kept) ? EncodedTexture{std::move(kept), type} : std::move(anew);
+}
+
+EncodedTexture encode_anew(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config) {
+    const Image& picture = *scene.texture;
+    const bool is_scaled = mesh.width_px != mesh.part.width || mesh.height_px != mesh.part.height;
+    const bool is_whole =
+        !is_scaled && mesh.part.width == picture.width && mesh.part.height == picture.height;
+    if (config.texture == TextureFormat::jpeg && !is_scaled)
+        return {encode_small_jpeg(scene, picture, mesh.part, config.texture_quality), "image/jpeg"};
+    const Image part = is_whole ? Image{} : texture_of(picture, mesh);
+    const Image& texture = is_whole ? picture : part;
+    switch (config.texture) {
+        case TextureFormat::png:
+            return {encode_png(texture), "image/png"};
+        case TextureFormat::webp:
+            return {encode_webp(texture, config.texture_quality), "image/webp"};
+        default:
+            return {encode_small_jpeg(scene, texture, {0, 0, texture.width, texture.height},
+                                      config.texture_quality),
+                    "image/jpeg"};
+    }
 }
 
 }  // namespace
 
-std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config) {
+std::filesystem::path texture_path(const std::filesystem::path& path, const std::string& mime_type) {
     std::filesystem::path name = path.stem();
-    name += config.texture == TextureFormat::png    ? "_texture.png"
-            : config.texture == TextureFormat::webp ? "_texture.webp"
-                                                    : "_texture.jpg";
+    name += std::string("_texture") + extension_of_type(mime_type);
     return path.parent_path() / name;
+}
+
+std::vector<std::string> texture_types(TextureFormat format) {
+    switch (format) {
+        case TextureFormat::none:
+            return {};
+        case TextureFormat::jpeg:
+            return {"image/jpeg", "image/png"};
+        case TextureFormat::png:
+            return {"image/png"};
+        case TextureFormat::webp:
+            return {"image/webp"};
+    }
+    return {};
+}
+
+bool may_keep(TextureFormat format, const std::string& file_type) {
+    return std::ranges::count(texture_types(format), file_type) > 0;
 }
 
 TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config) {
@@ -118,7 +182,7 @@ std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig
         for (const TexturedMesh& level : levels)
             all.insert(all.end(), level.mesh.texcoords.begin(), level.mesh.texcoords.end());
         part = used_part(all, image);
-        if (scene.texture_file && config.texture == TextureFormat::jpeg) part = from_blocks(part);
+        if (is_jpeg(scene.texture_file) && config.texture == TextureFormat::jpeg) part = from_blocks(part);
     }
     for (TexturedMesh& level : levels) {
         level.textured = true;
@@ -143,24 +207,7 @@ Image texture_of(const Image& picture, const TexturedMesh& mesh) {
 }
 
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config) {
-    const Image& picture = *scene.texture;
-    const bool is_scaled = mesh.width_px != mesh.part.width || mesh.height_px != mesh.part.height;
-    const bool is_whole =
-        !is_scaled && mesh.part.width == picture.width && mesh.part.height == picture.height;
-    if (config.texture == TextureFormat::jpeg && !is_scaled)
-        return {encode_small_jpeg(scene, picture, mesh.part, config.texture_quality), "image/jpeg"};
-    const Image part = is_whole ? Image{} : texture_of(picture, mesh);
-    const Image& texture = is_whole ? picture : part;
-    switch (config.texture) {
-        case TextureFormat::png:
-            return {encode_png(texture), "image/png"};
-        case TextureFormat::webp:
-            return {encode_webp(texture, config.texture_quality), "image/webp"};
-        default:
-            return {encode_small_jpeg(scene, texture, {0, 0, texture.width, texture.height},
-                                      config.texture_quality),
-                    "image/jpeg"};
-    }
+    return keep_pixels(encode_anew(scene, mesh, config), scene, mesh, config.texture);
 }
 
 ArchivedMesh archived_mesh(const Scene& scene, ExportConfig config, const std::string& stem) {
@@ -168,7 +215,7 @@ ArchivedMesh archived_mesh(const Scene& scene, ExportConfig config, const std::s
     ArchivedMesh out{textured_mesh(scene, config), {}, {}};
     if (!out.textured.textured) return out;
     out.texture = encode_texture(scene, out.textured, config);
-    out.texture_name = stem + (out.texture.mime_type == "image/png" ? ".png" : ".jpg");
+    out.texture_name = stem + extension_of_type(out.texture.mime_type);
     return out;
 }
 

@@ -16,9 +16,13 @@ struct EncodedTexture {
     std::string mime_type;  // "image/jpeg", "image/png" or "image/webp"
 };
 
-// Returns the path of the texture file beside `path`: "<stem>_texture.jpg", ".png" or ".webp". The suffix
-// keeps `-o photo.obj` from overwriting the photo.png that it was made from.
-std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config);
+// Returns the path of a texture file of a type beside `path`: "<stem>_texture.jpg", ".png" or ".webp". The
+// suffix keeps `-o photo.obj` from overwriting the photo.png that it was made from.
+std::filesystem::path texture_path(const std::filesystem::path& path, const std::string& mime_type);
+// Returns the types that encode_texture() may choose.
+std::vector<std::string> texture_types(TextureFormat format);
+// True if a texture may keep something of a picture's file of that type (image_type()).
+bool may_keep(TextureFormat format, const std::string& file_type);
 
 // A scene's mesh with the configured attributes, and the part of the scene's picture that is its texture:
 // cropped to what the mesh and all other levels of detail show, and scaled down to the largest size. The
@@ -46,8 +50,9 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 
 // Returns the texture of a textured mesh, cut from the scene's picture.
 Image texture_of(const Image& picture, const TexturedMesh& mesh);
-// Encodes it. A JPEG texture never takes more bytes than one encoded as scene.texture_file is, and keeps this
-// file's blocks where it can for at most a third more than the quality takes.
+// Encodes it. If scene.texture_file is a file of the same type, or a PNG in place of JPEG, the texture never
+// takes more bytes than if it were encoded as that file is, and keeps what that file has for at most a third
+// more than the quality takes: a JPEG's blocks, a PNG's or WebP's pixels.
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config);
 
 // The finest level and its texture for an archive's formats, none of which knows WebP.

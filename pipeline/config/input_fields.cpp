@@ -135,11 +135,13 @@ std::vector<Field> export_fields() {
                "emissive or unlit; programs make their own where there are none"),
         flag(EXPORT(texcoords),
              "write texture coordinates; without them .glb, .gltf and .obj have no texture"),
-        choice(
-            EXPORT(texture), {"none", "jpeg", "png", "webp"},
-            "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out"),
-        number(EXPORT(texture_quality), "", {1, 100},
-               "of a JPEG or WebP texture; a JPEG keeps its own file's blocks for up to 4/3 of the bytes"),
+        choice(EXPORT(texture), {"none", "jpeg", "png", "webp"},
+               "image on the surface; jpeg may be the picture's own PNG, see texture_quality; "
+               "webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out"),
+        number(
+            EXPORT(texture_quality), "", {1, 100},
+            "of a JPEG or WebP texture; what the picture's own JPEG, PNG or WebP file has is kept for up to "
+            "4/3 of the bytes"),
         number(EXPORT(texture_max_px), "px", {0, 65500},
                "longest side of the texture, larger ones are scaled down; 0 = as large as it is"),
         flag(EXPORT(texture_crop), "crop the texture to what the mesh shows"),

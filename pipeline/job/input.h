@@ -54,8 +54,7 @@ struct RunInput {
     Calibration calibration = {};                     // in effect, for the left view's size
     std::string focal_from = {}, baseline_from = {};  // as in ResolvedCalibration, or "the nearest distance"
     std::vector<InputFile> files = {};
-    std::vector<std::uint8_t> texture_file =
-        {};  // the left picture's, if it is a JPEG that the texture keeps
+    std::vector<std::uint8_t> texture_file = {};  // the left picture's, if the texture may keep some of it
 
     // True if a pair was aligned by its own points.
     bool is_aligned() const {

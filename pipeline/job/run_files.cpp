@@ -249,7 +249,8 @@ std::vector<fs::path> planned_files(const fs::path& path, const exporters::Expor
         fs::path companion = files.back();
         if (!format.companion) continue;
         files.push_back(companion.replace_extension(format.companion));
-        files.push_back(exporters::texture_path(companion, config));
+        for (const std::string& type : exporters::texture_types(config.texture))
+            files.push_back(exporters::texture_path(companion, type));
     }
     return files;
 }

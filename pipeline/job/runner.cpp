@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "exporters/images/picture_file.h"
+#include "exporters/images/texture.h"
 #include "pipeline/checks/checks.h"
 #include "pipeline/checks/map_statistics.h"
 #include "pipeline/checks/pair_statistics.h"
@@ -94,15 +96,15 @@ int threads_for(const config::Config& config, const RunLog& log) {
     return threads;
 }
 
-// Returns the file of the left picture if it is a JPEG of which the texture may keep something; else nothing.
-std::vector<std::uint8_t> jpeg_of(const RunInput& input, const config::Config& config) {
+// Returns the file of the left picture if the texture may keep something of it; else nothing.
+std::vector<std::uint8_t> picture_file_of(const RunInput& input, const config::Config& config) {
     const auto file = std::ranges::find_if(input.files, [](const InputFile& f) {
         return f.role == "left" || f.role == "stereo" || f.role == "color";
     });
-    if (file == input.files.end() || config.exporting.texture != exporters::TextureFormat::jpeg) return {};
-    constexpr std::uint8_t kStart[] = {0xff, 0xd8};
-    const readers::codec::SourceFile head = readers::codec::open_file(file->path, sizeof kStart);
-    if (!std::equal(head.bytes.begin(), head.bytes.end(), std::begin(kStart), std::end(kStart))) return {};
+    if (file == input.files.end()) return {};
+    constexpr std::size_t kHead = 12;
+    const readers::codec::SourceFile head = readers::codec::open_file(file->path, kHead);
+    if (!exporters::may_keep(config.exporting.texture, exporters::image_type(head.bytes))) return {};
     const std::size_t most = 2 * input.texture().pixels.size();  // both views of one file, hardly compressed
     if (head.size() > most) return {};
     return readers::codec::load_file(file->path, most).bytes;
@@ -113,7 +115,7 @@ RunInput read_source(RunRequest& request, int threads, RunLog& log) {
     const files::UnchangedFiles sources(files);
     RunInput input = read_input(std::move(request.source), request.config.input,
                                 request.config.limits.reading, threads, log);
-    input.texture_file = jpeg_of(input, request.config);
+    input.texture_file = picture_file_of(input, request.config);
     reduce_pair(input, request.config.disparity, threads, log);
     if (input.pair() && input.pair()->is_rectified && !request.stages_folder.empty())
         for (const std::filesystem::path& name : rectified_file_names())

@@ -18,15 +18,12 @@ namespace {
 struct GltfDocument {
     std::string json;
     std::vector<std::uint8_t> buffer;
-    EncodedTexture texture;  // contents of the file names.texture_name; empty = no such file
+    EncodedTexture texture;  // contents of the file at texture_path(); empty = no such file
 };
 
-// Names of the files that the document refers to; empty = in the buffer
-// (.glb). build_gltf() percent-encodes them.
-struct GltfNames {
-    std::string buffer_name;
-    std::string texture_name;
-};
+std::filesystem::path buffer_path(std::filesystem::path path) {
+    return path.replace_extension(".bin");
+}
 
 constexpr const char* kUnlitExtension = "KHR_materials_unlit";
 constexpr const char* kWebpExtension = "EXT_texture_webp";
@@ -225,9 +222,10 @@ void add_buffers(Json& json, const GltfParts& parts, const std::string& uri) {
     }
 }
 
-GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const GltfNames& names) {
+// path: the document's, beside which the buffer and the texture have files; empty = it holds both (.glb).
+GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path) {
     GltfDocument out;
-    const bool embedded = names.texture_name.empty();
+    const bool embedded = path.empty();
     GltfParts parts = build_parts(scene, config, embedded, out.texture);
     std::stringstream stream;
     if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&parts.model, stream, false, false))
@@ -235,16 +233,18 @@ GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const Gl
     // tinygltf's stream writer can only embed buffers and images as base64, copies them several times, and
     // cuts integers in extras to 32 bits: so these parts are added here.
     auto json = Json::parse(stream.str());
-    add_buffers(json, parts, names.buffer_name);
+    add_buffers(json, parts, embedded ? "" : buffer_path(path).filename().string());
     if (!out.texture.bytes.empty() && !embedded)
-        json["images"][0] = {{"name", "texture"}, {"uri", percent_encoded(names.texture_name)}};
+        json["images"][0] = {
+            {"name", "texture"},
+            {"uri", percent_encoded(texture_path(path, out.texture.mime_type).filename().string())}};
     if (!scene.extras_json.empty()) {
         auto extras = Json::parse(scene.extras_json, nullptr, false);
         if (!extras.is_object()) throw std::logic_error("the scene's extras are not a JSON object");
         json["asset"]["extras"] = std::move(extras);
     }
     constexpr auto kReplace = Json::error_handler_t::replace;  // paths in extras may not be UTF-8
-    out.json = json.dump(names.buffer_name.empty() ? -1 : 2, ' ', false, kReplace);
+    out.json = json.dump(embedded ? -1 : 2, ' ', false, kReplace);
     out.buffer = std::move(parts.buffer);
     return out;
 }
@@ -303,14 +303,11 @@ void write_glb(const Scene& scene, const ExportConfig& config, const std::filesy
 
 void write_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files) {
-    std::filesystem::path buffer_path = path;
-    buffer_path.replace_extension(".bin");
-    const std::filesystem::path image_path = texture_path(path, config);
-    const GltfDocument document =
-        build_gltf(scene, config, {buffer_path.filename().string(), image_path.filename().string()});
+    const GltfDocument document = build_gltf(scene, config, path);
     files.write(path, document.json + "\n");
-    files.write(buffer_path, document.buffer);
-    if (!document.texture.bytes.empty()) files.write(image_path, document.texture.bytes);
+    files.write(buffer_path(path), document.buffer);
+    const EncodedTexture& texture = document.texture;
+    if (!texture.bytes.empty()) files.write(texture_path(path, texture.mime_type), texture.bytes);
 }
 
 }  // namespace

@@ -87,6 +87,14 @@ TEST_F(RunFiles, LinksAreSeenThrough) {
     expect_one_file("one.glb", "two.glb");
 }
 
+TEST_F(RunFiles, ATexturesTypeIsNotKnownBefore) {
+    exporters::ExportConfig config;
+    EXPECT_EQ(planned_files("a.obj", config),
+              (std::vector<fs::path>{"a.obj", "a.mtl", "a_texture.jpg", "a_texture.png"}));
+    config.texture = exporters::TextureFormat::png;
+    EXPECT_EQ(planned_files("a.obj", config), (std::vector<fs::path>{"a.obj", "a.mtl", "a_texture.png"}));
+}
+
 TEST_F(RunFiles, OutputsMayShareATexture) {
     request_.outputs = {folder_ / "a.obj", folder_ / "a.gltf"};
     EXPECT_EQ(refusal_of(request_), "");

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "exporters/images/image_writer.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/disparities.h"
@@ -187,6 +188,20 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     EXPECT_EQ(readers::read_image(folder / "a_texture.png").width, 64);
     test::write_text(folder / "c.ppm", "P6\n64 52\n255\n" + std::string(64 * 52 * 3, 'x'));
     EXPECT_THROW(run_job(request), Error);
+}
+
+// A flat drawing is smaller as PNG than as JPEG.
+TEST(Runner, TheTextureIsThePicturesOwnPngIfThatIsSmaller) {
+    const test::TemporaryFolder folder;
+    RunRequest request = sample_request(folder);
+    exporters::write_png(folder / "c.png", {320, 240, 3, std::vector<std::uint8_t>(320 * 240 * 3, 100)});
+    request.source = DisparityFiles{test::sample("disparity.pfm"), folder / "c.png"};
+    request.outputs = {folder / "a.obj"};
+    request.report = folder / "a.json";
+    const RunReport report = run_job(request);
+    EXPECT_EQ(test::read_text(folder / "a_texture.png"), test::read_text(folder / "c.png"));
+    EXPECT_EQ(report.outputs.back().path, folder / "a_texture.png");
+    EXPECT_FALSE(std::filesystem::exists(folder / "a_texture.jpg"));
 }
 
 // The samples' cameras stand side by side already: rectifying them scales a little, and depths stay.
