@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <utility>
+#include <vector>
 
 #include "pipeline/config/reader.h"
 #include "pipeline/data/union_find.h"
@@ -17,27 +19,53 @@ namespace {
 constexpr int kWidth = 160, kHeight = 120, kScale = 4;
 constexpr int kBox = 20, kWall = 6;
 
+// Rows of one disparity each, as the left camera sees them.
+struct Thing {
+    int x, y, width, height;
+    std::vector<int> disparities = std::vector<int>(height, kBox);  // of the rows, px
+};
+const Thing kOneBox{60, 40, 40, 40};
+
 struct Scene {
     std::vector<int> left, right;  // disparities, px; 0 = unknown
     std::vector<int> left_color = std::vector<int>(kWidth * kHeight), right_color = left_color;
 
-    Scene() : left(kWidth * kHeight, kWall), right(left) {
+    // A wall and things in front of it, the farthest first.
+    explicit Scene(const std::vector<Thing>& things = {kOneBox})
+        : left(kWidth * kHeight, kWall), right(left) {
         for (int y = 0; y < kHeight; ++y)
             for (int x = 0; x < kWidth; ++x) {
                 left_color[y * kWidth + x] = 60 + (x * 7 + y * 3) % 30;
                 right_color[y * kWidth + x] = 60 + ((x + kWall) * 7 + y * 3) % 30;
             }
-        fill(left, left_color, 60, 40);
-        fill(right, right_color, 60 - kBox, 40);
+        for (const Thing& thing : things)
+            for (int y = 0; y < thing.height; ++y)
+                for (int x = 0; x < thing.width; ++x) {
+                    const int d = thing.disparities[y], color = 180 + (x * 5 + thing.y + y) % 20;
+                    put(left, left_color, thing.x + x, thing.y + y, d, color);
+                    put(right, right_color, thing.x + x - d, thing.y + y, d, color);
+                }
     }
-    static void fill(std::vector<int>& map, std::vector<int>& color, int first_x, int first_y) {
-        for (int y = first_y; y < first_y + 40; ++y)
-            for (int x = first_x; x < first_x + 40; ++x) {
-                map[y * kWidth + x] = kBox;
-                color[y * kWidth + x] = 180 + ((x - first_x) * 5 + y) % 20;
-            }
+    static void put(std::vector<int>& map, std::vector<int>& color, int x, int y, int d, int value) {
+        if (x < 0 || x >= kWidth) return;
+        map[y * kWidth + x] = d;
+        color[y * kWidth + x] = value;
     }
 };
+
+// Teeth of 8 px with gaps of 12 px, joined below.
+std::vector<Thing> comb() {
+    std::vector<Thing> things = {{20, 90, 108, 10}};
+    for (int x = 20; x < 140; x += 20) things.push_back({x, 30, 8, 60});
+    return things;
+}
+
+// A box on a floor, which rises by a step in every fourth row.
+std::vector<Thing> box_on_floor() {
+    Thing floor{-kWidth, 60, 3 * kWidth, 60};
+    for (int y = 0; y < floor.height; ++y) floor.disparities[y] = kWall + y / 4;
+    return {floor, kOneBox};
+}
 
 std::filesystem::path saved(const std::filesystem::path& file, const std::vector<int>& values, int scale) {
     std::ofstream out(file, std::ios::binary);
@@ -140,6 +168,22 @@ TEST_F(WholeMap, NothingIsInFrontOfWhatTheCamerasSee) {
     }
 }
 
+TEST_F(WholeMap, TheRightCameraSeesItsMap) {
+    for (const auto& [name, things] :
+         {std::pair{"box", std::vector{kOneBox}}, {"comb", comb()}, {"floor", box_on_floor()}}) {
+        scene_ = Scene(things);
+        const stages::Disparities right = seen(run({}, true).relief->surface.mesh, 1);
+        const auto count_of = [&](const auto& counted) {
+            int count = 0;
+            for (std::size_t i = 0; i < right.size(); ++i) count += counted(right[i], scene_.right[i]);
+            return count;
+        };
+        EXPECT_EQ(count_of([](double d, int) { return d == stages::kNotCovered; }), 0) << name;
+        EXPECT_LT(count_of([](double d, int told) { return d > told + 1; }), kWidth * kHeight / 2000) << name;
+        EXPECT_LT(count_of([](double d, int told) { return d < told - 1; }), kWidth * kHeight / 200) << name;
+    }
+}
+
 TEST_F(WholeMap, TheRightViewsMapIsPartOfTheSurface) {
     const RunReport report = run({"surface.behind=0"}, true);
     const SurfaceMesh& mesh = report.relief->surface.mesh;
@@ -212,7 +256,7 @@ TEST_F(WholeMap, WithoutPicturesTheSurfaceIsTheSame) {
 
 TEST_F(WholeMap, OnlyBackgroundThatMattersOpensTheScene) {
     for (const int rows : {1, 6}) {  // a far strip of 0.8 and of 5 % of the view
-        scene_ = {};
+        scene_ = Scene();
         std::fill_n(scene_.left.begin(), kWidth * rows, 2);
         const SurfaceMesh mesh =
             run({"density.background.method=threshold_px", "density.background.threshold_px=4"})
