@@ -291,11 +291,16 @@ void InputReader::align(RunInput& input, const ResolvedCalibration& camera, cons
     pair.alignment = std::move(done.found);
 }
 
+void restrict_to(const readers::PixelMask& mask, RunInput& input) {
+    input.mask = both(std::move(input.mask), mask);
+    if (auto* const pair = std::get_if<InputPair>(&input.views)) pair->is_masked = true;
+}
+
 void InputReader::hide_strips(RunInput& input) {
     const readers::PixelMask bright = without_dark_strips(input.color());
     if (bright.empty()) return;
     log_.decide("dark strips along the sides: " + percent_text(bright, 0) + " % of the picture, unknown");
-    input.mask = both(std::move(input.mask), bright);
+    restrict_to(bright, input);
 }
 
 // Finds the calibration and adds its file to the input. photograph: the file whose EXIF data describe the
@@ -327,15 +332,13 @@ void InputReader::read_mask(RunInput& input, ViewSize view, MaskSource mask) {
     if (config_.mask.alpha) {
         // take_picture() has checked that the aspects agree.
         if (const readers::PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
-            input.mask = both(std::move(input.mask), readers::resampled(opaque, view.width, view.height));
+            restrict_to(readers::resampled(opaque, view.width, view.height), input);
             log_.decide("alpha: " + percent_text(opaque, 0) +
                         " % of the picture is transparent, and unknown");
         }
     }
     if (!mask.file.empty()) mask.array = readers::read_mask(mask.file, config_.mask, limits_);
-    if (!mask.array.empty())
-        input.mask =
-            both(std::move(input.mask), fitted(mask.array, view, input.texture(), mask.name("mask")));
+    if (!mask.array.empty()) restrict_to(fitted(mask.array, view, input.texture(), mask.name("mask")), input);
     if (!mask.file.empty()) input.files.push_back(hashed("mask", mask.file));
 }
 

@@ -16,6 +16,7 @@
 #include "pipeline/stages/other_views/backing.h"
 #include "pipeline/stages/other_views/backing_texture.h"
 #include "pipeline/stages/other_views/behind_silhouettes.h"
+#include "pipeline/stages/other_views/beyond_left.h"
 #include "pipeline/stages/other_views/bridges.h"
 #include "pipeline/stages/other_views/other_view.h"
 #include "pipeline/stages/other_views/pieces.h"
@@ -78,6 +79,12 @@ bool is_without_background(const LeftView& view) {
     return static_cast<double>(dropped) > kMostBackground * static_cast<double>(values.size());
 }
 
+// True if a view's part goes on beyond the left photograph's frame. Where a mask or the background ends the
+// left view, it does not.
+bool goes_beyond_left(const OtherView& other, const LeftView& left) {
+    return left.is_by_points && other.place.right > 0 && !left.is_masked && !is_without_background(left);
+}
+
 // The left view with nothing missing yet.
 OtherView copy_of_left(const LeftView& view, int threads) {
     OtherView left{left_place(view), {}, {}, view.color};
@@ -122,7 +129,7 @@ SurfaceMesh sheet_of(DisparityMesh cut, const OtherView& other, const LeftView& 
                      const stages::VisibleSurface& visible, const stages::Frame& frame,
                      const config::Config& config, int threads) {
     const ViewPlace& place = other.place;
-    if (left.is_by_points)
+    if (left.is_by_points && !goes_beyond_left(other, left))
         stages::move_into_frame(cut, place, frame, visible.seen[0],
                                 static_cast<int>(std::ceil(spacing_of(other, config) * place.scale)));
     stages::keep_behind(cut, place, visible, kBlade_px, threads);
@@ -166,7 +173,7 @@ void join_and_append(SurfaceMesh& mesh, std::vector<SurfaceMesh>& sheets, const 
                      const UseSheets& use_sheets) {
     const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
     const auto join = [&](SurfaceMesh& part) {
-        stages::join_pieces(part, visible, view.calibration, kLeastPiece, kStrip_px);
+        stages::join_pieces(part, visible, view.calibration, {kLeastPiece, kStrip_px, view.is_by_points});
     };
     auto joining_left = start_work(threads, [&] { join(mesh); });  // the largest
     std::ranges::for_each(sheets, join);
@@ -231,6 +238,7 @@ Part missing_on_right(const SeenFrom& seen) {
         if (hidden) stages::paint_behind(missing, *std::move(hidden), nullptr, seen.threads);
     });
     if (view.is_by_points) stages::keep_in_frame(missing, seen.frame);
+    if (goes_beyond_left(missing, view)) stages::continue_beyond_left(missing, here);
     seen.join_to_surface(missing, here);
     std::vector<stages::BridgePixel> bridges;
     if (seen.is_rectified()) {

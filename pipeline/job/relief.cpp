@@ -64,7 +64,8 @@ LeftView Relief::view() const {
             input.pair() && input.pair()->is_of_points(),
             disparity.has_filled_holes,
             disparity.quantum_px,
-            disparity.matched.has_value()};
+            disparity.matched.has_value(),
+            input.pair() && input.pair()->is_masked};
 }
 
 double Relief::depth_of_backdrop() const {

@@ -60,6 +60,7 @@ struct LeftView {
     bool has_filled_holes = false;        // as in DisparityResult: no measure counts them
     double quantum_px = 0;                // as in DisparityResult
     bool is_matched = false;              // the map is a pair's
+    bool is_masked = false;               // InputPair::is_masked
     // True if the map was matched, or filled between measurements.
     bool is_measured() const { return !disparity.origins.empty() && !has_filled_holes; }
     // True if its disparities have noise or steps that are no shape.

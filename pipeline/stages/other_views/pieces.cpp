@@ -122,9 +122,16 @@ bool is_unseen(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c, const
     return true;
 }
 
+bool is_in_a_view(const ViewPoint& in_left, const VisibleSurface& surface) {
+    return std::ranges::any_of(surface.seen, [&](const SeenSurface& seen) {
+        const ViewPoint p = seen.place.from_left(in_left);
+        return p.x >= 0 && p.x < seen.place.width && p.y >= 0 && p.y < seen.place.height;
+    });
+}
+
 // Returns the strip between two sides, if there is one that no camera sees.
 std::optional<Strip> strip_between(const SurfaceMesh& mesh, const BorderSide& from, const BorderSide& to,
-                                   const VisibleSurface& surface) {
+                                   const VisibleSurface& surface, bool only_in_views) {
     const ViewPlace& left = surface.seen[0].place;
     const auto point = [&](std::uint32_t v) {
         return ViewPoint{mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]};
@@ -140,7 +147,9 @@ std::optional<Strip> strip_between(const SurfaceMesh& mesh, const BorderSide& fr
             ViewPoint& at = strip[row][rail];
             at = {p.x + s * (q.x - p.x), p.y + s * (q.y - p.y), p.d + s * (q.d - p.d)};
             at.d = behind(at, left, surface);
-            if (!DisparityMap::known(static_cast<float>(at.d))) return std::nullopt;
+            if (!DisparityMap::known(static_cast<float>(at.d)) ||
+                (only_in_views && !is_in_a_view(at, surface)))
+                return std::nullopt;
         }
     }
     double least = strip[0][0].d, largest = least;
@@ -185,7 +194,7 @@ void add_strip(SurfaceMesh& mesh, const Strip& strip, const BorderSide& from, co
 }  // namespace
 
 void join_pieces(SurfaceMesh& mesh, const VisibleSurface& visible, const Calibration& camera,
-                 std::size_t least, double reach_px) {
+                 const PieceStrips& strips) {
     UnionFind pieces(mesh.positions.size());
     for (const Triangle& t : mesh.triangles) {
         pieces.join(t[0], t[1]);
@@ -199,11 +208,11 @@ void join_pieces(SurfaceMesh& mesh, const VisibleSurface& visible, const Calibra
     for (std::uint32_t i = 0; i < border.size(); ++i) {
         const BorderSide& from = border[i];
         const std::uint32_t own = pieces.find(from.a);
-        if (sizes[own] >= least) continue;
-        grid.for_nearest(from, reach_px, [&](std::uint32_t k) {
+        if (sizes[own] >= strips.least) continue;
+        grid.for_nearest(from, strips.reach_px, [&](std::uint32_t k) {
             const BorderSide& to = border[k];
             const double distance = std::hypot(to.x - from.x, to.y - from.y);
-            if (distance > reach_px || pieces.find(to.a) == own ||
+            if (distance > strips.reach_px || pieces.find(to.a) == own ||
                 std::max(to.largest, from.largest) - std::min(to.least, from.least) > kMostStep_px)
                 return false;
             pairs.emplace_back(distance, i, k);
@@ -214,8 +223,10 @@ void join_pieces(SurfaceMesh& mesh, const VisibleSurface& visible, const Calibra
     std::vector<char> is_used(border.size());
     for (const auto& [distance, i, k] : pairs) {
         const std::uint32_t from = pieces.find(border[i].a), to = pieces.find(border[k].a);
-        if (from == to || std::min(sizes[from], sizes[to]) >= least || is_used[i] || is_used[k]) continue;
-        const std::optional<Strip> strip = strip_between(mesh, border[i], border[k], visible);
+        if (from == to || std::min(sizes[from], sizes[to]) >= strips.least || is_used[i] || is_used[k])
+            continue;
+        const std::optional<Strip> strip =
+            strip_between(mesh, border[i], border[k], visible, strips.only_in_views);
         if (!strip) continue;
         add_strip(mesh, *strip, border[i], border[k], camera);
         is_used[i] = is_used[k] = 1;

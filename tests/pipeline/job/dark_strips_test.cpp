@@ -75,6 +75,7 @@ TEST(DarkStrips, OfAPairAreUnknown) {
     ASSERT_FALSE(input.mask.empty());
     EXPECT_EQ(std::count(input.mask.kept.begin(), input.mask.kept.end(), 0), 5 * kHeight);
     EXPECT_EQ(input.mask.kept[kWidth - 1], 0);
+    EXPECT_TRUE(input.pair()->is_masked);
 }
 
 }  // namespace

@@ -201,9 +201,11 @@ TEST(MaskInput, WhatIsTransparentInThePictureIsUnknown) {
     const RunInput input = read(DisparityArrays{{map}, picture});
     EXPECT_EQ(input.map()->disparities.values, (std::vector<float>{kUnknownDisparity, 6}));
     EXPECT_EQ(input.mask.kept, (std::vector<std::uint8_t>{0, 1}));
-    EXPECT_EQ(read(PairArrays{{picture, picture}}).mask.kept,
-              (std::vector<std::uint8_t>{0, 0, 1, 1, 0, 0, 1, 1}));
+    const RunInput pair = read(PairArrays{{picture, picture}});
+    EXPECT_EQ(pair.mask.kept, (std::vector<std::uint8_t>{0, 0, 1, 1, 0, 0, 1, 1}));
+    EXPECT_TRUE(pair.pair()->is_masked);
     config.mask.alpha = false;
+    EXPECT_FALSE(read(PairArrays{{picture, picture}}).pair()->is_masked);
     EXPECT_EQ(read(DisparityArrays{{map}, picture}).map()->disparities.values, map.values);
     config.mask.alpha = true;
     picture.alpha.assign(8, 0);

@@ -52,9 +52,7 @@ struct Scene {
         mesh.triangles.push_back({first, first + 1, first + 2});
         mesh.triangles.push_back({first, first + 2, first + 3});
     }
-    void join(std::size_t least = kLeast, double reach_px = kReach_px) {
-        join_pieces(mesh, visible, camera, least, reach_px);
-    }
+    void join(const PieceStrips& strips = {kLeast, kReach_px}) { join_pieces(mesh, visible, camera, strips); }
     int pieces() const { return count_topology(mesh).components; }
 };
 
@@ -88,11 +86,23 @@ TEST(Pieces, StayAloneWhereACameraWouldSeeTheStrip) {
         }
 }
 
+TEST(Pieces, StayAloneIfAskedWhereNoViewShowsTheStrip) {
+    for (const bool only_in_views : {false, true}) {
+        Scene scene;
+        for (SeenSurface& seen : scene.visible.seen) {
+            seen.place.width = 20;  // in both views the squares are farther right
+            seen.disparities.assign(static_cast<std::size_t>(seen.place.width) * kHeight, kWall);
+        }
+        scene.join({kLeast, kReach_px, only_in_views});
+        EXPECT_EQ(scene.pieces(), only_in_views ? 2 : 1);
+    }
+}
+
 TEST(Pieces, StayAloneIfTheyAreLargeOrFarOrAtAnotherDepth) {
     Scene large, far, deep(4), near(2);
-    large.join(2);
+    large.join({2, kReach_px});
     EXPECT_EQ(large.pieces(), 2);
-    far.join(kLeast, 18);
+    far.join({kLeast, 18});
     EXPECT_EQ(far.pieces(), 2);
     deep.join();
     EXPECT_EQ(deep.pieces(), 2);
