@@ -1,7 +1,6 @@
 #include "pipeline/stages/by_colour/frame_pieces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -18,7 +17,7 @@ constexpr int kPieceShare = 25;  // of the longer side: a piece's length along a
 constexpr int kEndShare = 100;   // of the longer side: how far from the left end of its row a piece may stay
 constexpr std::size_t kSmallPitShare = 1700;              // of the picture
 constexpr float kNearerShare = 225, kFartherShare = 450;  // of the longer side: steps
-constexpr float kLeastPieceStep_px = 2, kOnSurface_px = 1.0001f;
+constexpr float kLeastPieceStep_px = 2;
 constexpr int kPieceRounds = 2;  // where the frame is slanted, a first one leaves slivers
 
 enum Piece : std::uint8_t { kNoPiece, kNearer, kFarther };
@@ -47,9 +46,7 @@ class FramePieces {
         });
         for (int y = 0; y < map_.height; ++y) find_in_front(row_at(y));
         keep_at_left_end();
-        const std::vector<std::uint8_t> joined = piece_;
         grow();
-        for_columns([&](const LineOfMap& column) { slope(column, joined); });
     }
 
   private:
@@ -138,25 +135,6 @@ class FramePieces {
             return piece_[i] == kNoPiece && step > farther_px_ / 2;
         };
         grow_into(map_, pieces, is_around, [&](std::size_t i) { piece_[i] = kNoPiece; });
-    }
-
-    // Lets what follows on a nearer piece that has joined, nearer itself and without matches, fall towards
-    // it.
-    void slope(const LineOfMap& line, const std::vector<std::uint8_t>& joined) {
-        for (int i = 0; i + 1 < line.count; ++i) {
-            const float from = at(line(i)), rise = at(line(i + 1)) - from;
-            if (joined[line(i)] != kNearer || !(rise > nearer_px_) || 2 * rise > static_cast<float>(most_px_))
-                continue;
-            float before = at(line(i + 1));
-            for (int k = 1; k < most_px_ && i + k < line.count; ++k) {
-                const std::size_t pixel = line(i + k);
-                if (joined[pixel] || !is_filled(pixel) || !(std::abs(at(pixel) - before) <= kOnSurface_px))
-                    break;
-                before = at(pixel);
-                map_.values[pixel] =
-                    from + (before - from) * static_cast<float>(k) / static_cast<float>(most_px_);
-            }
-        }
     }
 
     DisparityMap& map_;

@@ -11,9 +11,8 @@ namespace hexrelief::stages {
 // and what in a column is nearer or farther than the surface above and below. A piece starts with a step of
 // 1/225 (nearer) or 1/450 (farther) of the longer side, at least 2 px; is at most 1/25 of it long along that
 // row or column; comes within 1/100 of it of the left end of a row; and is filled, not matched, to 2/3
-// (nearer) or 1/4 (farther: or smaller than 1/1700 of the picture). What is above or below a nearer piece
-// that has joined, filled and itself nearer by at most 1/50 of the longer side, then falls towards it over
-// 1/25. Unknown pixels, origins, and maps without origins stay. The same for any number of threads.
+// (nearer) or 1/4 (farther: or smaller than 1/1700 of the picture). Unknown pixels, origins, and maps without
+// origins stay. The same for any number of threads.
 DisparityMap with_frame_pieces_joined(DisparityMap map, int threads);
 
 }  // namespace hexrelief::stages
