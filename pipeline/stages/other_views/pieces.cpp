@@ -88,7 +88,7 @@ class BorderGrid {
     }
 
   private:
-    static constexpr int kSquare_px = 16, kMostTried = 100;
+    static constexpr int kSquare_px = 16, kMostTried = 40;
 
     int column_of(const BorderSide& side) const { return static_cast<int>((side.x - left_) / kSquare_px); }
     int row_of(const BorderSide& side) const { return static_cast<int>((side.y - top_) / kSquare_px); }
