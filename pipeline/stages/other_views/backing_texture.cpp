@@ -13,17 +13,19 @@ namespace {
 
 constexpr float kBehindContinued_px = 0.3F;  // of the left view
 
-// Calls take(pixel, d) for the pixels of a view in front of the backing, which has the disparity d there.
+// Calls take(pixel, d) for the pixels of a view in front of the backing, which has the disparity d there, on
+// the pool's threads.
 template <class Take>
-void for_backing(const OtherView& backing, const Disparities& front, const ViewPlace& place,
+void for_backing(const OtherView& backing, const Disparities& front, const ViewPlace& place, ThreadPool& pool,
                  const Take& take) {
     const int by = static_cast<int>(backing.place.scale);
-    for (int y = 0; y < backing.place.height * by; ++y)
+    pool.parallel_for_each(static_cast<std::size_t>(backing.place.height) * by, [&](std::size_t y) {
         for (int x = 0; x < backing.place.width * by; ++x) {
-            const double d = backing.missing.at(x / by, y / by) * backing.place.scale;
-            const std::size_t i = static_cast<std::size_t>(y) * place.width + x;
+            const double d = backing.missing.at(x / by, static_cast<int>(y) / by) * backing.place.scale;
+            const std::size_t i = y * place.width + x;
             if (front[i] - d > kOneSurface_px) take(i, d);
         }
+    });
 }
 
 // Returns a picture of half the size, whose pixels are means of 2x2.
@@ -56,14 +58,15 @@ void keep_behind_continued(OtherView& backing, const DisparityMap& missing) {
 }
 
 Continued backing_behind(const Continued& continued, const OtherView& backing, const Disparities& front,
-                         const ViewPlace& place) {
+                         const ViewPlace& place, ThreadPool& pool) {
     Continued behind(front.size());
     std::fill(behind.disparities.begin(), behind.disparities.end(), kNotCovered);
-    for_backing(backing, front, place, [&](std::size_t i, double d) {
-        if (std::abs(continued.disparities[i] - d) <= TextureLevel::tolerance_of(front[i] - d)) return;
-        behind.offer(i, d, 1, Continued::kNoColour);
-        behind.pixels.push_back(static_cast<std::uint32_t>(i));
+    for_backing(backing, front, place, pool, [&](std::size_t i, double d) {
+        if (std::abs(continued.disparities[i] - d) > TextureLevel::tolerance_of(front[i] - d))
+            behind.offer(i, d, 1, Continued::kNoColour);
     });
+    for (std::uint32_t i = 0; i < front.size(); ++i)
+        if (behind.disparities[i] != kNotCovered) behind.pixels.push_back(i);
     behind.is_mixed = continued.is_mixed;
     return behind;
 }
@@ -71,7 +74,7 @@ Continued backing_behind(const Continued& continued, const OtherView& backing, c
 void paint_backing(OtherView& backing, const Image& picture, const ViewPlace& place, Continued behind,
                    const Disparities& front, ThreadPool& pool) {
     Disparities shown = front;
-    for_backing(backing, front, place, [&](std::size_t i, double d) {
+    for_backing(backing, front, place, pool, [&](std::size_t i, double d) {
         if (behind.disparities[i] != kNotCovered) return;
         shown[i] = d;
         if (!behind.is_mixed.empty()) behind.is_mixed[i] = 0;

@@ -323,7 +323,7 @@ void paint_behind(OtherView& view, Behind hidden, OtherView* backing, int thread
     auto& [continued, front] = hidden;
     ThreadPool pool(threads);
     Image& texture = view.picture.empty() ? view.color : view.picture;
-    Continued behind = backing ? backing_behind(continued, *backing, front, place) : Continued(0);
+    Continued behind = backing ? backing_behind(continued, *backing, front, place, pool) : Continued(0);
     Image painted = with_texture(texture, place, continued, front, pool);
     paint(painted, texture, place, continued, pool);
     texture = std::move(painted);
