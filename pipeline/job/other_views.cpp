@@ -301,8 +301,8 @@ void add_other_views(SurfaceResult& result, const LeftView& view, const config::
         sheets.push_back(std::move(part.sheet));
         others.views.push_back(std::move(part.view));
     };
-    // Both views' parts are found at once, then each on half of the threads.
-    const int share = right && behind > 0 ? (threads + 1) / 2 : threads;
+    // Both views' parts are found at once, each cut while it is painted: a third of the threads is best.
+    const int share = right && behind > 0 ? (threads + 2) / 3 : threads;
     const SeenFrom seen{view, visible, frame, config, log, behind, share};
     auto finding_right =
         start_work(threads, [&] { return right ? std::optional(missing_on_right(seen)) : std::nullopt; });
