@@ -9,6 +9,7 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/error.h"
 #include "pipeline/data/number_text.h"
+#include "pipeline/data/start_work.h"
 #include "pipeline/job/pairs/working_size.h"
 
 namespace hexrelief::job {
@@ -55,8 +56,7 @@ void set_unit(PairCamera& camera, const DisparityBounds& bounds) {
     camera.baseline_from = "not known, the median depth is 1";
 }
 
-void take_aligned(StereoPair& views, PairAlignment& pair, bool has_right, int threads) {
-    alignment::AlignedPair aligned = alignment::aligned_pair(views, pair.found, threads, has_right);
+void take_aligned(StereoPair& views, PairAlignment& pair, alignment::AlignedPair aligned) {
     views = std::move(aligned.pair);
     pair.seen = std::move(aligned.seen);
     pair.right_seen = std::move(aligned.right_seen);
@@ -193,8 +193,18 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
         if (pair.warnings.back().empty()) throw Error(ErrorKind::input, given.sizes_differ);
     }
     pair.found = in_order(Order::by_points);
-    if (const Order order = order_of(views, pair.found, given.is_rig, threads); order != Order::by_points)
+    const auto start_resampling = [&] {
+        return start_work(threads, [&views, &given, threads, found = pair.found] {
+            return found.verdict == Verdict::aligned
+                       ? alignment::aligned_pair(views, found, threads, !given.is_foreseen)
+                       : alignment::AlignedPair{};
+        });
+    };
+    auto resampling = start_resampling();  // meanwhile: the points' order is nearly always the views'
+    if (const Order order = order_of(views, pair.found, given.is_rig, threads); order != Order::by_points) {
         turn_to(order, in_order(order), pair);
+        resampling = start_resampling();
+    }
     const Alignment& found = pair.found;
     // A pair that was cropped is hardly rectified.
     if (!given.sizes_differ.empty() && !is_aligned(found))
@@ -214,7 +224,7 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
                 "the mask is for the left picture as it is, but the pair has to be aligned; give it as "
                 "the picture's alpha, or --rectify never (" +
                     given.name + ")");
-        take_aligned(views, pair, !given.is_foreseen, threads);
+        take_aligned(views, pair, resampling.get());
     }
     pair.found.estimate.matches.clear();
     return pair;
