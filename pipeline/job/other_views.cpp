@@ -110,9 +110,10 @@ DisparityMesh cut_part(const OtherView& other, const LeftView& left, const confi
     const Calibration camera = stages::camera_at(other.place, left.calibration);
     const int width = other.place.width, height = other.place.height;
     const DensityMap even{width, height, std::vector<float>(other.missing.values.size(), 0)};
+    const Image none;  // the part's picture is painted meanwhile
     const LeftView view{
-        other.missing,   other.missing, even,   other.color,
-        other.texture(), camera,        camera, left.least_px / static_cast<float>(other.place.scale)};
+        other.missing, other.missing, even,   none,
+        none,          camera,        camera, left.least_px / static_cast<float>(other.place.scale)};
     MeshConfig coarse = config.mesh;
     coarse.spacing_px = spacing_of(other, config);
     SurfaceConfig surface = config.surface;
