@@ -130,7 +130,9 @@ SurfaceMesh sheet_of(DisparityMesh cut, const OtherView& other, const LeftView& 
                      const stages::VisibleSurface& visible, const stages::Frame& frame,
                      const config::Config& config, int threads) {
     const ViewPlace& place = other.place;
-    if (left.is_by_points && !goes_beyond_left(other, left))
+    if (goes_beyond_left(other, left))
+        stages::drop_not_shown(cut, other);
+    else if (left.is_by_points)
         stages::move_into_frame(cut, place, frame, visible.seen[0],
                                 static_cast<int>(std::ceil(spacing_of(other, config) * place.scale)));
     stages::keep_behind(cut, place, visible, kBlade_px, threads);

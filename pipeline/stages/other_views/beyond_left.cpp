@@ -56,4 +56,20 @@ void continue_beyond_left(OtherView& right, const SeenSurface& here) {
             right.missing.values[i] = map.values[i];
 }
 
+void drop_not_shown(DisparityMesh& cut_mesh, const OtherView& right) {
+    if (right.kept.empty()) return;
+    constexpr float kInwards = 0.25F;  // of the way to the middle: corners lie on the border itself
+    const auto is_shown = [&](const Vec2f& p, const Vec2f& middle) {
+        const Vec2f q{p.x + kInwards * (middle.x - p.x), p.y + kInwards * (middle.y - p.y)};
+        const int x = std::clamp(static_cast<int>(q.x), 0, right.place.width - 1),
+                  y = std::clamp(static_cast<int>(q.y), 0, right.place.height - 1);
+        return right.kept[static_cast<std::size_t>(y) * right.place.width + x] != 0;
+    };
+    std::erase_if(cut_mesh.triangles, [&](const Triangle& t) {
+        const Vec2f &a = cut_mesh.points[t[0]], &b = cut_mesh.points[t[1]], &c = cut_mesh.points[t[2]];
+        const Vec2f middle{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+        return !is_shown(a, middle) || !is_shown(b, middle) || !is_shown(c, middle);
+    });
+}
+
 }  // namespace hexrelief::stages

@@ -11,4 +11,8 @@ namespace hexrelief::stages {
 // the right view shows it.
 void continue_beyond_left(OtherView& right, const SeenSurface& here);
 
+// Drops the triangles of the right camera's view with a corner that its picture does not show: thin parts
+// along its border are cut into teeth that stick out of it.
+void drop_not_shown(DisparityMesh& cut_mesh, const OtherView& right);
+
 }  // namespace hexrelief::stages

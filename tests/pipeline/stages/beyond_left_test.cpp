@@ -82,5 +82,15 @@ TEST(BeyondLeft, StripsAboveAndBelowTheSurfaceStayOpen) {
     EXPECT_NEAR(ragged.missing(kEnd + 9, 101), floor_at(101), 0.2);
 }
 
+TEST(BeyondLeft, TeethThatStickOutOfThePictureAreDropped) {
+    OtherView right;
+    right.place = {1, 0, 0, 1, 20, 20};
+    right.kept.assign(400, 1);
+    std::fill_n(right.kept.begin(), 20 * 10, std::uint8_t{0});  // the upper half
+    DisparityMesh mesh{{{2, 12}, {8, 12}, {5, 5}, {5, 19}}, std::vector<float>(4, 3), {{0, 1, 2}, {0, 3, 1}}};
+    drop_not_shown(mesh, right);
+    EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 3, 1}}));
+}
+
 }  // namespace
 }  // namespace hexrelief::stages
