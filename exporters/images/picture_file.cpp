@@ -29,7 +29,8 @@ std::size_t u32_little(const Bytes& file, std::size_t place) {
 
 constexpr std::size_t kPngSignature = 8;
 
-// Returns a PNG file's critical chunks, whose names begin with a capital letter.
+// Returns a PNG file's critical chunks, whose names begin with a capital letter; none if the last one is
+// missing. What follows it is no part of the picture.
 Bytes critical_chunks(const Bytes& file) {
     constexpr std::size_t kLengthAndName = 8, kChecksum = 4;
     Bytes bare(file.begin(), file.begin() + kPngSignature);
@@ -38,9 +39,10 @@ Bytes critical_chunks(const Bytes& file) {
         if (length > file.size() - at - kLengthAndName - kChecksum) return {};
         const std::size_t end = at + kLengthAndName + length + kChecksum;
         if (file[at + 4] < 'a') bare.insert(bare.end(), file.begin() + at, file.begin() + end);
+        if (has_at(file, at + 4, "IEND")) return bare;
         at = end;
     }
-    return bare;
+    return {};
 }
 
 bool is_png_of(const Bytes& bare, const Image& picture) {
@@ -57,7 +59,9 @@ bool is_png_of(const Bytes& bare, const Image& picture) {
             return false;
         image.format = picture.channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
         pixels.resize(picture.pixels.size());
-        return png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) != 0;
+        // A warning tells of bytes that are none of the picture's.
+        return png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr) != 0 &&
+               image.warning_or_error == 0;
     }();
     png_image_free(&image);
     return is_read && pixels == picture.pixels;

@@ -50,9 +50,10 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 
 // Returns the texture of a textured mesh, cut from the scene's picture.
 Image texture_of(const Image& picture, const TexturedMesh& mesh);
-// Encodes it. If scene.texture_file is a file of the same type, or a PNG in place of JPEG, the texture never
-// takes more bytes than if it were encoded as that file is, and keeps what that file has for at most a third
-// more than the quality takes: a JPEG's blocks, a PNG's or WebP's pixels.
+// Encodes it. If scene.texture_file is a file of the same type, or a PNG in place of JPEG, it keeps what that
+// file has for at most a third more bytes than the quality takes: a JPEG's blocks; a PNG's or WebP's pixels
+// if the file as it lies, with metadata and all views, takes no more than that either. A JPEG of a JPEG takes
+// no more bytes than if it were encoded as that file is.
 EncodedTexture encode_texture(const Scene& scene, const TexturedMesh& mesh, const ExportConfig& config);
 
 // The finest level and its texture for an archive's formats, none of which knows WebP.

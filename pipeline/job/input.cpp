@@ -293,7 +293,8 @@ void InputReader::align(RunInput& input, const ResolvedCalibration& camera, cons
 
 void restrict_to(const readers::PixelMask& mask, RunInput& input) {
     input.mask = both(std::move(input.mask), mask);
-    if (auto* const pair = std::get_if<InputPair>(&input.views)) pair->is_masked = true;
+    if (auto* const pair = std::get_if<InputPair>(&input.views))
+        pair->is_masked |= std::ranges::count(mask.kept, 0) > 0;
 }
 
 void InputReader::hide_strips(RunInput& input) {

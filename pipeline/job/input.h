@@ -24,7 +24,7 @@ struct InputPair {
     int reduced_by = 1;        // px of these pictures along a side of the views' px
     // Pixels of the right view that lie inside the picture as taken; empty = all.
     readers::PixelMask right_mask = {};
-    bool is_masked = false;     // true if a mask hides more of the left view than its alignment does
+    bool is_masked = false;     // true if a mask other than the alignment's hides a part of the left view
     bool is_rectified = false;  // true if the program rectified it, by its calibration file or its points
     // What its points showed, without the matches; none if they were not looked for.
     std::optional<alignment::Alignment> alignment = {};

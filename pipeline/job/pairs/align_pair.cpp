@@ -195,13 +195,14 @@ PairAlignment align_pair(StereoPair& views, PairCamera camera, const PairToAlign
     pair.found = in_order(Order::by_points);
     const auto start_resampling = [&] {
         return start_work(threads, [&views, &given, threads, found = pair.found] {
-            return found.verdict == Verdict::aligned
+            return found.verdict == Verdict::aligned && !given.has_mask
                        ? alignment::aligned_pair(views, found, threads, !given.is_foreseen)
                        : alignment::AlignedPair{};
         });
     };
     auto resampling = start_resampling();  // meanwhile: the points' order is nearly always the views'
     if (const Order order = order_of(views, pair.found, given.is_rig, threads); order != Order::by_points) {
+        resampling = {};  // waits for it, and frees its pictures
         turn_to(order, in_order(order), pair);
         resampling = start_resampling();
     }

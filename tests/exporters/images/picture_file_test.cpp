@@ -6,6 +6,7 @@
 #include <webp/encode.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "exporters/images/image_writer.h"
@@ -104,13 +105,21 @@ TEST_F(PictureFile, LosesItsMetadataAlone) {
 TEST_F(PictureFile, OfAnotherPictureGivesNothing) {
     Image other = picture_;
     ++other.pixels.back();
-    for (const Bytes& file : {png_, webp_}) {
+    // A WebP's metadata follow its picture, a PNG ends with a chunk of its own.
+    for (const auto& [file, metadata] : {std::pair<Bytes, std::size_t>{png_, 0}, {webp_, 40}}) {
         EXPECT_TRUE(bare_file(file, other).empty());
         EXPECT_TRUE(bare_file(file, two_colours(64, 47)).empty());
-        for (std::size_t length = 0; length + 40 < file.size(); ++length)
+        for (std::size_t length = 0; length + metadata < file.size(); ++length)
             EXPECT_TRUE(bare_file(Bytes(file.begin(), file.begin() + length), picture_).empty()) << length;
     }
     EXPECT_TRUE(bare_file(encode_jpeg(picture_, 90), picture_).empty());
+}
+
+TEST_F(PictureFile, EndsWhereThePngDoes) {
+    const Bytes bare = bare_file(png_, picture_);
+    Bytes longer = bare;  // by a chunk with a capital letter, and a byte
+    for (const char byte : std::string_view("\0\0\0\4ABCDtextsum4.", 17)) longer.push_back(byte);
+    EXPECT_EQ(bare_file(longer, picture_), bare);
 }
 
 TEST_F(PictureFile, IsTheTextureOfEveryFormat) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -188,7 +189,12 @@ TEST(MaskInput, WhatItHidesHasNoMesh) {
     request.source = DisparityFiles{.map = map, .confidence = mask};
     EXPECT_EQ(run_job(request).outputs[0].sha256, masked.outputs[0].sha256);
     request.source = PairFiles{test::sample("left.png"), test::sample("right.png"), mask};
-    EXPECT_LT(bounds(run_job(request)).high.x, 0.2 * whole.high.x);
+    const RunReport pair = run_job(request);
+    EXPECT_LT(bounds(pair).high.x, 0.2 * whole.high.x);
+    EXPECT_TRUE(pair.relief->input.pair()->is_masked);
+    std::replace(pgm.begin(), pgm.end(), '\0', '\xff');
+    test::write_text(mask, pgm);
+    EXPECT_FALSE(run_job(request).relief->input.pair()->is_masked) << "it hides nothing";
 }
 
 TEST(MaskInput, WhatIsTransparentInThePictureIsUnknown) {
